@@ -1,8 +1,4 @@
-import java.lang.management.ManagementFactory;
-import java.util.Arrays;
-import java.util.List;
-import java.util.Locale;
-import java.util.Optional;
+// SPDX-License-Identifier: Apache-2.0
 import reve.core.rule.Rule;
 import reve.core.rule.Rules;
 import reve.core.rule.Scope;
@@ -15,12 +11,18 @@ import reve.core.world.ScalarType;
 import reve.core.world.World;
 import reve.core.world.WorldPrototype;
 
+import java.lang.management.ManagementFactory;
+import java.util.Arrays;
+import java.util.List;
+import java.util.Locale;
+import java.util.Optional;
+
 /**
  * What a rule costs per item and frame.
  *
- *     java --sun-misc-unsafe-memory-access=allow -cp "build/stage/lib/*" bench/RuleCost.java
+ * <p>java --sun-misc-unsafe-memory-access=allow -cp "build/stage/lib/*" bench/RuleCost.java
  *
- * Ten thousand items with one rule whose symbol stays as it is: first nothing changes, then all
+ * <p>Ten thousand items with one rule whose symbol stays as it is: first nothing changes, then all
  * temperatures do in each frame. Prints the median of the last rounds, when the compiler is done.
  */
 class RuleCost {
@@ -29,8 +31,15 @@ class RuleCost {
     private static final int ROUNDS = 25;
 
     public static void main(String[] arguments) throws Exception {
-        var temperature = new PropertyDescriptor("temperature", "body", ScalarType.F64, 1,
-                Unit.parse("K"), Optional.empty(), "");
+        var temperature =
+                new PropertyDescriptor(
+                        "temperature",
+                        "body",
+                        ScalarType.F64,
+                        1,
+                        Unit.parse("K"),
+                        Optional.empty(),
+                        "");
         WorldPrototype prototype =
                 WorldPrototype.standard("si-f64").extendedBy(List.of(temperature));
         try (var arena = new OffHeapArena()) {
@@ -38,8 +47,13 @@ class RuleCost {
             for (int i = 0; i < ITEMS; i++) {
                 world.add(ItemDefinition.named("i" + i).physics("temperature", 300).build());
             }
-            var rule = new Rule("hot", "body", Optional.empty(),
-                    Scope.ofItem(prototype, "body").compile("physics.temperature > 350"), "");
+            var rule =
+                    new Rule(
+                            "hot",
+                            "body",
+                            Optional.empty(),
+                            Scope.ofItem(prototype, "body").compile("physics.temperature > 350"),
+                            "");
             var rules = new Rules(world, List.of(rule));
             report("unchanged", world, rules, false);
             report("changed", world, rules, true);
@@ -73,7 +87,11 @@ class RuleCost {
         }
         double[] last = Arrays.copyOfRange(nanoseconds, ROUNDS - 9, ROUNDS);
         Arrays.sort(last);
-        System.out.printf(Locale.ROOT, "%s: %.0f ns and %.0f bytes per item and frame%n", what,
-                last[4], bytes);
+        System.out.printf(
+                Locale.ROOT,
+                "%s: %.0f ns and %.0f bytes per item and frame%n",
+                what,
+                last[4],
+                bytes);
     }
 }

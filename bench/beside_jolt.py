@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What benchmarks beside Jolt share: building both sides, and samples taken in turn."""
 
 import json
@@ -5,8 +6,6 @@ import statistics
 import subprocess
 import zipfile
 from pathlib import Path
-
-from pages import cpu
 
 ROOT = Path(__file__).resolve().parent.parent
 OUT = ROOT / "build/bench"
@@ -20,9 +19,20 @@ def shell(*command):
 def build(name, laws):
     """Builds the engine, laws and bench/NAME as they ship; returns the program and the laws'
     folder."""
+
     def cmake(folder, source, *options, targets=()):
-        shell("cmake", "-S", ROOT / source, "-B", OUT / folder, "-G", "Ninja",
-              "-DCMAKE_BUILD_TYPE=RelWithDebInfo", "-DBUILD_TESTING=OFF", *options)
+        shell(
+            "cmake",
+            "-S",
+            ROOT / source,
+            "-B",
+            OUT / folder,
+            "-G",
+            "Ninja",
+            "-DCMAKE_BUILD_TYPE=RelWithDebInfo",
+            "-DBUILD_TESTING=OFF",
+            *options,
+        )
         shell("cmake", "--build", OUT / folder, *(f"--target={t}" for t in targets))
 
     cmake("vesper", "vesper-native")
@@ -34,16 +44,28 @@ def build(name, laws):
 
 def build_jolt(program):
     """Fetches jolt-jni and compiles bench/peers/jolt/PROGRAM.java; returns its command."""
-    shell("mvn", "-q", "dependency:copy-dependencies", f"-DoutputDirectory={JOLT}/jars",
-          "-f", ROOT / "bench/peers/jolt/pom.xml")
-    jar, = (j for j in (JOLT / "jars").glob("jolt-jni-*.jar") if "Release" not in j.name)
-    native, = (JOLT / "jars").glob("jolt-jni-*-ReleaseSp.jar")
+    shell(
+        "mvn",
+        "-q",
+        "dependency:copy-dependencies",
+        f"-DoutputDirectory={JOLT}/jars",
+        "-f",
+        ROOT / "bench/peers/jolt/pom.xml",
+    )
+    (jar,) = (j for j in (JOLT / "jars").glob("jolt-jni-*.jar") if "Release" not in j.name)
+    (native,) = (JOLT / "jars").glob("jolt-jni-*-ReleaseSp.jar")
     with zipfile.ZipFile(native) as archive:
-        name, = (n for n in archive.namelist() if n.endswith(".so"))
+        (name,) = (n for n in archive.namelist() if n.endswith(".so"))
         library = archive.extract(name, JOLT)
     shell("javac", "-cp", jar, "-d", JOLT / "classes", ROOT / f"bench/peers/jolt/{program}.java")
-    return ["java", "--enable-native-access=ALL-UNNAMED", "-cp", f"{jar}:{JOLT}/classes",
-            program, library]
+    return [
+        "java",
+        "--enable-native-access=ALL-UNNAMED",
+        "-cp",
+        f"{jar}:{JOLT}/classes",
+        program,
+        library,
+    ]
 
 
 def sample(commands, rounds):
@@ -51,8 +73,13 @@ def sample(commands, rounds):
     samples = {name: [] for name in commands}
     for _ in range(rounds):
         for name, command in commands.items():
-            out = subprocess.run([str(part) for part in command], check=True, text=True,
-                                 stdout=subprocess.PIPE, stderr=subprocess.DEVNULL).stdout
+            out = subprocess.run(
+                [str(part) for part in command],
+                check=True,
+                text=True,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.DEVNULL,
+            ).stdout
             samples[name].append(json.loads(out))
     return samples
 
@@ -67,14 +94,17 @@ def table_rows(samples, digits=0, largest=None):
     """Median and quartiles of the frames per second of processor time of each; the first is the
     peer that the others are compared with. `largest`: a share whose largest of all rounds is shown
     too."""
-    speeds = {name: [run["framesPerProcessorSecond"] for run in runs]
-              for name, runs in samples.items()}
+    speeds = {
+        name: [run["framesPerProcessorSecond"] for run in runs] for name, runs in samples.items()
+    }
     peer = statistics.median(next(iter(speeds.values())))
     rows = ""
     for name, values in speeds.items():
         low, middle, high = quartiles(values)
-        rows += (f"| {name} | {middle:.{digits}f} ({low:.{digits}f} to {high:.{digits}f}) | "
-                 f"{middle / peer:.2f} |")
+        rows += (
+            f"| {name} | {middle:.{digits}f} ({low:.{digits}f} to {high:.{digits}f}) | "
+            f"{middle / peer:.2f} |"
+        )
         if largest:
             shares = [run[largest] for run in samples[name] if largest in run]
             rows += f" {max(shares):.1%} |" if shares else " |"

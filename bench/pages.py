@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The pages in bench/results: a heading, where and by what it was measured, and a table."""
 
 import os
@@ -44,8 +45,20 @@ def write(file, title, script, text, note=""):
             rows.sort(key=lambda row: float(row[0]))
     names = text.splitlines()[:2]
     RESULTS.mkdir(exist_ok=True)
-    page.write_text("\n".join([
-        f"# {title}", "", f"Written by `{script}`; what the figures mean stands in "
-        "[docs/benchmarks.md](../../docs/benchmarks.md).", "", about, "", *names,
-        *(f"| {' | '.join(row)} |" for row in rows), ""]))
+    page.write_text(
+        "\n".join(
+            [
+                f"# {title}",
+                "",
+                f"Written by `{script}`; what the figures mean stands in "
+                "[docs/benchmarks.md](../../docs/benchmarks.md).",
+                "",
+                about,
+                "",
+                *names,
+                *(f"| {' | '.join(row)} |" for row in rows),
+                "",
+            ]
+        )
+    )
     print(page.read_text())

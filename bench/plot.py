@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Draws bench/results/speed.png from the tables in bench/results: how many times as fast as the
 peer a row is; and writes the README's table, the least and the most of each. Needs Matplotlib
 (Debian: python3-matplotlib)."""
-import matplotlib
 
+import matplotlib
 import pages
 
 matplotlib.use("Agg")
@@ -15,20 +16,62 @@ MARKS = "<!-- from here on by bench/plot.py -->\n", "<!-- until here -->\n"
 # Page, what it is about, what it is compared with, column of the ratio, columns that name a row,
 # rows that are drawn.
 TABLES = [
-    ("all_pairs.md", "gravitation of all pairs of 1,536 to 65,536 bodies", "{side}", "law's ratio",
-     ["bodies", ""], lambda row: row["law's ratio"]),
-    ("barnes_hut.md", "gravitation by trees, 10⁵ and 10⁶ bodies", "pytreegrav", "ratio",
-     ["bodies", "law", "its median error"], lambda row: True),
-    ("springs.md", "10⁴ to 10⁶ springs", "a loop tuned for AVX-512", "ratio", ["springs", ""],
-     lambda row: True),
-    ("opencl.md", "gravitation on an OpenCL device", "the usual OpenCL kernel", "ratio", ["bodies"],
-     lambda row: "bare kernel" in row["A, next to B"]),
-    ("spheres.md", "piles of 10,000 and 50,000 balls", "Jolt's rigid bodies", "times Jolt",
-     ["balls", ""], lambda row: "Vesper" in row[""]),
-    ("icosahedra.md", "a thousand icosahedra of springs", "Jolt's soft bodies", "times Jolt", [""],
-     lambda row: "Vesper" in row[""]),
-    ("agents.md", "1 to 1,000 agents in lock-step: act, frame, perceive", "an echo in C (epoll)",
-     "of epoll", ["agents", ""], lambda row: "REVE" in row[""]),
+    (
+        "all_pairs.md",
+        "gravitation of all pairs of 1,536 to 65,536 bodies",
+        "{side}",
+        "law's ratio",
+        ["bodies", ""],
+        lambda row: row["law's ratio"],
+    ),
+    (
+        "barnes_hut.md",
+        "gravitation by trees, 10⁵ and 10⁶ bodies",
+        "pytreegrav",
+        "ratio",
+        ["bodies", "law", "its median error"],
+        lambda row: True,
+    ),
+    (
+        "springs.md",
+        "10⁴ to 10⁶ springs",
+        "a loop tuned for AVX-512",
+        "ratio",
+        ["springs", ""],
+        lambda row: True,
+    ),
+    (
+        "opencl.md",
+        "gravitation on an OpenCL device",
+        "the usual OpenCL kernel",
+        "ratio",
+        ["bodies"],
+        lambda row: "bare kernel" in row["A, next to B"],
+    ),
+    (
+        "spheres.md",
+        "piles of 10,000 and 50,000 balls",
+        "Jolt's rigid bodies",
+        "times Jolt",
+        ["balls", ""],
+        lambda row: "Vesper" in row[""],
+    ),
+    (
+        "icosahedra.md",
+        "a thousand icosahedra of springs",
+        "Jolt's soft bodies",
+        "times Jolt",
+        [""],
+        lambda row: "Vesper" in row[""],
+    ),
+    (
+        "agents.md",
+        "1 to 1,000 agents in lock-step: act, frame, perceive",
+        "an echo in C (epoll)",
+        "of epoll",
+        ["agents", ""],
+        lambda row: "REVE" in row[""],
+    ),
 ]
 
 
@@ -38,15 +81,22 @@ def measured():
         heading, rows = pages.read(file)
         for row in (dict(zip(heading, cells)) for cells in rows):
             if drawn(row):
-                name = ", ".join(f"{int(row[name]):,}" if row[name].isdigit() else row[name]
-                                 for name in names).replace("Vesper, ", "").replace("REVE, ", "")
+                name = (
+                    ", ".join(
+                        f"{int(row[name]):,}" if row[name].isdigit() else row[name]
+                        for name in names
+                    )
+                    .replace("Vesper, ", "")
+                    .replace("REVE, ", "")
+                )
                 yield file, subject, peer.format(side=row.get("side")), name, float(row[column])
 
 
 def draw(rows):
     files = list(dict.fromkeys(file for file, *_ in rows))
-    labels = [f"{file[:-3].replace('_', ' ')}: {name}\nnext to {peer}"
-              for file, _, peer, name, _ in rows]
+    labels = [
+        f"{file[:-3].replace('_', ' ')}: {name}\nnext to {peer}" for file, _, peer, name, _ in rows
+    ]
     ratios = [ratio for *_, ratio in rows]
     figure, axes = plt.subplots(figsize=(9, 0.4 * len(rows) + 0.8), layout="constrained")
     bars = axes.barh(labels, ratios, color=[f"C{files.index(file)}" for file, *_ in rows])
@@ -67,8 +117,9 @@ def write_table(rows):
         found.setdefault((file, subject, peer), []).append(ratio)
     lines = ["| | next to | times as fast |\n", "|---|---|---:|\n"]
     for (file, subject, peer), ratios in found.items():
-        lines.append(f"| [{subject}](bench/results/{file}) | {peer} "
-                     f"| {min(ratios):g} to {max(ratios):g} |\n")
+        lines.append(
+            f"| [{subject}](bench/results/{file}) | {peer} | {min(ratios):g} to {max(ratios):g} |\n"
+        )
     before, rest = README.read_text().split(MARKS[0])
     README.write_text("".join([before, MARKS[0], *lines, MARKS[1], rest.split(MARKS[1])[1]]))
 

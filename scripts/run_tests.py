@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Runs the tests of rooms, two suites at a time, and prints, last, `N passed, N failed`.
 
     run_tests.py ROOT [--quick] [--failed] [ROOM[/PART] ...]
@@ -40,13 +41,15 @@ PROGRESS_SECONDS = 20
 ENDED = re.compile(
     r"^\s*\d+/\d+ Test +#\d+: .*?(?P<ctest>Passed|\*\*\*\w+)"
     r"|:: (?P<junit>SUCCESSFUL|FAILED|SKIPPED)\s*$"
-    r"|^\S+\.py::.* (?P<pytest>PASSED|FAILED|SKIPPED|ERROR)\b")
+    r"|^\S+\.py::.* (?P<pytest>PASSED|FAILED|SKIPPED|ERROR)\b"
+)
 GOOD = {"Passed", "SUCCESSFUL", "PASSED", "SKIPPED", "***Skipped"}
 
 
 @dataclass
 class Suite:
     """One program that runs tests: its command, where its output goes, and what ended so far."""
+
     name: str
     command: list
     log: Path
@@ -69,9 +72,20 @@ class Plan:
         if room == "python":
             return [self.python(parts)]
         if room == "format":
-            return [self.suite(room, room, [
-                "python3", self.root / "scripts/format.py", self.root, "--check",
-                "--report", self.reports / room / "format.xml"])]
+            return [
+                self.suite(
+                    room,
+                    room,
+                    [
+                        "python3",
+                        self.root / "scripts/format.py",
+                        self.root,
+                        "--check",
+                        "--report",
+                        self.reports / room / "format.xml",
+                    ],
+                )
+            ]
         return list(self.java(room, parts))
 
     def suite(self, room, name, command, **environment):
@@ -79,12 +93,21 @@ class Plan:
         return Suite(name, [str(c) for c in command], log, environment)
 
     def native(self, room, parts):
-        command = ["ctest", "--test-dir", self.root / NATIVE_ROOMS[room], "--output-on-failure",
-                   "--output-junit", self.reports / room / "ctest.xml"]
+        command = [
+            "ctest",
+            "--test-dir",
+            self.root / NATIVE_ROOMS[room],
+            "--output-on-failure",
+            "--output-junit",
+            self.reports / room / "ctest.xml",
+        ]
         if parts:
             # The tests of the law hooke_spring are named HookeSpring….
-            camel = [re.sub(r"(?:^|_)(\w)", lambda found: found[1].upper(), part)
-                     for part in parts if re.fullmatch("[a-z0-9_]+", part)]
+            camel = [
+                re.sub(r"(?:^|_)(\w)", lambda found: found[1].upper(), part)
+                for part in parts
+                if re.fullmatch("[a-z0-9_]+", part)
+            ]
             command += ["-R", "|".join(map(re.escape, [*parts, *camel]))]
         if self.quick:
             command += ["-E", SLOW_NATIVE]
@@ -92,46 +115,80 @@ class Plan:
 
     def python(self, parts):
         tests = self.root / "agents/python/tests"
-        command = [os.environ["REVE_TEST_PYTHON"], "-m", "pytest", "-v", "--tb=short", "-p",
-                   "no:cacheprovider", "--color=no",
-                   f"--junitxml={self.reports}/python/pytest.xml",
-                   "-o", "junit_family=xunit1", "-o", f"pythonpath={tests.parent}",
-                   "-o", "markers=slow: left out by --quick", f"--rootdir={tests}"]
+        command = [
+            os.environ["REVE_TEST_PYTHON"],
+            "-m",
+            "pytest",
+            "-v",
+            "--tb=short",
+            "-p",
+            "no:cacheprovider",
+            "--color=no",
+            f"--junitxml={self.reports}/python/pytest.xml",
+            "-o",
+            "junit_family=xunit1",
+            "-o",
+            f"pythonpath={tests.parent}",
+            "-o",
+            "markers=slow: left out by --quick",
+            f"--rootdir={tests}",
+        ]
         if self.quick:
             command += ["-m", "not slow"]
         command += [tests / part for part in parts] or [tests]
-        return self.suite("python", "python", command, REVE_ROOT=str(self.root),
-                          REVE_TEST_CLASSPATH=f"{self.root}/build/stage/lib/*")
+        return self.suite(
+            "python",
+            "python",
+            command,
+            REVE_ROOT=str(self.root),
+            REVE_TEST_CLASSPATH=f"{self.root}/build/stage/lib/*",
+        )
 
     def java(self, room, parts):
         listing = self.root / "build/test-class-paths" / f"{room}.txt"
         if not listing.exists():
-            print(f"reve: the tests of {room} could not be built; see the first error above",
-                  file=sys.stderr)
+            print(
+                f"reve: the tests of {room} could not be built; see the first error above",
+                file=sys.stderr,
+            )
             return
         folder, class_path = listing.read_text().splitlines()
-        classes = sorted(str(path.relative_to(folder))[:-len(".class")].replace("/", ".")
-                         for path in Path(folder).rglob("*.class")
-                         if re.fullmatch(r"[^$]*(Test|IT)\.class", path.name))
+        classes = sorted(
+            str(path.relative_to(folder))[: -len(".class")].replace("/", ".")
+            for path in Path(folder).rglob("*.class")
+            if re.fullmatch(r"[^$]*(Test|IT)\.class", path.name)
+        )
         if parts:
             wanted = [part.split("#")[0].replace("/", ".") for part in parts]
             classes = [name for name in classes if any(part in name for part in wanted)]
         if not classes:
-            print(f"reve: {room} has no test class with {' or '.join(parts)} in its name",
-                  file=sys.stderr)
+            print(
+                f"reve: {room} has no test class with {' or '.join(parts)} in its name",
+                file=sys.stderr,
+            )
             return
         count = min(BATCHED.get(room, 1), len(classes))
         for number in range(count):
             name = room if count == 1 else f"{room}-{number + 1}"
             command = [
-                os.environ["REVE_JAVA_HOME"] + "/bin/java", "-ea",
-                "--enable-native-access=ALL-UNNAMED", "-XX:+RestoreMXCSROnJNICalls",
+                os.environ["REVE_JAVA_HOME"] + "/bin/java",
+                "-ea",
+                "--enable-native-access=ALL-UNNAMED",
+                "-XX:+RestoreMXCSROnJNICalls",
                 "--sun-misc-unsafe-memory-access=allow",  # of msgpack-core, and of protobuf in CEL
-                "-Dreve.check.thread=true", f"-Dreve.native.path={self.root}/build/native",
-                f"-Dreve.root={self.root}", "-cp", class_path,
-                "org.junit.platform.console.ConsoleLauncher", "execute", "--disable-banner",
-                "--disable-ansi-colors", "--details=testfeed", "--fail-if-no-tests",
-                f"--reports-dir={self.reports / room / name}"]
+                "-Dreve.check.thread=true",
+                f"-Dreve.native.path={self.root}/build/native",
+                f"-Dreve.root={self.root}",
+                "-cp",
+                class_path,
+                "org.junit.platform.console.ConsoleLauncher",
+                "execute",
+                "--disable-banner",
+                "--disable-ansi-colors",
+                "--details=testfeed",
+                "--fail-if-no-tests",
+                f"--reports-dir={self.reports / room / name}",
+            ]
             if any("#" in part for part in parts):
                 command += [f"--include-methodname={method_pattern(part)}" for part in parts]
             if self.quick:
@@ -177,9 +234,14 @@ class Runner:
                 self.running.append(suite.name)
             with suite.log.open("w") as log:
                 process = subprocess.Popen(
-                    suite.command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                    stdin=subprocess.DEVNULL, text=True, errors="replace",
-                    env=os.environ | suite.environment)
+                    suite.command,
+                    stdout=subprocess.PIPE,
+                    stderr=subprocess.STDOUT,
+                    stdin=subprocess.DEVNULL,
+                    text=True,
+                    errors="replace",
+                    env=os.environ | suite.environment,
+                )
                 for line in process.stdout:
                     log.write(line)
                     ended = ENDED.search(line)
@@ -198,8 +260,11 @@ class Runner:
         failed = sum(suite.failed for suite in self.suites)
         with self.lock:
             rooms = ", ".join(self.running)
-        print(f"reve: {seconds // 60}:{seconds % 60:02} {ended} tests done, {failed} failed"
-              + (f"; running {rooms}" if rooms else ""), file=sys.stderr)
+        print(
+            f"reve: {seconds // 60}:{seconds % 60:02} {ended} tests done, {failed} failed"
+            + (f"; running {rooms}" if rooms else ""),
+            file=sys.stderr,
+        )
 
 
 def failed_parts(reports):

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Builds the engine and the laws with sanitizers, runs their GoogleTests, and prints, last,
 # `N passed, N failed`:
 #

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Adds up JUnit reports and prints, last, `N passed, N failed`.
 
     test_summary.py FOLDER ROOM...
@@ -15,6 +16,7 @@ from pathlib import Path
 @dataclass
 class Case:
     """One test: `part` is what `./reve test ROOM/PART` takes to run it alone."""
+
     name: str
     part: str
     outcome: str
@@ -64,8 +66,10 @@ def report(folder, rooms):
         if count["passed"] + count["failed"] == 0:
             print(f"\nFAILED {room}: no test ran (see the output above)")
             count["failed"] = 1
-        print(f"{room:18} {count['passed']:5} passed {count['failed']:4} failed"
-              f" {count['skipped']:4} skipped")
+        print(
+            f"{room:18} {count['passed']:5} passed {count['failed']:4} failed"
+            f" {count['skipped']:4} skipped"
+        )
         for key in total:
             total[key] += count[key]
     skipped = f", {total['skipped']} skipped" if total["skipped"] else ""

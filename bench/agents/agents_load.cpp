@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Many clients of a server on loopback, in one thread; see docs/benchmarks.md.
 //
 //   agents_load echo      PORT CLIENTS SECONDS BYTES
@@ -155,7 +156,7 @@ class Client {
     return true;
   }
 
-  double since = 0;  ///< When it last sent or, of a stream, last perceived [s].
+  double since = 0;       ///< When it last sent or, of a stream, last perceived [s].
   double world_time = 0;  ///< Of what it last perceived [s].
 
  private:
@@ -317,10 +318,11 @@ class Load {
       p99 = Quantile(samples_, 0.99) * 1e6;
       late_p99 = (Quantile(behind_, 0.99) - Quantile(behind_, 0)) * 1e6;
     }
-    std::printf("{\"perSecond\":%.1f,\"medianMicros\":%.1f,\"p99Micros\":%.1f,"
-                "\"lateP99Micros\":%.1f,\"bytesPerClientSecond\":%.0f,"
-                "\"clientProcessors\":%.3f,\"slices\":[",
-                rate, median, p99, late_p99, double(bytes_) / seconds / clients, cpu / seconds);
+    std::printf(
+        "{\"perSecond\":%.1f,\"medianMicros\":%.1f,\"p99Micros\":%.1f,"
+        "\"lateP99Micros\":%.1f,\"bytesPerClientSecond\":%.0f,"
+        "\"clientProcessors\":%.3f,\"slices\":[",
+        rate, median, p99, late_p99, double(bytes_) / seconds / clients, cpu / seconds);
     const char* separator = "";
     for (const double slice : slices_) {
       std::printf("%s%.0f", separator, slice);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One client that floods a server on loopback, in one thread; see docs/benchmarks.md.
 //
 //   flood connects PORT RATE SECONDS BODY   connections that say nothing, a second; every other

@@ -1,9 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
 /* LAWS force laws of empty body: what an engine spends on them is its own cost. */
 #include "vesper/law.h"
 
-#define USE(property, components_, access_, unit_)                                        \
-  {.struct_size = sizeof(vesper_property_use), .scalar_type = VESPER_F64, .name = property, \
-   .kind = "body", .components = components_, .access = access_, .unit = unit_}
+#define USE(property, components_, access_, unit_) \
+  {.struct_size = sizeof(vesper_property_use),     \
+   .scalar_type = VESPER_F64,                      \
+   .name = property,                               \
+   .kind = "body",                                 \
+   .components = components_,                      \
+   .access = access_,                              \
+   .unit = unit_}
 
 static const vesper_property_use kUses[] = {
     USE("mass", 1, VESPER_READ, VESPER_UNIT_KILOGRAM),
@@ -19,8 +25,7 @@ static vesper_status Create(const vesper_host* host, vesper_suite* suite, const 
   return VESPER_OK;
 }
 
-static vesper_status Bind(vesper_law* law, const vesper_property* properties,
-                          vesper_error* error) {
+static vesper_status Bind(vesper_law* law, const vesper_property* properties, vesper_error* error) {
   (void)law, (void)properties, (void)error;
   return VESPER_OK;
 }
@@ -39,13 +44,23 @@ const vesper_law_library* vesper_law_library_entry(void) {
   for (uint32_t i = 0; i < LAWS; ++i) {
     const char name[] = {'e', 'm', 'p', 't', 'y', '_', (char)('0' + i / 10), (char)('0' + i % 10)};
     for (uint32_t k = 0; k < sizeof name; ++k) names[i][k] = name[k];
-    laws[i] = (vesper_law_desc){
-        .struct_size = sizeof(vesper_law_desc), .real_type = VESPER_F64, .name = names[i],
-        .version = "1.0.0", .doc = "Does nothing.", .phase = VESPER_PHASE_FORCE,
-        .use_count = sizeof kUses / sizeof *kUses, .uses = kUses, .create = Create, .bind = Bind,
-        .advance = Advance, .destroy = Destroy};
+    laws[i] = (vesper_law_desc){.struct_size = sizeof(vesper_law_desc),
+                                .real_type = VESPER_F64,
+                                .name = names[i],
+                                .version = "1.0.0",
+                                .doc = "Does nothing.",
+                                .phase = VESPER_PHASE_FORCE,
+                                .use_count = sizeof kUses / sizeof *kUses,
+                                .uses = kUses,
+                                .create = Create,
+                                .bind = Bind,
+                                .advance = Advance,
+                                .destroy = Destroy};
   }
-  library = (vesper_law_library){.struct_size = sizeof library, .abi_version = VESPER_ABI_VERSION,
-                                 .name = "empty_laws", .law_count = LAWS, .laws = laws};
+  library = (vesper_law_library){.struct_size = sizeof library,
+                                 .abi_version = VESPER_ABI_VERSION,
+                                 .name = "empty_laws",
+                                 .law_count = LAWS,
+                                 .laws = laws};
   return &library;
 }

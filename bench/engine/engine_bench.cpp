@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the engine itself costs per law and step: laws of empty body on 1,000 bodies, one thread,
 // next to one read of the columns that the engine has to check for NaN. Prints a table.
 #include <time.h>
@@ -114,8 +115,7 @@ void Measure(int laws) {
   }
   const Quartiles cost(engine), floor(memory);
   std::printf("| %d | %.0f (%.0f to %.0f) | %.0f (%.0f to %.0f) | %.1f |\n", laws, cost.median,
-              cost.low, cost.high, floor.median, floor.low, floor.high,
-              cost.median / floor.median);
+              cost.low, cost.high, floor.median, floor.low, floor.high, cost.median / floor.median);
 }
 
 std::string CpuModel() {
@@ -131,7 +131,8 @@ std::string CpuModel() {
 int main() {
   std::printf("CPU: %s, %u cores visible. %s.\n\n", CpuModel().c_str(),
               std::thread::hardware_concurrency(), vesper_build_info());
-  std::printf("| laws | engine [ns per law and step] | streaming [ns per law] | ratio |\n"
-              "|---:|---:|---:|---:|\n");
+  std::printf(
+      "| laws | engine [ns per law and step] | streaming [ns per law] | ratio |\n"
+      "|---:|---:|---:|---:|\n");
   for (const int laws : {1, 10, 50}) Measure(laws);
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A thousand icosahedra of springs and surfaces that fall on a ground and lie there, as frames of
 // 1/60 s per second. Prints a line of JSON; see docs/benchmarks.md.
 //   icosahedra_bench FOLDER_OF_LAWS si-f32|si-f64 THREADS [SPACING]
@@ -22,9 +23,9 @@ constexpr uint32_t kSettle = 60;                   // frames that are not timed
 constexpr uint32_t kFrames = 300;                  // that are
 
 constexpr std::array<std::array<uint32_t, 3>, 20> kFaces = {
-    {{0, 11, 5}, {0, 5, 1}, {0, 1, 7}, {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
-     {11, 10, 2}, {10, 7, 6}, {7, 1, 8}, {3, 9, 4}, {3, 4, 2}, {3, 2, 6}, {3, 6, 8},
-     {3, 8, 9}, {4, 9, 5}, {2, 4, 11}, {6, 2, 10}, {8, 6, 7}, {9, 8, 1}}};
+    {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
+     {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
+     {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}}};
 
 template <class Real>
 struct Icosahedra {
@@ -124,8 +125,10 @@ void Measure(const std::string& laws, uint32_t threads, double spacing) {
   const double wall =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const double busy = static_cast<double>(std::clock() - processor) / CLOCKS_PER_SEC;
-  std::printf("{\"framesPerSecond\": %.2f, \"framesPerProcessorSecond\": %.2f, "
-              "\"meanHeight\": %.4f}\n", kFrames / wall, kFrames / busy, world.MeanHeight());
+  std::printf(
+      "{\"framesPerSecond\": %.2f, \"framesPerProcessorSecond\": %.2f, "
+      "\"meanHeight\": %.4f}\n",
+      kFrames / wall, kFrames / busy, world.MeanHeight());
   for (vesper_library_id id = 1; id <= 4; ++id) {
     for (const auto& law : engine.Laws(id)) {
       std::fprintf(stderr, "%-16s %8.1f us per step\n", law.name,

@@ -1,14 +1,15 @@
+# SPDX-License-Identifier: Apache-2.0
 """newton_gravitation through the engine next to a bare kernel, Numba and REBOUND, in turn.
 
 usage: all_pairs.py BENCH_PROGRAM FOLDER_OF_LAWS [BODIES...]
 Prints a table; see docs/benchmarks.md.
 """
+
 import sys
 
 import numba
 import numpy as np
 import rebound
-
 from sides import THREADS, Program, attract, errors, exact, in_turn, timed
 
 SOFTENING = 0.01
@@ -32,8 +33,10 @@ def rebound_side(points):
     simulation.softening, simulation.dt = SOFTENING, 1e-12
     for x, y, z in points:
         simulation.add(m=1 / len(points), x=x, y=y, z=z)
-    return (timed(lambda: simulation.steps(1)),
-            lambda: np.array([(p.ax, p.ay, p.az) for p in simulation.particles]))
+    return (
+        timed(lambda: simulation.steps(1)),
+        lambda: np.array([(p.ax, p.ay, p.az) for p in simulation.particles]),
+    )
 
 
 def compare(program, laws, bodies, precision):
@@ -52,19 +55,30 @@ def compare(program, laws, bodies, precision):
     expected = exact(points, rows, SOFTENING, np.longdouble)
     for name, (wall, processor) in medians.items():
         error = np.sqrt(np.mean(errors(found[name], rows, expected) ** 2))
-        ratios = [" | ".join("" if name in LAWS else f"{of / medians[law][i]:.2f}"
-                             for i, of in enumerate((wall, processor))) for law in LAWS]
-        print(f"| {bodies} | {precision} | {name} | {1 / wall:.{0 if wall < 0.1 else 2}f} | "
-              f"{1e-9 * bodies**2 / wall:.2f} | {error:.1e} | {' | '.join(ratios)} | "
-              f"{others:.1f} |", flush=True)
+        ratios = [
+            " | ".join(
+                "" if name in LAWS else f"{of / medians[law][i]:.2f}"
+                for i, of in enumerate((wall, processor))
+            )
+            for law in LAWS
+        ]
+        print(
+            f"| {bodies} | {precision} | {name} | {1 / wall:.{0 if wall < 0.1 else 2}f} | "
+            f"{1e-9 * bodies**2 / wall:.2f} | {error:.1e} | {' | '.join(ratios)} | "
+            f"{others:.1f} |",
+            flush=True,
+        )
 
 
 def main():
     program, laws, *sizes = sys.argv[1:]
     numba.set_num_threads(THREADS)
-    print("| bodies | | side | steps/s | 10^9 interactions/s | error | law's ratio | "
-          "of processor time | fast law's ratio | fast, of processor time | others' processors |\n"
-          "|---:|---|---|---:|---:|---:|---:|---:|---:|---:|---:|", flush=True)
+    print(
+        "| bodies | | side | steps/s | 10^9 interactions/s | error | law's ratio | "
+        "of processor time | fast law's ratio | fast, of processor time | others' processors |\n"
+        "|---:|---|---|---:|---:|---:|---:|---:|---:|---:|---:|",
+        flush=True,
+    )
     for size in map(int, sizes or (1536, 16384, 65536)):
         for precision in ("f32", "f64"):
             compare(program, laws, size, precision)

@@ -1,14 +1,15 @@
+# SPDX-License-Identifier: Apache-2.0
 """barnes_hut_gravitation through the engine next to pytreegrav, in turn, at about equal errors.
 
 usage: barnes_hut.py BENCH_PROGRAM FOLDER_OF_LAWS [BODIES...]
 Prints a table; see docs/benchmarks.md.
 """
+
 import sys
 
 import numba
 import numpy as np
 import pytreegrav
-
 from sides import THREADS, Program, errors, exact, in_turn, timed
 
 SOFTENING = 1e-4
@@ -36,31 +37,48 @@ def compare(program, laws, points, rows, expected, case):
     peer = {}
 
     def accelerate():
-        peer["found"] = pytreegrav.Accel(points, masses, softening=softening, theta=angle,
-                                         parallel=True, method="tree", quadrupole=quadrupole)
+        peer["found"] = pytreegrav.Accel(
+            points,
+            masses,
+            softening=softening,
+            theta=angle,
+            parallel=True,
+            method="tree",
+            quadrupole=quadrupole,
+        )
 
     law = f"barnes_hut_gravitation theta={theta}"
-    with Program(program, laws, "f32", SOFTENING, points, law) as single, \
-            Program(program, laws, "f64", SOFTENING, points, law) as double:
+    with (
+        Program(program, laws, "f32", SOFTENING, points, law) as single,
+        Program(program, laws, "f64", SOFTENING, points, law) as double,
+    ):
         accelerate()  # compiles
-        medians, others = in_turn({"f32": single.side(0), "f64": double.side(0),
-                                   "peer": timed(accelerate)}, rounds=5 if bodies < 500_000 else 3)
+        medians, others = in_turn(
+            {"f32": single.side(0), "f64": double.side(0), "peer": timed(accelerate)},
+            rounds=5 if bodies < 500_000 else 3,
+        )
         found = {"f32": single.finish()[0], "f64": double.finish()[0], "peer": peer["found"]}
     error = {side: np.median(errors(of, rows, expected)) for side, of in found.items()}
     wall, processor = ({side: of[i] for side, of in medians.items()} for i in (0, 1))
     for precision in ("f32", "f64"):
-        print(f"| {bodies} | {precision} | {error[precision]:.2e} | {error['peer']:.2e} | "
-              f"{bodies / wall[precision] / 1000:.0f} | {bodies / wall['peer'] / 1000:.0f} | "
-              f"{wall['peer'] / wall[precision]:.1f} | "
-              f"{processor['peer'] / processor[precision]:.1f} | {others:.1f} |", flush=True)
+        print(
+            f"| {bodies} | {precision} | {error[precision]:.2e} | {error['peer']:.2e} | "
+            f"{bodies / wall[precision] / 1000:.0f} | {bodies / wall['peer'] / 1000:.0f} | "
+            f"{wall['peer'] / wall[precision]:.1f} | "
+            f"{processor['peer'] / processor[precision]:.1f} | {others:.1f} |",
+            flush=True,
+        )
 
 
 def main():
     program, laws, *sizes = sys.argv[1:]
     numba.set_num_threads(THREADS)
-    print("| bodies | law | its median error | pytreegrav's | law [1000 bodies/s] | "
-          "pytreegrav [1000 bodies/s] | ratio | ratio of processor time | others' processors |\n"
-          "|---:|---|---:|---:|---:|---:|---:|---:|---:|", flush=True)
+    print(
+        "| bodies | law | its median error | pytreegrav's | law [1000 bodies/s] | "
+        "pytreegrav [1000 bodies/s] | ratio | ratio of processor time | others' processors |\n"
+        "|---:|---|---:|---:|---:|---:|---:|---:|---:|",
+        flush=True,
+    )
     for size in map(int, sizes or (100_000, 1_000_000)):
         points = plummer(size)
         rows = np.random.default_rng(3).choice(size, 1000, replace=False)

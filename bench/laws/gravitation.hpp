@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Ways to compute the gravitation of the same bodies, one beside the other.
 #pragma once
 

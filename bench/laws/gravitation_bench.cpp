@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Laws of gravitation through the engine, and a bare kernel, over the same bodies; see sides.py.
 //   gravitation_bench FOLDER_OF_LAWS f32|f64 SOFTENING POSITIONS RESULT SIDE...
 // POSITIONS: a file of (bodies x 3) doubles [m]. SIDE: "kernel", or a law and perhaps one of its
@@ -30,8 +31,10 @@ class Law : public bench::Side {
  public:
   Law(const bench::World& world, const char* folder, const std::string& spec)
       : mass_(world.bodies(), static_cast<Real>(1.0 / static_cast<double>(world.bodies()))),
-        position_(world.position.begin(), world.position.end()), velocity_(position_.size()),
-        force_(position_.size()), softening_{static_cast<Real>(world.softening)},
+        position_(world.position.begin(), world.position.end()),
+        velocity_(position_.size()),
+        force_(position_.size()),
+        softening_{static_cast<Real>(world.softening)},
         engine_(sizeof(Real) == 8 ? "si-f64" : "si-f32",
                 {.threads = bench::kThreads, .law_path = folder}) {
     auto provider = engine_.PropertyProvider();

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The OpenCL laws through the engine, next to the usual kernel without an engine; and mixed with a
 // law of the CPU, or with all arrays brought back, next to themselves. Prints a table.
 //   opencl_bench FOLDER_OF_LAWS [BODIES...]
@@ -19,7 +20,9 @@ class World {
   World(uint64_t n, const char* folder, std::initializer_list<const char*> laws)
       : columns{std::vector<float>(n), std::vector<float>(n), std::vector<float>(n),
                 std::vector<float>(n, 1 / static_cast<float>(n))},
-        position_(3 * n), velocity_(3 * n), force_(3 * n),
+        position_(3 * n),
+        velocity_(3 * n),
+        force_(3 * n),
         engine_("si-f32", {.threads = 2, .law_path = folder, .deferred = true}) {
     std::mt19937 random(1);
     for (uint64_t i = 0; i < 3 * n; ++i) {
@@ -73,15 +76,16 @@ int main(int argc, char** argv) {
   std::vector<uint64_t> sizes;
   for (int i = 2; i < argc; ++i) sizes.push_back(std::strtoull(argv[i], nullptr, 10));
   if (sizes.empty()) sizes = {1536, 16384, 65536};
-  std::printf("| bodies | A, next to B | A, frames/s | B, frames/s | ratio | ratio of processor "
-              "time | others' processors |\n|---:|---|---:|---:|---:|---:|---:|\n");
+  std::printf(
+      "| bodies | A, next to B | A, frames/s | B, frames/s | ratio | ratio of processor "
+      "time | others' processors |\n|---:|---|---:|---:|---:|---:|---:|\n");
   for (const uint64_t n : sizes) {
     World whole(n, argv[1], {"opencl_nbody"});
     World mixed(n, argv[1], {"opencl_gravitation", "newton_motion"});
     bench::SoaKernel kernel(whole.columns);
-    PrintRow(n, "`opencl_nbody`, next to the bare kernel",
-             bench::SideBySide([&] { whole.Advance(); },
-                               [&] { kernel.Run(kSoftening * kSoftening); }));
+    PrintRow(
+        n, "`opencl_nbody`, next to the bare kernel",
+        bench::SideBySide([&] { whole.Advance(); }, [&] { kernel.Run(kSoftening * kSoftening); }));
     PrintRow(n, "`opencl_gravitation` and `newton_motion`, next to `opencl_nbody`",
              bench::SideBySide([&] { mixed.Advance(); }, [&] { whole.Advance(); }));
     PrintRow(n, "`opencl_nbody` with all arrays back, next to positions only",

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Times two programs for the same work in turn, A B A B ..., so that what else happens on the
 // machine falls on both, and says how much of it there was.
 #pragma once

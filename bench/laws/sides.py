@@ -1,4 +1,6 @@
+# SPDX-License-Identifier: Apache-2.0
 """Sides that do the same work, timed in turn: those of gravitation_bench, and functions here."""
+
 import os
 import pathlib
 import statistics
@@ -23,8 +25,11 @@ class Program:
         self.sides = len(sides)
         self.process = subprocess.Popen(
             [program, laws, precision, str(softening), positions, self.result, *sides],
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
-            env=os.environ | {"OMP_WAIT_POLICY": "passive"})
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+            env=os.environ | {"OMP_WAIT_POLICY": "passive"},
+        )
 
     def __enter__(self):
         return self
@@ -36,9 +41,11 @@ class Program:
     def side(self, number):
         """The function that times so many calls: seconds of each, on the wall and of processor
         time."""
+
         def run(calls):
             print(number, calls, file=self.process.stdin, flush=True)
             return tuple(map(float, self.process.stdout.readline().split()))
+
         return run
 
     def finish(self):
@@ -49,11 +56,13 @@ class Program:
 
 def timed(action):
     """The function that times so many calls of a function of this process."""
+
     def run(calls):
         wall, processor = time.perf_counter(), time.process_time()
         for _ in range(calls):
             action()
         return (time.perf_counter() - wall) / calls, (time.process_time() - processor) / calls
+
     return run
 
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <stdexcept>
 #include <string>
 
@@ -11,8 +12,7 @@ template <class Real>
 class Kernel : public Side {
  public:
   explicit Kernel(const World& world)
-      : bodies_(world.bodies()),
-        softening2_(static_cast<Real>(world.softening * world.softening)) {
+      : bodies_(world.bodies()), softening2_(static_cast<Real>(world.softening * world.softening)) {
     for (uint64_t i = 0; i < bodies_.count; ++i) {
       for (int c = 0; c < 3; ++c) bodies_[c][i] = static_cast<Real>(world.position[3 * i + c]);
       bodies_[3][i] = static_cast<Real>(1.0 / static_cast<double>(bodies_.count));

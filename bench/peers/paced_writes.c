@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Writes to each client sixty times a second as much as it takes to tell it of five things that
 // move, as MessagePack; makes no world, reads nothing: what the machine alone does to the pace.
 //   paced_writes PORT
@@ -14,9 +15,24 @@
 
 enum { kMessageBytes = 328, kMaxClients = 4096, kSecond = 1000000000 };
 
-static const char kBegin[] = {0, 0, (kMessageBytes - 4) >> 8, (char)((kMessageBytes - 4) & 255),
-                              (char)0x84, (char)0xa1, 't', (char)0xaa,
-                              'p', 'e', 'r', 'c', 'e', 'p', 't', 'i', 'o', 'n'};
+static const char kBegin[] = {0,
+                              0,
+                              (kMessageBytes - 4) >> 8,
+                              (char)((kMessageBytes - 4) & 255),
+                              (char)0x84,
+                              (char)0xa1,
+                              't',
+                              (char)0xaa,
+                              'p',
+                              'e',
+                              'r',
+                              'c',
+                              'e',
+                              'p',
+                              't',
+                              'i',
+                              'o',
+                              'n'};
 
 static long long Now(void) {
   struct timespec now;

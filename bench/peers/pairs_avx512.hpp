@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The fastest direct summation of softened gravitation that we could write for one kind of
 // processor: AVX-512 with approximate reciprocal roots and OpenMP. It is what the law is measured
 // against; its bits depend on the processor and on the number of threads.
@@ -19,8 +20,7 @@ struct Bodies {
     Real value[64 / sizeof(Real)];
   };
   static std::vector<Line> Column(uint64_t n) { return std::vector<Line>(n * sizeof(Real) / 64); }
-  explicit Bodies(uint64_t n)
-      : count(n), columns(7, Column(n)) {}
+  explicit Bodies(uint64_t n) : count(n), columns(7, Column(n)) {}
 
   Real* operator[](int c) { return columns[c].data()->value; }
   uint64_t count;
@@ -76,8 +76,8 @@ class ThirdLawKernel {
   template <bool both>
   void Block(int64_t i, int64_t j, __m512 softening2, Sums& rows, float* const sums[3]) {
     const float *x = bodies_[0], *y = bodies_[1], *z = bodies_[2], *m = bodies_[3];
-    const __m512 xj = _mm512_load_ps(x + j), yj = _mm512_load_ps(y + j),
-                 zj = _mm512_load_ps(z + j), mj = _mm512_load_ps(m + j);
+    const __m512 xj = _mm512_load_ps(x + j), yj = _mm512_load_ps(y + j), zj = _mm512_load_ps(z + j),
+                 mj = _mm512_load_ps(m + j);
     __m512 bx = _mm512_load_ps(sums[0] + j), by = _mm512_load_ps(sums[1] + j),
            bz = _mm512_load_ps(sums[2] + j);
 #pragma GCC unroll 4
@@ -140,8 +140,8 @@ inline void RunBothSides(Bodies<double>& bodies, double softening2, int threads)
       sx[u] = sy[u] = sz[u] = _mm512_setzero_pd();
     }
     for (int64_t j = 0; j < n; ++j) {
-      const __m512d xj = _mm512_set1_pd(x[j]), yj = _mm512_set1_pd(y[j]),
-                    zj = _mm512_set1_pd(z[j]), mj = _mm512_set1_pd(m[j]);
+      const __m512d xj = _mm512_set1_pd(x[j]), yj = _mm512_set1_pd(y[j]), zj = _mm512_set1_pd(z[j]),
+                    mj = _mm512_set1_pd(m[j]);
 #pragma GCC unroll 4
       for (int u = 0; u < 4; ++u) {
         const __m512d dx = _mm512_sub_pd(xj, xi[u]), dy = _mm512_sub_pd(yj, yi[u]),

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The usual OpenCL kernel for gravitation of all pairs: separate arrays of x, y, z and mass, a work
 // item for each body, relaxed mathematics. What one would write who needs no engine.
 #pragma once

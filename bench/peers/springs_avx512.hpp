@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The fastest loop over damped springs that we could write for one kind of processor: AVX-512 with
 // approximate reciprocal roots, eight springs at a time, and OpenMP with a buffer of forces for
 // each thread. It is what the law is measured against; its bits depend on the processor and on the
@@ -23,8 +24,11 @@ class SpringsKernel {
   SpringsKernel(const std::vector<float>& mass, const std::vector<float>& position,
                 const std::vector<std::array<uint32_t, 2>>& ends, const std::vector<float>& length,
                 float hooke, float damping, int threads)
-      : threads_(threads), velocity_(mass.size(), Body{}), length_(length),
-        hooke_(ends.size(), hooke), damping_(ends.size(), damping),
+      : threads_(threads),
+        velocity_(mass.size(), Body{}),
+        length_(length),
+        hooke_(ends.size(), hooke),
+        damping_(ends.size(), damping),
         force_(threads, std::vector<Body>(mass.size(), Body{})) {
     for (uint64_t i = 0; i < mass.size(); ++i) {
       position_.push_back({{position[3 * i], position[3 * i + 1], position[3 * i + 2], 0}});
@@ -63,9 +67,8 @@ class SpringsKernel {
   }
   /// Dot products of eight pairs of vectors.
   static __m256 Dot(const __m256* a, const __m256* b) {
-    return _mm256_hadd_ps(
-        _mm256_hadd_ps(_mm256_mul_ps(a[0], b[0]), _mm256_mul_ps(a[1], b[1])),
-        _mm256_hadd_ps(_mm256_mul_ps(a[2], b[2]), _mm256_mul_ps(a[3], b[3])));
+    return _mm256_hadd_ps(_mm256_hadd_ps(_mm256_mul_ps(a[0], b[0]), _mm256_mul_ps(a[1], b[1])),
+                          _mm256_hadd_ps(_mm256_mul_ps(a[2], b[2]), _mm256_mul_ps(a[3], b[3])));
   }
 
   void Pull(float* force, uint64_t begin, uint64_t end) const {
@@ -81,15 +84,13 @@ class SpringsKernel {
       }
       const __m256 r2 = Dot(d, d), du = Dot(d, u);
       __m256 inverse = _mm256_rsqrt14_ps(r2);
-      const __m256 error =
-          _mm256_fnmadd_ps(_mm256_mul_ps(r2, inverse), inverse, _mm256_set1_ps(1));
-      inverse =
-          _mm256_fmadd_ps(_mm256_mul_ps(inverse, error), _mm256_set1_ps(0.5f), inverse);
+      const __m256 error = _mm256_fnmadd_ps(_mm256_mul_ps(r2, inverse), inverse, _mm256_set1_ps(1));
+      inverse = _mm256_fmadd_ps(_mm256_mul_ps(inverse, error), _mm256_set1_ps(0.5f), inverse);
       const __m256 strain = _mm256_fmsub_ps(r2, inverse, _mm256_loadu_ps(&length_[s]));
       const __m256 damped =
           _mm256_mul_ps(_mm256_loadu_ps(&damping_[s]), _mm256_mul_ps(du, inverse));
-      const __m256 pull = _mm256_mul_ps(
-          inverse, _mm256_fmadd_ps(_mm256_loadu_ps(&hooke_[s]), strain, damped));
+      const __m256 pull =
+          _mm256_mul_ps(inverse, _mm256_fmadd_ps(_mm256_loadu_ps(&hooke_[s]), strain, damped));
       const __m256 f[] = {_mm256_mul_ps(d[0], _mm256_permute_ps(pull, 0x00)),
                           _mm256_mul_ps(d[1], _mm256_permute_ps(pull, 0x55)),
                           _mm256_mul_ps(d[2], _mm256_permute_ps(pull, 0xaa)),
@@ -128,8 +129,8 @@ class SpringsKernel {
         sum = _mm_add_ps(sum, _mm_load_ps(force[i].value));
         _mm_store_ps(force[i].value, zero);
       }
-      const __m128 v = _mm_fmadd_ps(sum, _mm_set1_ps(inverse_mass_[i] * dt),
-                                    _mm_load_ps(velocity_[i].value));
+      const __m128 v =
+          _mm_fmadd_ps(sum, _mm_set1_ps(inverse_mass_[i] * dt), _mm_load_ps(velocity_[i].value));
       _mm_store_ps(velocity_[i].value, v);
       _mm_store_ps(position_[i].value,
                    _mm_fmadd_ps(v, _mm_set1_ps(dt), _mm_load_ps(position_[i].value)));

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A block of balls, ten high, that falls on a floor and becomes a pile, as frames of 1/60 s per
 // second. Prints a line of JSON; see docs/benchmarks.md.
 //   spheres_bench FOLDER_OF_LAWS BODIES THREADS
@@ -79,8 +80,8 @@ struct Balls {
       deepest = std::max(deepest, 0.5 - double{p[1]});
       for (size_t b = a + 1; b < rows.size() && position[3 * rows[b]] < p[0] + 1; ++b) {
         const float* q = &position[3 * rows[b]];
-        deepest = std::max(deepest, 1 - std::hypot(double{p[0]} - q[0], double{p[1]} - q[1],
-                                                   double{p[2]} - q[2]));
+        deepest = std::max(
+            deepest, 1 - std::hypot(double{p[0]} - q[0], double{p[1]} - q[1], double{p[2]} - q[2]));
       }
     }
     return deepest;
@@ -108,7 +109,8 @@ int main(int argc, char** argv) {
   const double wall =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const double busy = static_cast<double>(std::clock() - processor) / CLOCKS_PER_SEC;
-  std::printf("{\"framesPerSecond\": %.3f, \"framesPerProcessorSecond\": %.3f, "
-              "\"deepestOverlap\": %.4f}\n", kFrames / wall, kFrames / busy,
-              std::max(deepest, balls.DeepestOverlap()));
+  std::printf(
+      "{\"framesPerSecond\": %.3f, \"framesPerProcessorSecond\": %.3f, "
+      "\"deepestOverlap\": %.4f}\n",
+      kFrames / wall, kFrames / busy, std::max(deepest, balls.DeepestOverlap()));
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // hooke_spring and newton_motion through the engine on a square cloth, its springs given row by row
 // and in random order, next to a bare loop that was tuned for one processor. Prints a table.
 //   springs_bench FOLDER_OF_LAWS
@@ -13,10 +14,10 @@
 
 namespace {
 
-constexpr double kDt = 1e-4;         // [s]
-constexpr float kSpacing = 0.01f;    // [m]
-constexpr float kHooke = 20;         // [N/m]
-constexpr float kDamping = 0.005f;   // [N s/m]
+constexpr double kDt = 1e-4;        // [s]
+constexpr float kSpacing = 0.01f;   // [m]
+constexpr float kHooke = 20;        // [N/m]
+constexpr float kDamping = 0.005f;  // [N s/m]
 
 /// side x side bodies of 1 g, each with springs to its neighbours along the sides and across.
 struct Cloth {
@@ -53,9 +54,12 @@ class Law {
  public:
   Law(Cloth cloth, uint32_t threads, const char* laws)
       : mass_(cloth.mass.begin(), cloth.mass.end()),
-        position_(cloth.position.begin(), cloth.position.end()), velocity_(position_.size()),
-        force_(position_.size()), length_(cloth.length.begin(), cloth.length.end()),
-        hooke_(length_.size(), Real(kHooke)), damping_(length_.size(), Real(kDamping)),
+        position_(cloth.position.begin(), cloth.position.end()),
+        velocity_(position_.size()),
+        force_(position_.size()),
+        length_(cloth.length.begin(), cloth.length.end()),
+        hooke_(length_.size(), Real(kHooke)),
+        damping_(length_.size(), Real(kDamping)),
         ends_(std::move(cloth.ends)),
         engine_(sizeof(Real) == 8 ? "si-f64" : "si-f32",
                 {.threads = threads, .validate = false, .law_path = laws, .deferred = true}) {
@@ -109,16 +113,16 @@ void Measure(uint32_t side, uint32_t threads, const char* laws) {
   bench::SpringsKernel kernel = MakeKernel(cloth, static_cast<int>(threads));
   constexpr int kSteps = 16;  // a round trip of the loop's threads for each would be too slow
   const auto advance = [](auto& law) { return [&law] { law.Advance(kSteps); }; };
-  const auto beside = bench::SideBySide(
-      advance(grid), [&] { kernel.Advance(static_cast<float>(kDt), kSteps); });
+  const auto beside =
+      bench::SideBySide(advance(grid), [&] { kernel.Advance(static_cast<float>(kDt), kSteps); });
   const auto orders = bench::SideBySide(advance(random), advance(grid));
   const auto precisions = bench::SideBySide(advance(wide), advance(grid));
   const double springs = 1e-6 * static_cast<double>(cloth.ends.size());
   std::printf("| %.0f | %s | %.0f | %.0f | %.2f | %.2f | %.2f | %.0f | %.1f |\n", 1e6 * springs,
               threads == 1 ? "1 thread" : "2 threads", kSteps * springs / beside.a.wall,
-              kSteps * springs / beside.b.wall,
-              beside.b.wall / beside.a.wall, beside.b.processor / beside.a.processor,
-              orders.b.wall / orders.a.wall, kSteps * springs / precisions.a.wall,
+              kSteps * springs / beside.b.wall, beside.b.wall / beside.a.wall,
+              beside.b.processor / beside.a.processor, orders.b.wall / orders.a.wall,
+              kSteps * springs / precisions.a.wall,
               std::max({beside.foreign, orders.foreign, precisions.foreign}));
   std::fflush(stdout);
 }
@@ -135,9 +139,10 @@ int main(int argc, char** argv) {
     return 1;
   }
   CheckAgreement(Cloth(50, false), argv[1]);
-  std::printf("| springs | | law, f32 [10^6 springs/s] | loop, f32 [10^6 springs/s] | ratio "
-              "| ratio of processor time | random order / in order | law, f64 [10^6 springs/s] "
-              "| others' processors |\n|---:|---|---:|---:|---:|---:|---:|---:|---:|\n");
+  std::printf(
+      "| springs | | law, f32 [10^6 springs/s] | loop, f32 [10^6 springs/s] | ratio "
+      "| ratio of processor time | random order / in order | law, f64 [10^6 springs/s] "
+      "| others' processors |\n|---:|---|---:|---:|---:|---:|---:|---:|---:|\n");
   for (const uint32_t side : {50, 158, 500}) {
     for (const uint32_t threads : {1, 2}) Measure(side, threads, argv[1]);
   }

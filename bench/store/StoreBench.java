@@ -1,11 +1,4 @@
-import java.lang.management.ManagementFactory;
-import java.lang.ref.Reference;
-import java.nio.file.Files;
-import java.nio.file.Path;
-import java.util.ArrayList;
-import java.util.Arrays;
-import java.util.List;
-import java.util.Random;
+// SPDX-License-Identifier: Apache-2.0
 import reve.core.derive.DerivedColumns;
 import reve.core.frame.FrameBus;
 import reve.core.frame.FrameLoop;
@@ -21,6 +14,15 @@ import reve.core.world.SnapshotRing;
 import reve.core.world.World;
 import reve.core.world.WorldPrototype;
 
+import java.lang.management.ManagementFactory;
+import java.lang.ref.Reference;
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.util.ArrayList;
+import java.util.Arrays;
+import java.util.List;
+import java.util.Random;
+
 /**
  * One row of bench/results/world_store.md: how long a world of moving balls takes to load in a new
  * process, what an item costs in memory, and what queries, updates and attached items cost. See
@@ -32,8 +34,10 @@ import reve.core.world.WorldPrototype;
 final class StoreBench {
 
     private static final int SLOTS = 4;
+
     /** Whose memory is averaged, as what the Java machine itself takes meanwhile varies. */
     private static final int WORLDS = 4;
+
     private static final int FRAMES = 200;
     private static final int QUERIES = 200;
     private static final double SIDE = 100;
@@ -75,19 +79,33 @@ final class StoreBench {
         double outside = (residentBytes() - outsideBefore) / (double) items / WORLDS;
         Reference.reachabilityFence(first);
         StoreBench last = more.getLast();
-        System.out.printf("| %s | %,d | %.2f | %.0f | %.0f | %.0f | %s | %s |%n", prototype, items,
-                loadSeconds, heap, outside, heap + outside, last.space(), last.attached());
+        System.out.printf(
+                "| %s | %,d | %.2f | %.0f | %.0f | %.0f | %s | %s |%n",
+                prototype,
+                items,
+                loadSeconds,
+                heap,
+                outside,
+                heap + outside,
+                last.space(),
+                last.attached());
     }
 
     /** From code, as a world file is: all at once. */
     private void load() {
         List<ItemDefinition> definitions = new ArrayList<>();
         for (int i = 0; i < items; i++) {
-            definitions.add(ItemDefinition.named("ball " + i).at(any(), any(), any())
-                    .shape(Shape.sphere(0.25)).physics("mass", 1)
-                    .physics("velocity", random.nextGaussian(), random.nextGaussian(),
-                            random.nextGaussian())
-                    .build());
+            definitions.add(
+                    ItemDefinition.named("ball " + i)
+                            .at(any(), any(), any())
+                            .shape(Shape.sphere(0.25))
+                            .physics("mass", 1)
+                            .physics(
+                                    "velocity",
+                                    random.nextGaussian(),
+                                    random.nextGaussian(),
+                                    random.nextGaussian())
+                            .build());
         }
         world.addAll(definitions);
     }
@@ -96,7 +114,9 @@ final class StoreBench {
     private void run() {
         bus.subscribe(FramePhase.PHYSICS, "motion", event -> move(event.dtSeconds()));
         DerivedColumns.subscribeTo(bus);
-        bus.subscribe(FramePhase.PUBLISH, "snapshots",
+        bus.subscribe(
+                FramePhase.PUBLISH,
+                "snapshots",
                 event -> ring.publish(event.frame(), event.timeSeconds()));
         loop.run(2 * SLOTS);
     }
@@ -143,8 +163,9 @@ final class StoreBench {
             regions.add((found - updated) / 1e3 / QUERIES);
             nearest.add((System.nanoTime() - found) / 1e3 / QUERIES);
         }
-        return "%.1f | %.1f (%d) | %.1f".formatted(median(updates), median(regions),
-                hits / FRAMES / QUERIES, median(nearest));
+        return "%.1f | %.1f (%d) | %.1f"
+                .formatted(
+                        median(updates), median(regions), hits / FRAMES / QUERIES, median(nearest));
     }
 
     /** Median of placing attached items [ns each]: a tenth of all on nine tenths of them. */
@@ -183,7 +204,9 @@ final class StoreBench {
 
     private static long residentBytes() throws Exception {
         return Files.readAllLines(Path.of("/proc/self/status")).stream()
-                .filter(line -> line.startsWith("RssAnon")).findFirst()
-                .map(line -> Long.parseLong(line.replaceAll("\\D+", "")) * 1024).orElseThrow();
+                .filter(line -> line.startsWith("RssAnon"))
+                .findFirst()
+                .map(line -> Long.parseLong(line.replaceAll("\\D+", "")) * 1024)
+                .orElseThrow();
     }
 }

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Seconds from `./reve serve WORLD` to "ready": a new process each time, median of some runs.
 
 usage: bench/store/ready.py [ITEMS [RUNS]]

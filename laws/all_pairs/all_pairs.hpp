@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Forces between all pairs of bodies that fall with the square of the distance: what gravitation
 // and electrostatics share. Each pair is computed once and acts on both of its bodies.
 #pragma once
@@ -86,9 +87,9 @@ class AllPairs {
 
  private:
   static constexpr uint64_t kSize = BodyPacket<Real>::kSize;
-  static constexpr uint64_t kRowsOfShare = 8;   // packets, at least
-  static constexpr uint64_t kMaxShares = 32;    // bounds the memory
-  static constexpr uint64_t kPacketGrain = 256; // that a thread finishes at once
+  static constexpr uint64_t kRowsOfShare = 8;    // packets, at least
+  static constexpr uint64_t kMaxShares = 32;     // bounds the memory
+  static constexpr uint64_t kPacketGrain = 256;  // that a thread finishes at once
   // Lengths are scaled to below 2^kExtent and weights to below 2^kHeaviest: so a pair's r^-3 times
   // both weights is a number, however near it is, and keeps its digits, however far and light.
   // kLeast, the least softening squared, keeps r^-3 finite where bodies meet.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "all_pairs/all_pairs.hpp"
 
 #include <gtest/gtest.h>

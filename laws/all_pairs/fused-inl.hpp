@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Multiplication and addition with one rounding, for each target of Highway that includes this.
 #if defined(VESPER_ALL_PAIRS_FUSED) == defined(HWY_TARGET_TOGGLE)
 #ifdef VESPER_ALL_PAIRS_FUSED

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which of the loops that are compiled several times a processor can run.
 #pragma once
 

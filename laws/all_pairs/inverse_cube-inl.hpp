@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The power -3/2, for each target of Highway that includes this.
 #if defined(VESPER_ALL_PAIRS_INVERSE_CUBE) == defined(HWY_TARGET_TOGGLE)
 #ifdef VESPER_ALL_PAIRS_INVERSE_CUBE

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Compiled once for each instruction set: Highway includes this file again and again. Which one
 // runs is chosen here, because a law is one file, and of Highway only the headers can be in it.
 #include "all_pairs/pair_sums.hpp"
@@ -170,13 +171,12 @@ HWY_INLINE double SumPotentialsOf(const BodyPacket<double>* bodies, uint64_t p, 
       const auto dx = hn::Sub(hn::Load(d, bodies[q].x + lane), hn::Set(d, own.x[row]));
       const auto dy = hn::Sub(hn::Load(d, bodies[q].y + lane), hn::Set(d, own.y[row]));
       const auto dz = hn::Sub(hn::Load(d, bodies[q].z + lane), hn::Set(d, own.z[row]));
-      const auto r2 =
-          Fused(d, dx, dx, Fused(d, dy, dy, Fused(d, dz, dz, hn::Set(d, softening2))));
+      const auto r2 = Fused(d, dx, dx, Fused(d, dy, dy, Fused(d, dz, dz, hn::Set(d, softening2))));
       const auto potential = hn::Div(hn::Load(d, bodies[q].weight + lane), hn::Sqrt(r2));
       // In its own packet the body meets those behind it only.
       const auto first = hn::Set(d, q == p ? static_cast<double>(row + 1) : 0.0);
-      const auto none = hn::Or(hn::Lt(hn::Iota(d, static_cast<double>(lane)), first),
-                               hn::Eq(r2, hn::Zero(d)));
+      const auto none =
+          hn::Or(hn::Lt(hn::Iota(d, static_cast<double>(lane)), first), hn::Eq(r2, hn::Zero(d)));
       sum = hn::Add(sum, hn::IfThenZeroElse(none, potential));
     }
     hn::Store(sum, d, lanes + lane);
@@ -203,9 +203,9 @@ namespace vesper {
 
 // Calls the function that was compiled for the instruction set.
 #if HWY_ARCH_X86_64
-#define VESPER_DISPATCH(set, function)                              \
-  ((set) == InstructionSet::kAvx512 ? N_AVX3::function              \
-   : (set) == InstructionSet::kAvx2 ? N_AVX2::function              \
+#define VESPER_DISPATCH(set, function)                 \
+  ((set) == InstructionSet::kAvx512 ? N_AVX3::function \
+   : (set) == InstructionSet::kAvx2 ? N_AVX2::function \
                                     : HWY_STATIC_DISPATCH(function))
 #else
 #define VESPER_DISPATCH(set, function) HWY_STATIC_DISPATCH(function)
@@ -217,8 +217,8 @@ void SumPairs(InstructionSet set, ReciprocalRoot root, const BodyPacket<Real>* b
   VESPER_DISPATCH(set, SumPairs<Real>)(root, bodies, rows, count, softening2, sums);
 }
 
-template void SumPairs(InstructionSet, ReciprocalRoot, const BodyPacket<float>*, uint64_t,
-                       uint64_t, float, SumPacket<float>*);
+template void SumPairs(InstructionSet, ReciprocalRoot, const BodyPacket<float>*, uint64_t, uint64_t,
+                       float, SumPacket<float>*);
 template void SumPairs(InstructionSet, ReciprocalRoot, const BodyPacket<double>*, uint64_t,
                        uint64_t, double, SumPacket<double>*);
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The loops over pairs of bodies, compiled for several instruction sets with the same bits.
 #pragma once
 

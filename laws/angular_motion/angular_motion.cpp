@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
 
@@ -107,8 +108,8 @@ struct AngularMotion {
   }
   void Store(uint64_t i, const Quaternion& turned) const {
     const Quaternion q = turned.Normalised();
-    orientation[i] = {static_cast<Real>(q.v.x), static_cast<Real>(q.v.y),
-                      static_cast<Real>(q.v.z), static_cast<Real>(q.w)};
+    orientation[i] = {static_cast<Real>(q.v.x), static_cast<Real>(q.v.y), static_cast<Real>(q.v.z),
+                      static_cast<Real>(q.w)};
   }
 
   /** The free body splits into rotations that are exact: about the angular momentum, as a sphere of

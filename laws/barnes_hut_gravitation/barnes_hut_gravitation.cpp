@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <span>
 #include <stdexcept>
@@ -94,8 +95,7 @@ class BarnesHutGravitation {
   void RequireUsable(uint64_t row) const {
     const Vec3<Real>& p = position_[row];
     if (!(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z))) {
-      throw std::invalid_argument("'position' of body " + std::to_string(row) +
-                                  " is not finite");
+      throw std::invalid_argument("'position' of body " + std::to_string(row) + " is not finite");
     }
     if (!(mass_[row] >= 0 && std::isfinite(mass_[row]))) {
       throw std::invalid_argument("'mass' of body " + std::to_string(row) + " is " +
@@ -210,8 +210,10 @@ class BarnesHutGravitation {
     return sum;
   }
 
-  Parameter theta_{"theta", "Size of a cell over its distance up to which it is taken as a whole.",
-                   units::one, 0.5, 0, 1};
+  Parameter theta_{
+      "theta",    "Size of a cell over its distance up to which it is taken as a whole.",
+      units::one, 0.5,
+      0,          1};
   Read<Real> gravitational_constant_{"gravitationalConstant", "world",
                                      units::gravitational_constant};
   OptionalRead<Real> softening_{"softening", "world", units::metre};

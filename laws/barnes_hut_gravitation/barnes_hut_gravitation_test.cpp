@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <numbers>
 #include <numeric>
@@ -107,9 +108,9 @@ Cloud<Real> UniformBox(uint64_t bodies) {
   Random random;
   Cloud<Real> cloud;
   for (uint64_t i = 0; i < bodies; ++i) {
-    cloud.AddBody(Real(random.Uniform(0.5, 1.5)),
-                  {Real(random.Uniform(0, 1)), Real(random.Uniform(0, 1)),
-                   Real(random.Uniform(0, 1))});
+    cloud.AddBody(
+        Real(random.Uniform(0.5, 1.5)),
+        {Real(random.Uniform(0, 1)), Real(random.Uniform(0, 1)), Real(random.Uniform(0, 1))});
   }
   cloud.softening = {Real(0.001)};
   return cloud;

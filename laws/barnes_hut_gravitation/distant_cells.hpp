@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Cells far away from a group of bodies, summed in single precision whatever the world's is.
 #pragma once
 
@@ -18,7 +19,9 @@ class DistantCells {
   /// The group fills `box` and outlives this, which adds to its sums; softening2 [tree's length^2].
   DistantCells(const Interactions<float>& simd, Targets<double>& targets, const Box<double>& box,
                double softening2)
-      : simd_(simd), targets_(targets), centre_((box.low + box.high) * 0.5),
+      : simd_(simd),
+        targets_(targets),
+        centre_((box.low + box.high) * 0.5),
         // Nearer, differences of rounded places would round too much, or leave the range of float.
         nearest2_(std::max(box.FarthestSquare(centre_) / 16, 0x1p-40)),
         softening2_(std::max(static_cast<float>(softening2), kLeastSoftening2<float>)) {
@@ -36,9 +39,15 @@ class DistantCells {
   void Add(const Multipole<double>& cell) {
     const auto single = [](double x) { return static_cast<float>(x); };
     const Vec3<double> from = cell.centre - centre_;
-    cells_[count_++] = {{single(from.x), single(from.y), single(from.z)}, single(cell.mass),
-                        single(cell.xx), single(cell.xy), single(cell.xz), single(cell.yy),
-                        single(cell.yz), single(cell.zz), single(cell.trace)};
+    cells_[count_++] = {{single(from.x), single(from.y), single(from.z)},
+                        single(cell.mass),
+                        single(cell.xx),
+                        single(cell.xy),
+                        single(cell.xz),
+                        single(cell.yy),
+                        single(cell.yz),
+                        single(cell.zz),
+                        single(cell.trace)};
     if (count_ == kList) Flush();
   }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "interactions.cpp"
 // Beside these two only what every processor of the family has.
@@ -103,8 +104,8 @@ HWY_INLINE void ForBlocks(Targets<Real>& targets, const Each& each) {
 }
 
 template <class Real>
-void AddBodies(Targets<Real>& targets, const Source<Real>* sources, const Run* runs,
-               uint32_t count, Real softening2) {
+void AddBodies(Targets<Real>& targets, const Source<Real>* sources, const Run* runs, uint32_t count,
+               Real softening2) {
   ForBlocks(targets, [&](auto& one, auto& two) HWY_ATTR {
     const auto e2 = hn::Set(hn::CappedTag<Real, kGroup / 2>(), softening2);
     for (const Run* run = runs; run != runs + count; ++run) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Forces of bodies and of whole cells on a group of bodies, in SIMD.
 #pragma once
 
@@ -20,17 +21,17 @@ inline constexpr Real kLeastSoftening2 = sizeof(Real) == 4 ? Real(0x1p-82) : Rea
 /// A body as a source of force.
 template <class Real>
 struct Source {
-  Vec3<Real> position;  
+  Vec3<Real> position;
   Real mass;
 };
 
 /// A cell as a source of force: its mass, and how it is spread about its centre.
 template <class Real>
 struct Multipole {
-  Vec3<Real> centre;             // of mass
+  Vec3<Real> centre;  // of mass
   Real mass;
-  Real xx, xy, xz, yy, yz, zz;   // 3 sum m_i x_i x_j / mass, x from the centre
-  Real trace;                    // xx + yy + zz
+  Real xx, xy, xz, yy, yz, zz;  // 3 sum m_i x_i x_j / mass, x from the centre
+  Real trace;                   // xx + yy + zz
 };
 
 /// Sources [first, first + count), neighbours in the sorted order.

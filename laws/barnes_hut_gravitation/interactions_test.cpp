@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "interactions.hpp"
 
 #include <gtest/gtest.h>
@@ -61,8 +62,12 @@ class InteractionsTest : public ::testing::Test {
     }
     return {{Real(centre.x), Real(centre.y), Real(centre.z)},
             Real(mass),
-            Real(spread[0][0]), Real(spread[0][1]), Real(spread[0][2]),
-            Real(spread[1][1]), Real(spread[1][2]), Real(spread[2][2]),
+            Real(spread[0][0]),
+            Real(spread[0][1]),
+            Real(spread[0][2]),
+            Real(spread[1][1]),
+            Real(spread[1][2]),
+            Real(spread[2][2]),
             Real(spread[0][0] + spread[1][1] + spread[2][2])};
   }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The tree of cells over all bodies, built anew from their positions.
 #pragma once
 
@@ -57,10 +58,10 @@ struct Scales {
 /// What a walk needs to know of a cell.
 template <class Real>
 struct Cell {
-  Vec3<Real> centre;    // of mass
-  Real reach2;          // square of the distance within which all of its bodies lie
+  Vec3<Real> centre;      // of mass
+  Real reach2;            // square of the distance within which all of its bodies lie
   uint32_t first, count;  // its bodies, in the sorted order
-  uint32_t next;        // the cell that follows its descendants
+  uint32_t next;          // the cell that follows its descendants
 };
 
 /// Cells in the order of a walk, parents before children, in scaled units. Memory grows with the
@@ -128,13 +129,13 @@ class Octree {
 
   Scales scales_;
   RadixSort sort_;
-  std::vector<Keyed> items_;                   // (bodies)
-  std::vector<Source<Real>> sources_;          // (bodies)
-  std::vector<Box<Real>> bounds_;              // (chunks of bodies)
-  std::vector<Real> largest_;                  // (chunks of bodies x 2)
-  std::vector<Cell<Real>> cells_;              // (cells)
-  std::vector<Box<Real>> boxes_;               // (cells)
-  std::vector<Multipole<Real>> multipoles_;    // (cells)
+  std::vector<Keyed> items_;                 // (bodies)
+  std::vector<Source<Real>> sources_;        // (bodies)
+  std::vector<Box<Real>> bounds_;            // (chunks of bodies)
+  std::vector<Real> largest_;                // (chunks of bodies x 2)
+  std::vector<Cell<Real>> cells_;            // (cells)
+  std::vector<Box<Real>> boxes_;             // (cells)
+  std::vector<Multipole<Real>> multipoles_;  // (cells)
 };
 
 template <class Real>
@@ -188,8 +189,8 @@ void Octree<Real>::Sort(const Parallel& parallel, std::span<const Vec3<Real>> po
   const Box<Real> box = Bounds(parallel, position, first, last);
   // In double and halved, so that no extent overflows.
   const auto half = [](Real high, Real low) { return 0.5 * double{high} - 0.5 * double{low}; };
-  const double extent = std::max({half(box.high.x, box.low.x), half(box.high.y, box.low.y),
-                                  half(box.high.z, box.low.z)});
+  const double extent = std::max(
+      {half(box.high.x, box.low.x), half(box.high.y, box.low.y), half(box.high.z, box.low.z)});
   constexpr double kCells = 1 << kHilbertLevels;
   const auto place = [&](Real at, Real low) {
     const double cell = extent > 0 ? half(at, low) / extent * kCells : 0;
@@ -199,8 +200,7 @@ void Octree<Real>::Sort(const Parallel& parallel, std::span<const Vec3<Real>> po
   parallel(items.size(), kGrain, [&](uint64_t begin, uint64_t end) {
     for (Keyed& item : items.subspan(begin, end - begin)) {
       const Vec3<Real> p = position[item.row];
-      item.key =
-          HilbertPlace(place(p.x, box.low.x), place(p.y, box.low.y), place(p.z, box.low.z));
+      item.key = HilbertPlace(place(p.x, box.low.x), place(p.y, box.low.y), place(p.z, box.low.z));
     }
   });
   sort_(parallel, items);
@@ -236,9 +236,9 @@ void Octree<Real>::Cut(const Parallel& parallel, std::span<const Vec3<Real>> pos
       const int shift = (63 - std::countl_zero(difference())) / 3 * 3;
       for (uint32_t begin = first; begin < last;) {
         const uint64_t octant = items_[begin].key >> shift;
-        const auto end = std::partition_point(
-            items_.begin() + begin, items_.begin() + last,
-            [&](const Keyed& item) { return item.key >> shift == octant; });
+        const auto end =
+            std::partition_point(items_.begin() + begin, items_.begin() + last,
+                                 [&](const Keyed& item) { return item.key >> shift == octant; });
         const auto stop = static_cast<uint32_t>(end - items_.begin());
         Cut(parallel, position, begin, stop, leaf_size);
         begin = stop;
@@ -257,9 +257,9 @@ void Octree<Real>::Gather(const Parallel& parallel, std::span<const Vec3<Real>> 
   parallel(items_.size(), kGrain, [&](uint64_t begin, uint64_t end) {
     for (uint64_t k = begin; k < end; ++k) {
       const Vec3<Real>& p = position[items_[k].row];
-      sources_[k] = {{scaled(p.x, scales_.length), scaled(p.y, scales_.length),
-                      scaled(p.z, scales_.length)},
-                     scaled(mass[items_[k].row], scales_.mass)};
+      sources_[k] = {
+          {scaled(p.x, scales_.length), scaled(p.y, scales_.length), scaled(p.z, scales_.length)},
+          scaled(mass[items_[k].row], scales_.mass)};
     }
   });
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A stable parallel sort of 64-bit keys.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "all_pairs/all_pairs.hpp"
 
 namespace {
@@ -12,8 +13,10 @@ struct Coulomb {
   static constexpr auto kPhase = Phase::kForce;
   static constexpr uint32_t kClaims = kMomentum | kAngularMomentum | kTranslation | kRotation;
 
-  Parameter fast{"fast", "Above 0: roots from the processor's approximation; bits differ with it.",
-                 units::one, 0, 0, 1};
+  Parameter fast{
+      "fast",     "Above 0: roots from the processor's approximation; bits differ with it.",
+      units::one, 0,
+      0,          1};
   Read<Real> coulomb_constant{"coulombConstant", "world", units::coulomb_constant};
   OptionalRead<Real> softening{"softening", "world", units::metre};
   Read<Real> charge{"charge", "body", units::coulomb};
@@ -27,10 +30,8 @@ struct Coulomb {
 
   void Advance(const Step& step) {
     if (coulomb_constant.size() == 0) return;  // a world without its one row
-    const auto root =
-        fast.value() > 0 ? ReciprocalRoot::kApproximate : ReciprocalRoot::kPortable;
-    pairs_.Attract(step, root, -double{coulomb_constant[0]}, Softening(), charge, position,
-                   force);
+    const auto root = fast.value() > 0 ? ReciprocalRoot::kApproximate : ReciprocalRoot::kPortable;
+    pairs_.Attract(step, root, -double{coulomb_constant[0]}, Softening(), charge, position, force);
   }
 
   /** k q q' / sqrt(r^2 + softening^2), summed over the pairs. */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "scene.hpp"
 
 namespace vesper {
@@ -35,8 +36,7 @@ TYPED_TEST(DragTest, ForceOpposesVelocity) {
   scene.AddDragged(0, 2, 0.5, {0, 2, 0});
   PhysicsEngine engine = scene.MakeDragEngine();
   engine.Advance(0.01);
-  EXPECT_EQ(scene.external_force,
-            (std::vector<TypeParam>{-2, 4, -6, -7.5, 0, 10, 0, -6, 0}));
+  EXPECT_EQ(scene.external_force, (std::vector<TypeParam>{-2, 4, -6, -7.5, 0, 10, 0, -6, 0}));
 }
 
 TYPED_TEST(DragTest, MassZeroFeelsTheForceAndKeepsItsBits) {

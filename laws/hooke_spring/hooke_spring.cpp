@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -189,7 +190,7 @@ struct HookeSpring {
   const TileForces<Real> compiled_ = AvailableTileForces<Real>().front();
   // All of it is rebuilt by Bind or by each Advance.
   SpringTiles tiles_;
-  uint64_t endpoints_version_ = kUnknown;      // that the tiles are of
+  uint64_t endpoints_version_ = kUnknown;  // that the tiles are of
   uint64_t bodies_ = 0;
   uint64_t tiles_at_once_ = 1;                 // that a thread takes
   std::array<Copied, 3> copies_;               // length, hooke, damping

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <numbers>
 #include <numeric>
@@ -177,8 +178,7 @@ TYPED_TEST(HookeSpringTest, DampingActsAlongTheSpringOnly) {
   PhysicsEngine engine = scene.MakeEngine();
   engine.LoadPhysicsLaw("hooke_spring");
   engine.Advance(0.01);
-  EXPECT_EQ(scene.external_force,
-            (std::vector<TypeParam>{0, 0, 0, 0, 0, 0, -3, 0, 0, 3, 0, 0}));
+  EXPECT_EQ(scene.external_force, (std::vector<TypeParam>{0, 0, 0, 0, 0, 0, -3, 0, 0, 3, 0, 0}));
 }
 
 TYPED_TEST(HookeSpringTest, WithoutADampingPropertySpringsAreUndamped) {
@@ -284,7 +284,9 @@ template <class Real>
 class EditedNetwork {
  public:
   EditedNetwork(uint32_t seed, bool shuffled, uint32_t threads, bool deferred)
-      : random_(seed), deferred_(deferred), scene_(Network(seed, shuffled)),
+      : random_(seed),
+        deferred_(deferred),
+        scene_(Network(seed, shuffled)),
         engine_(scene_.MakeEngine(threads, seed % 2 == 0, deferred)) {
     engine_.LoadPhysicsLaw("hooke_spring");
   }
@@ -304,8 +306,10 @@ class EditedNetwork {
       case 3:
         scene_.endpoints[2 * spring + random_() % 2] = AnyBody();
         return Provider().Touch({"endpoints"});
-      case 4: return ChangeSprings();
-      default: return ChangeBodies();
+      case 4:
+        return ChangeSprings();
+      default:
+        return ChangeBodies();
     }
   }
 

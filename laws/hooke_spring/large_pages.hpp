@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Memory for arrays that are read from one end to the other, again and again.
 #pragma once
 

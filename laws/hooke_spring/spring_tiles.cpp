@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "spring_tiles.hpp"
 
 #include <algorithm>
@@ -166,8 +167,7 @@ void SpringTiles::Localize(std::span<const Ends> endpoints, const Tile& tile, Pa
     const uint64_t slot = part.first_slot + part.slot_count++;
     const auto [a, b] = endpoints[rows_[slot]];
     first_ends_[slot] = static_cast<uint16_t>(place(a));
-    second_ends_[slot] =
-        FillsUp(tile, slot) ? first_ends_[slot] : static_cast<uint16_t>(place(b));
+    second_ends_[slot] = FillsUp(tile, slot) ? first_ends_[slot] : static_cast<uint16_t>(place(b));
   }
 }
 

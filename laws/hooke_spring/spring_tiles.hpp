@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How springs are dealt out to those that work on them at the same time.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "tile_forces.cpp"
 // Beside AVX2 and AVX-512 only what every processor of the family has.
@@ -230,7 +231,7 @@ void TakeMotions(const Vec3<Real>* position, const Vec3<Real>* velocity, uint64_
                  const uint32_t* rows, uint64_t first, uint64_t count, Motion<Real>* motions) {
   for (uint64_t i = 0; i < count; ++i) {
     const uint64_t row = rows == nullptr ? first + i : rows[i];
-    const Vec3<Real> &p = position[row], &v = velocity[row];
+    const Vec3<Real>&p = position[row], &v = velocity[row];
     motions[i] = {{p.x, p.y, p.z, 0}, {v.x, v.y, v.z, 0}};
   }
 }

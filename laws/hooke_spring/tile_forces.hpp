@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The forces of the springs of a tile, compiled for several instruction sets with the same bits.
 #pragma once
 
@@ -30,9 +31,9 @@ struct TileSprings {
   /// (count), where in the columns the springs are, and (count / kBatch), first_rows; null if
   /// spring i has row i.
   const uint32_t *rows, *first_rows;
-  const Real *length;   // [m]
-  const Real *hooke;    // [N/m]
-  const Real *damping;  // [N s/m]; null: undamped
+  const Real* length;   // [m]
+  const Real* hooke;    // [N/m]
+  const Real* damping;  // [N s/m]; null: undamped
 };
 
 /// The functions, compiled for one instruction set.

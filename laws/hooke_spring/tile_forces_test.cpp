@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tile_forces.hpp"
 
 #include <gtest/gtest.h>
@@ -26,8 +27,8 @@ struct Network {
       if (i % 5 == 4) position[i] = position[i - 1];
     }
     for (uint32_t s = 0; s < springs; ++s) {
-      const auto a = static_cast<uint32_t>(in_order ? uint64_t{s} * bodies / springs
-                                                    : random() % bodies);
+      const auto a =
+          static_cast<uint32_t>(in_order ? uint64_t{s} * bodies / springs : random() % bodies);
       endpoints.push_back({a, s % 10 == 0 ? (a + a % 2) % bodies : uint32_t(random() % bodies)});
       length.push_back(draw(0.1, 5));
       hooke.push_back(draw(1, 100));
@@ -128,8 +129,8 @@ TYPED_TEST(TileForcesTest, EveryInstructionSetGivesTheSameBits) {
       const auto first = network.Forces(available.front(), damped);
       for (const auto& compiled : available) {
         EXPECT_EQ(network.Forces(compiled, damped), first)
-            << compiled.instruction_set << " and " << available.front().instruction_set
-            << ", seed " << kSeed;
+            << compiled.instruction_set << " and " << available.front().instruction_set << ", seed "
+            << kSeed;
       }
     }
   }

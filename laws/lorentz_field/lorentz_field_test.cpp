@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <numbers>
 
 #include "scene.hpp"
@@ -8,7 +9,7 @@ namespace {
 /// Bodies with charge in the fields of their world.
 template <class Real>
 struct ChargedScene : Scene<Real> {
-  std::vector<Real> charge;               // (bodies) [C]
+  std::vector<Real> charge;                // (bodies) [C]
   std::vector<Real> electric = {0, 0, 0};  // (1 x 3) [V/m]
   std::vector<Real> magnetic = {0, 0, 0};  // (1 x 3) [T]
 

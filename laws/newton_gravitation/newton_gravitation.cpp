@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "all_pairs/all_pairs.hpp"
 
 namespace {
@@ -12,8 +13,10 @@ struct NewtonGravitation {
   static constexpr auto kPhase = Phase::kForce;
   static constexpr uint32_t kClaims = kMomentum | kAngularMomentum | kTranslation | kRotation;
 
-  Parameter fast{"fast", "Above 0: roots from the processor's approximation; bits differ with it.",
-                 units::one, 0, 0, 1};
+  Parameter fast{
+      "fast",     "Above 0: roots from the processor's approximation; bits differ with it.",
+      units::one, 0,
+      0,          1};
   Read<Real> gravitational_constant{"gravitationalConstant", "world",
                                     units::gravitational_constant};
   OptionalRead<Real> softening{"softening", "world", units::metre};
@@ -22,16 +25,13 @@ struct NewtonGravitation {
   Accumulate<Vec3<Real>> force{"externalForce", "body", units::newton};
 
   auto Parameters() { return std::tie(fast); }
-  auto Properties() {
-    return std::tie(gravitational_constant, softening, mass, position, force);
-  }
+  auto Properties() { return std::tie(gravitational_constant, softening, mass, position, force); }
 
   void Bind() { pairs_.Resize(mass.size()); }
 
   void Advance(const Step& step) {
     if (gravitational_constant.size() == 0) return;  // a world without its one row
-    const auto root =
-        fast.value() > 0 ? ReciprocalRoot::kApproximate : ReciprocalRoot::kPortable;
+    const auto root = fast.value() > 0 ? ReciprocalRoot::kApproximate : ReciprocalRoot::kPortable;
     pairs_.Attract(step, root, double{gravitational_constant[0]}, Softening(), mass, position,
                    force);
   }
@@ -39,8 +39,7 @@ struct NewtonGravitation {
   /** -G m m' / sqrt(r^2 + softening^2), summed over the pairs. */
   double PotentialEnergy() const {
     if (gravitational_constant.size() == 0) return 0;
-    return -double{gravitational_constant[0]} *
-           pairs_.SumOfPotentials(Softening(), mass, position);
+    return -double{gravitational_constant[0]} * pairs_.SumOfPotentials(Softening(), mass, position);
   }
 
  private:

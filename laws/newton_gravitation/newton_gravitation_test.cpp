@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <numbers>
 
 #include "scene.hpp"
@@ -130,8 +131,9 @@ TYPED_TEST(NewtonGravitationTest, ThreeBodiesDanceTheFigureEight) {
   PhysicsEngine engine = heavens.MakeEngine("runge_kutta4");
   const double period = 6.32591398;
   engine.Advance(period / 3000, 1000);  // each has taken the place of another
-  EXPECT_NEAR(Length(heavens.Place(2) - heavens.Wide(at)) *
-                  Length(heavens.Place(2) + heavens.Wide(at)), 0, this->Single(1e-4, 1e-6));
+  EXPECT_NEAR(
+      Length(heavens.Place(2) - heavens.Wide(at)) * Length(heavens.Place(2) + heavens.Wide(at)), 0,
+      this->Single(1e-4, 1e-6));
   engine.Advance(period / 3000, 2000);
   EXPECT_NEAR(Length(heavens.Place(0) - heavens.Wide(at)), 0, this->Single(1e-4, 1e-6));
   EXPECT_NEAR(Length(heavens.Place(2)), 0, this->Single(1e-4, 1e-6));

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "moves.cpp"
 // Beside AVX2 and AVX-512 only what every processor of the family has.

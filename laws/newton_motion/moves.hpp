@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A step of semi-implicit Euler, compiled for several instruction sets with the same bits.
 #pragma once
 
@@ -11,10 +12,10 @@ namespace vesper::newton_motion {
 /// The columns of the bodies that move.
 template <class Real>
 struct Bodies {
-  const Real* mass;          // [kg]
-  const Vec3<Real>* force;   // [N]
-  Vec3<Real>* velocity;      // [m/s]
-  Vec3<Real>* position;      // [m]
+  const Real* mass;         // [kg]
+  const Vec3<Real>* force;  // [N]
+  Vec3<Real>* velocity;     // [m/s]
+  Vec3<Real>* position;     // [m]
 };
 
 /// The function, compiled for one instruction set.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "device.hpp"
 
 #include <dlfcn.h>
@@ -49,8 +50,9 @@ std::vector<Found> FindDevices(const Api& api) {
 cl_device_id Choose(const Api& api) {
   const std::vector<Found> found = FindDevices(api);
   if (found.empty()) {
-    throw std::runtime_error("no OpenCL device on this machine; install a driver, such as the "
-                             "package pocl-opencl-icd, which computes on the CPU");
+    throw std::runtime_error(
+        "no OpenCL device on this machine; install a driver, such as the "
+        "package pocl-opencl-icd, which computes on the CPU");
   }
   if (const char* wanted = std::getenv("VESPER_OPENCL_DEVICE")) {
     size_t number = 0;
@@ -141,18 +143,17 @@ void Device::RequireDoubles() const {
 
 uint32_t Device::VectorWidth(size_t number_size) const {
   cl_uint width = 1;
-  api_.GetDeviceInfo(device_,
-                     number_size == 4 ? CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT
-                                      : CL_DEVICE_NATIVE_VECTOR_WIDTH_DOUBLE,
-                     sizeof width, &width, nullptr);
+  api_.GetDeviceInfo(
+      device_,
+      number_size == 4 ? CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT : CL_DEVICE_NATIVE_VECTOR_WIDTH_DOUBLE,
+      sizeof width, &width, nullptr);
   return width;
 }
 
 std::unique_ptr<Kernel> Device::Compile(const char* source, const std::string& options,
                                         const char* kernel) {
   cl_int result = CL_SUCCESS;
-  const cl_program program =
-      api_.CreateProgramWithSource(context_, 1, &source, nullptr, &result);
+  const cl_program program = api_.CreateProgramWithSource(context_, 1, &source, nullptr, &result);
   Check(result, "clCreateProgramWithSource");
   result = api_.BuildProgram(program, 1, &device_, options.c_str(), nullptr, nullptr);
   if (result != CL_SUCCESS) {
@@ -179,8 +180,8 @@ void Buffer::Reserve(size_t bytes) {
   if (memory_ != nullptr && bytes <= capacity_) return;
   const size_t capacity = std::max<size_t>(bytes + bytes / 4, 64);
   cl_int result = CL_SUCCESS;
-  const cl_mem memory = device_.api_.CreateBuffer(device_.context_, CL_MEM_READ_WRITE, capacity,
-                                                  nullptr, &result);
+  const cl_mem memory =
+      device_.api_.CreateBuffer(device_.context_, CL_MEM_READ_WRITE, capacity, nullptr, &result);
   device_.Check(result, "clCreateBuffer");
   if (memory_ != nullptr) device_.api_.ReleaseMemObject(memory_);
   memory_ = memory;

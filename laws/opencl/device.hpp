@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // An OpenCL device as the laws of this suite use it: one context, one queue in order.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Newton's gravitation of all pairs, on an OpenCL device.
 #pragma once
 
@@ -21,7 +22,10 @@ struct OpenClGravitation {
   Parameter fast{"fast",
                  "1: the device's own reciprocal square root; 0: square root and division as its "
                  "OpenCL rounds them.",
-                 units::one, 0, 0, 1};
+                 units::one,
+                 0,
+                 0,
+                 1};
   Read<Real> constant{"gravitationalConstant", "world", units::gravitational_constant};
   OptionalRead<Real> softening{"softening", "world", units::metre};
   DeferredRead<Real> mass{"mass", "body", units::kilogram};
@@ -47,9 +51,7 @@ struct OpenClGravitation {
     (*forces_)((position.size() + width - 1) / width, suite_->position.buffer(),
                suite_->mass.buffer(), suite_->force.buffer(), Count(), Constant(), Softening());
   }
-  void Synchronize(const DeferredAccumulate<Vec3<Real>>& column) {
-    suite_->force.Give(column);
-  }
+  void Synchronize(const DeferredAccumulate<Vec3<Real>>& column) { suite_->force.Give(column); }
 
   /** Minus half the sum of G m[i] m[j] / sqrt(|d|^2 + softening^2) over the bodies. */
   double PotentialEnergy() {

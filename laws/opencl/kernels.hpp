@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The programs that run on the device, in OpenCL C.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Newton's second law on an OpenCL device.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The OpenCL laws by themselves, together, and mixed with laws of the CPU.
 #include <cstdlib>
 #include <initializer_list>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The law that fills the device; the first of each OpenCL library.
 #pragma once
 

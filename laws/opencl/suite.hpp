@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the OpenCL laws of one library share.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "oscillator.hpp"
 
 namespace vesper {
@@ -31,8 +32,8 @@ TYPED_TEST(RungeKutta4Test, EnergyFallsAsTheAmplificationOfTheSchemeSays) {
 // leaves falls with the fourth power of the number of steps.
 TYPED_TEST(RungeKutta4Test, DampedMotionMatchesItsClosedForm) {
   const double gamma = 2.0 / (2 * 4), omega = std::sqrt(25 - gamma * gamma);
-  const double exact = 0.5 * std::exp(-2 * gamma) *
-                       (std::cos(2 * omega) + gamma / omega * std::sin(2 * omega));
+  const double exact =
+      0.5 * std::exp(-2 * gamma) * (std::cos(2 * omega) + gamma / omega * std::sin(2 * omega));
   for (const uint32_t steps : {80u, 400u}) {
     Oscillator<TypeParam> oscillator(kLaw, 2);
     oscillator.engine.Advance(2.0 / steps, steps);

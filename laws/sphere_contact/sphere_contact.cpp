@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
 #include <vector>
@@ -27,12 +28,13 @@ struct SphereContact {
   static constexpr uint32_t kClaims = kMomentum | kAngularMomentum | kTranslation | kRotation;
 
   Parameter stiffness{"stiffness", "Force per overlap.", units::newton_per_metre, 1e4, 1e-9, 1e15};
-  Parameter damping{"dampingRatio", "Damping of a contact per critical damping.", units::one, 0.3,
-                    0, 1};
+  Parameter damping{
+      "dampingRatio", "Damping of a contact per critical damping.", units::one, 0.3, 0, 1};
   Parameter friction{"friction", "Largest tangential force per normal force.", units::one, 0.5, 0,
                      10};
   Parameter floor_height{"floorHeight", "Height of an immovable floor; by default out of reach.",
-                         units::metre, -1e9, -1e9, 1e9};
+                         units::metre,  -1e9,
+                         -1e9,          1e9};
 
   Read<Real> mass{"mass", "body", units::kilogram};
   Read<Real> radius{"radius", "body", units::metre};
@@ -175,8 +177,7 @@ struct SphereContact {
       pull -= pushed;
       turn -= contact.moment * Arm(ball, meeting.depth);
     }
-    const Real depth =
-        ball.radius - (ball.position.y - Real(floor_height));
+    const Real depth = ball.radius - (ball.position.y - Real(floor_height));
     if (depth > 0 && ball.radius > 0 && ball.inverse_mass != 0) {
       const Vector down{0, -1, 0};
       const Real arm = ball.radius - depth;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which spheres may touch, by grids of cells; the same lists for any number of threads.
 #pragma once
 
@@ -158,10 +159,9 @@ class SpherePairs {
     entries_.resize(bucket_.back());
     for (uint64_t i = 0; i < spheres.count; ++i) {
       if (!(spheres.radius[i] > 0)) continue;
-      entries_[bucket_[bucket_of_[i] + 1]++] = {spheres.centre[i], spheres.radius[i],
-                                                static_cast<uint32_t>(i),
-                                                std::ilogb(spheres.radius[i]),
-                                                spheres.mass[i] == 0};
+      entries_[bucket_[bucket_of_[i] + 1]++] = {
+          spheres.centre[i], spheres.radius[i], static_cast<uint32_t>(i),
+          std::ilogb(spheres.radius[i]), spheres.mass[i] == 0};
     }
   }
 
@@ -196,8 +196,10 @@ class SpherePairs {
       first_[i + 1] = static_cast<uint32_t>(std::min(total, kMaxPairs + 1));
     }
     if (total > kMaxPairs) {
-      throw std::runtime_error(std::to_string(total) + " pairs of bodies are near each other, "
-                               "expected at most " + std::to_string(kMaxPairs) +
+      throw std::runtime_error(std::to_string(total) +
+                               " pairs of bodies are near each other, "
+                               "expected at most " +
+                               std::to_string(kMaxPairs) +
                                ": are radii larger than the distances?");
     }
     partners_.resize(total);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Balls that roll, for the tests of sphere_contact.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The point of a triangle that is closest to a given point.
 #pragma once
 

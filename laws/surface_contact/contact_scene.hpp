@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Scenes with surfaces: ground, and icosahedra of springs.
 #pragma once
 
@@ -38,10 +39,10 @@ struct Rows {
 
 template <class Real>
 struct ContactScene : Scene<Real> {
-  std::vector<uint32_t> vertices;    // (surfaces x 3), rows of bodies
-  std::vector<Real> hardness;        // (surfaces) [N/m]
-  std::vector<Real> surface_damping; // (surfaces) [N s/m]
-  std::vector<Real> friction;        // (surfaces) [1]
+  std::vector<uint32_t> vertices;     // (surfaces x 3), rows of bodies
+  std::vector<Real> hardness;         // (surfaces) [N/m]
+  std::vector<Real> surface_damping;  // (surfaces) [N s/m]
+  std::vector<Real> friction;         // (surfaces) [1]
 
   void AddSurface(const std::array<uint32_t, 3>& corners, const Material& material) {
     vertices.insert(vertices.end(), corners.begin(), corners.end());
@@ -143,15 +144,25 @@ struct ContactScene : Scene<Real> {
 
   static std::array<Vec3<double>, 12> Corners() {
     const double s = kHalfEdge<double>, l = kMidsphere<double>;
-    return {{{-s, l, 0}, {s, l, 0}, {-s, -l, 0}, {s, -l, 0}, {0, -s, l}, {0, s, l},
-             {0, -s, -l}, {0, s, -l}, {l, 0, -s}, {l, 0, s}, {-l, 0, -s}, {-l, 0, s}}};
+    return {{{-s, l, 0},
+             {s, l, 0},
+             {-s, -l, 0},
+             {s, -l, 0},
+             {0, -s, l},
+             {0, s, l},
+             {0, -s, -l},
+             {0, s, -l},
+             {l, 0, -s},
+             {l, 0, s},
+             {-l, 0, -s},
+             {-l, 0, s}}};
   }
 
   /// Counter-clockwise seen from outside.
   static std::array<std::array<uint32_t, 3>, 20> Faces() {
-    return {{{0, 11, 5}, {0, 5, 1}, {0, 1, 7}, {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
-             {11, 10, 2}, {10, 7, 6}, {7, 1, 8}, {3, 9, 4}, {3, 4, 2}, {3, 2, 6}, {3, 6, 8},
-             {3, 8, 9}, {4, 9, 5}, {2, 4, 11}, {6, 2, 10}, {8, 6, 7}, {9, 8, 1}}};
+    return {{{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
+             {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
+             {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}}};
   }
 
   Rows Add(const std::array<Vec3<double>, 12>& corners, Vec3<Real> centre, Vec3<Real> speed,

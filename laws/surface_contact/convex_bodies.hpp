@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Convex meshes of springs for tests, and how far two of them reach into each other.
 #pragma once
 
@@ -29,8 +30,8 @@ inline ConvexBody Tetrahedron(double edge) {
 inline ConvexBody Box(Vec3<double> half) {
   ConvexBody box;
   for (int i = 0; i < 8; ++i) {
-    box.corners.push_back({i & 1 ? half.x : -half.x, i & 2 ? half.y : -half.y,
-                           i & 4 ? half.z : -half.z});
+    box.corners.push_back(
+        {i & 1 ? half.x : -half.x, i & 2 ? half.y : -half.y, i & 4 ? half.z : -half.z});
   }
   box.faces = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
                {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
@@ -65,9 +66,7 @@ class Random {
  public:
   explicit Random(uint32_t seed) : engine_(seed) {}
 
-  double Between(double low, double high) {
-    return low + (high - low) * engine_() / 4294967296.0;
-  }
+  double Between(double low, double high) { return low + (high - low) * engine_() / 4294967296.0; }
   Vec3<double> Direction() {
     for (;;) {
       const Vec3<double> v{Between(-1, 1), Between(-1, 1), Between(-1, 1)};
@@ -79,9 +78,14 @@ class Random {
   ConvexBody Body() {
     ConvexBody body;
     switch (engine_() % 3) {
-      case 0: body = Tetrahedron(1.6); break;
-      case 1: body = Box({0.55, 0.55, 0.55}); break;
-      default: body = Octahedron();
+      case 0:
+        body = Tetrahedron(1.6);
+        break;
+      case 1:
+        body = Box({0.55, 0.55, 0.55});
+        break;
+      default:
+        body = Octahedron();
     }
     const Vec3<double> size{Between(0.8, 1.3), Between(0.8, 1.3), Between(0.8, 1.3)};
     for (auto& p : body.corners) p = {p.x * size.x, p.y * size.y, p.z * size.z};

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The deepest point of an edge behind another mesh.
 #pragma once
 
@@ -22,8 +23,8 @@ struct Ridge {
 /// lies back.
 template <class Real>
 struct DeepestPoint {
-  Real depth = 0;  // [m]; 0: the edge is nowhere deeper than it had to be
-  Real place = 0;  // along the edge, from 0 to 1
+  Real depth = 0;                          // [m]; 0: the edge is nowhere deeper than it had to be
+  Real place = 0;                          // along the edge, from 0 to 1
   std::array<Immersion<Real>, 2> faces{};  // of this point
   std::array<Real, 2> shares{};  // of the faces in `depth`; so weighted, their normals are across
                                  // the edge
@@ -123,8 +124,7 @@ class DeepestPointSearch {
       Nearest<Real> nearest{std::max(down.square, up.square)};
       Approach(point, face, nearest);
       if (nearest.face == kNone) continue;
-      const Vec3<Real> inwards =
-          nearest.at.feature == kFace ? nearest.normal * -1 : nearest.offset;
+      const Vec3<Real> inwards = nearest.at.feature == kFace ? nearest.normal * -1 : nearest.offset;
       Nearest<Real>& side = Dot(inwards, edge) > 0 ? down : up;
       if (nearest.square < side.square) side = nearest;
     }

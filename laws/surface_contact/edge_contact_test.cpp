@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Edges of meshes against each other.
 #include <array>
 #include <numbers>
@@ -102,10 +103,8 @@ TYPED_TEST(EdgeContactTest, TetrahedraThatMeetEdgeFirstBounceByTheClosedForm) {
   const Frame frame{mass / 4, 1e6, 500};
   const double half = 1 / std::sqrt(8.0);
   const double away = half + 1e-3;
-  const Rows lower =
-      AddBody(scene, Tetrahedron(1), {0, -away, 0}, {0, speed, 0}, frame, material);
-  const Rows upper =
-      AddBody(scene, Tetrahedron(1), {0, away, 0}, {0, -speed, 0}, frame, material);
+  const Rows lower = AddBody(scene, Tetrahedron(1), {0, -away, 0}, {0, speed, 0}, frame, material);
+  const Rows upper = AddBody(scene, Tetrahedron(1), {0, away, 0}, {0, -speed, 0}, frame, material);
   PhysicsEngine engine = scene.MakeEngine();
   scene.LoadAllLaws(engine);
   const Vec3<double> momentum = scene.Momentum(), angular = scene.AngularMomentum();
@@ -114,8 +113,7 @@ TYPED_TEST(EdgeContactTest, TetrahedraThatMeetEdgeFirstBounceByTheClosedForm) {
   EXPECT_LT(Length(scene.AngularMomentum() - angular), Rounding<TypeParam>(200));
   const double reduced = mass / 2, stiffness = 2 * k / 3, damping = 2 * c / 3;
   const double beta = damping / (2 * reduced), omega = std::sqrt(stiffness / reduced - beta * beta);
-  const double phase =
-      std::numbers::pi - std::atan2(2 * beta * omega, omega * omega - beta * beta);
+  const double phase = std::numbers::pi - std::atan2(2 * beta * omega, omega * omega - beta * beta);
   const double bounce = double{scene.CentreVelocity(upper).y - scene.CentreVelocity(lower).y};
   EXPECT_NEAR(bounce / (2 * speed), std::exp(-beta / omega * phase), 0.01);
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "mesh_topology.hpp"
 
 #include <algorithm>
@@ -32,9 +33,8 @@ void MeshTopology::FindNeighbours(std::span<const Vertices> surfaces) {
       sides.push_back({std::min(from, to), std::max(from, to), s, e, from < to});
     }
   }
-  std::ranges::sort(sides, {}, [](const Side& e) {
-    return std::tuple(e.low, e.high, e.surface, e.number);
-  });
+  std::ranges::sort(sides, {},
+                    [](const Side& e) { return std::tuple(e.low, e.high, e.surface, e.number); });
   neighbours_.assign(surfaces.size(), {kNone, kNone, kNone});
   owns_.assign(surfaces.size(), {});
   std::vector<char> owned(surfaces.size(), 0);  // edges that the surface has been given
@@ -89,9 +89,8 @@ void MeshTopology::CutIntoPatches(std::span<const Vertices> surfaces) {
       }
     }
     const auto of_mesh = std::span(faces_).subspan(cut);
-    const bool closed = std::ranges::none_of(of_mesh, [&](uint32_t face) {
-      return std::ranges::count(neighbours_[face], kNone) > 0;
-    });
+    const bool closed = std::ranges::none_of(
+        of_mesh, [&](uint32_t face) { return std::ranges::count(neighbours_[face], kNone) > 0; });
     const auto mesh = static_cast<uint32_t>(meshes_.size());
     meshes_.push_back({static_cast<uint32_t>(of_mesh.size()), closed});
     for (; cut < faces_.size(); cut += kPatchFaces) {
@@ -108,21 +107,21 @@ void MeshTopology::CutIntoPatches(std::span<const Vertices> surfaces) {
 // At most kPatchFaces of the faces from `first_face` on; what is behind them is of the same mesh.
 void MeshTopology::AddPatch(uint32_t mesh, uint32_t first_face,
                             std::span<const Vertices> surfaces) {
-  const auto faces = std::span(faces_).subspan(first_face).first(
-      std::min<size_t>(kPatchFaces, faces_.size() - first_face));
+  const auto faces = std::span(faces_)
+                         .subspan(first_face)
+                         .first(std::min<size_t>(kPatchFaces, faces_.size() - first_face));
   std::vector<uint32_t> corners;
   for (const uint32_t face : faces) {
     corners.insert(corners.end(), surfaces[face].begin(), surfaces[face].end());
   }
   std::ranges::sort(corners);
   corners.erase(std::ranges::unique(corners).begin(), corners.end());
-  const auto others = std::ranges::stable_partition(
-      corners, [&](uint32_t body) { return owned_[body] == 0; });
+  const auto others =
+      std::ranges::stable_partition(corners, [&](uint32_t body) { return owned_[body] == 0; });
   const auto own_count = static_cast<uint32_t>(others.begin() - corners.begin());
   patches_.push_back({mesh, first_face, static_cast<uint32_t>(faces.size()),
-                      static_cast<uint32_t>(corners_.size()),
-                      static_cast<uint32_t>(corners.size()), own_count,
-                      static_cast<uint32_t>(edges_.size()), 0});
+                      static_cast<uint32_t>(corners_.size()), static_cast<uint32_t>(corners.size()),
+                      own_count, static_cast<uint32_t>(edges_.size()), 0});
   corners_.insert(corners_.end(), corners.begin(), corners.end());
   for (const uint32_t body : corners) owned_[body] = 1;
   AddEdges(patches_.back(), surfaces);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which surfaces hang together, and in what order the law looks at them.
 #pragma once
 
@@ -15,11 +16,11 @@ using Vertices = std::array<uint32_t, 3>;
 
 /// Up to kPatchFaces neighbouring faces of one mesh, or one body that no surface holds.
 struct Patch {
-  uint32_t mesh;                       // kNone: a loose body
-  uint32_t first_face, face_count;     // in MeshTopology::faces
-  uint32_t first_corner, corner_count; // in MeshTopology::corners
-  uint32_t own_count;                  // of the corners: the first ones; each body is owned once
-  uint32_t first_edge, edge_count;     // in MeshTopology::edges; each edge is owned once
+  uint32_t mesh;                        // kNone: a loose body
+  uint32_t first_face, face_count;      // in MeshTopology::faces
+  uint32_t first_corner, corner_count;  // in MeshTopology::corners
+  uint32_t own_count;                   // of the corners: the first ones; each body is owned once
+  uint32_t first_edge, edge_count;      // in MeshTopology::edges; each edge is owned once
 };
 
 /// Two corners of a surface, which owns the edge.
@@ -80,12 +81,12 @@ class MeshTopology {
   std::vector<uint32_t> faces_;
   std::vector<uint32_t> corners_;
   std::vector<Edge> edges_;
-  std::vector<Vertices> neighbours_;    // (surfaces x 3 edges)
+  std::vector<Vertices> neighbours_;       // (surfaces x 3 edges)
   std::vector<std::array<bool, 3>> owns_;  // (surfaces x 3 edges)
-  std::vector<char> on_border_;         // (bodies)
-  std::vector<uint32_t> first_around_;  // (bodies + 1)
+  std::vector<char> on_border_;            // (bodies)
+  std::vector<uint32_t> first_around_;     // (bodies + 1)
   std::vector<uint32_t> around_;
-  std::vector<char> owned_;             // (bodies)
+  std::vector<char> owned_;  // (bodies)
 };
 
 }  // namespace vesper::surface_contact

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The broad phase: which boxes overlap.
 #pragma once
 
@@ -106,8 +107,8 @@ class PatchGrid {
     if (small_.empty()) return;
     const Box<Real> centres = box.Grown(small_size_ / 2);
     const Cell low = CellOf(centres.low), high = CellOf(centres.high);
-    const double cells = (double(high.x) - low.x + 1) * (double(high.y) - low.y + 1) *
-                         (double(high.z) - low.z + 1);
+    const double cells =
+        (double(high.x) - low.x + 1) * (double(high.y) - low.y + 1) * (double(high.z) - low.z + 1);
     if (cells > static_cast<double>(small_.size())) {
       std::ranges::for_each(small_, look);
       return;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The forces of a contact.
 #pragma once
 
@@ -94,8 +95,8 @@ Vec3<Real> Rub(const Material<Real>& skin, Vec3<Real> slip, Real limit, Vec3<Rea
   const Real size = Length(drag);
   if (!(size <= limit)) {
     drag = drag * (limit / size);
-    stretch = skin.hardness > 0 ? (drag + slip * skin.damping) * (-1 / skin.hardness)
-                                : Vec3<Real>{};
+    stretch =
+        skin.hardness > 0 ? (drag + slip * skin.damping) * (-1 / skin.hardness) : Vec3<Real>{};
   }
   return drag;
 }

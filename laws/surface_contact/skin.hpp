@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Where the surfaces are now, and what is behind them.
 #pragma once
 
@@ -46,9 +47,9 @@ struct Nearest {
 /// A point behind a mesh.
 template <class Real>
 struct Immersion {
-  uint32_t face = kNone;        // row of surface; kNone: the point is not behind the mesh
-  Real depth = 0;               // below the nearest point of the mesh [m], > 0
-  Vec3<Real> normal{};          // from the point to there, length 1
+  uint32_t face = kNone;          // row of surface; kNone: the point is not behind the mesh
+  Real depth = 0;                 // below the nearest point of the mesh [m], > 0
+  Vec3<Real> normal{};            // from the point to there, length 1
   std::array<Real, 3> weights{};  // of the face's corners there
 };
 
@@ -101,8 +102,8 @@ class Skin {
    *  agree, by any of them. */
   bool IsBehindCorner(Vec3<Real> offset, uint32_t corner) const {
     const auto around = topology_.Around(corner);
-    const auto behind = std::ranges::count_if(
-        around, [&](uint32_t face) { return Dot(offset, Normal(face)) < 0; });
+    const auto behind =
+        std::ranges::count_if(around, [&](uint32_t face) { return Dot(offset, Normal(face)) < 0; });
     if (behind == 0) return false;
     if (behind == std::ssize(around)) return true;
     Vec3<Real> sum;
@@ -138,8 +139,7 @@ void Approach(Vec3<Real> p, const Face<Real>& face, Nearest<Real>& nearest) {
   if (!(height * height < nearest.square * face.scale)) return;
   const Closest<Real> at = ClosestOnTriangle(p, face.a, face.b, face.c);
   const Vec3<Real> offset = p - Blend(at.weights, {face.a, face.b, face.c});
-  const Real square =
-      at.feature == kFace ? height * height / face.scale : Dot(offset, offset);
+  const Real square = at.feature == kFace ? height * height / face.scale : Dot(offset, offset);
   if (square < nearest.square) nearest = {square, face.row, at, offset, face.normal};
 }
 

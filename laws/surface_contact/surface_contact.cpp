@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -59,7 +60,8 @@ struct SurfaceContact {
   static constexpr uint32_t kClaims = kMomentum | kAngularMomentum | kTranslation | kRotation;
 
   Parameter maximum_depth{"maximumDepth", "Points deeper than this inside a mesh are let go.",
-                          units::metre, 0.25, 1e-9, 1e9};
+                          units::metre,   0.25,
+                          1e-9,           1e9};
 
   Read<Vertices> vertices{"vertices", "surface", units::one};
   Read<Real> hardness{"hardness", "surface", units::newton_per_metre};
@@ -129,8 +131,8 @@ struct SurfaceContact {
         energy += 0.5 * double{hardness[contact.at.face]} * depth * depth;
       }
       for (const auto& contact : chunk.edge_contacts) {
-        const double depth = double{contact.at.depth} * double{contact.Excess(0)} *
-                             double{contact.Excess(1)};
+        const double depth =
+            double{contact.at.depth} * double{contact.Excess(0)} * double{contact.Excess(1)};
         const auto skin = MaterialOf(contact.at.faces, contact.at.shares);
         energy += 0.5 * double{skin.hardness} * double{contact.sharpness} * depth * depth;
       }
@@ -164,10 +166,10 @@ struct SurfaceContact {
     std::vector<EdgeContact<Real>> edge_contacts;
     // The patch and one mesh.
     std::vector<Near> near;
-    std::vector<uint32_t> edges;            // of the patch that may be behind the mesh
+    std::vector<uint32_t> edges;  // of the patch that may be behind the mesh
     std::vector<Face<Real>> faces;
     std::vector<Ridge<Real>> ridges;
-    std::vector<Immersion<Real>> ends;      // (corners)
+    std::vector<Immersion<Real>> ends;  // (corners)
   };
 
   /** Puts boxes around a patch. Throws if a body of it is nowhere. */
@@ -272,9 +274,8 @@ struct SurfaceContact {
   void FindEdgesBehind(uint64_t index, std::span<const uint32_t> others, Chunk& chunk) const {
     const auto edges = topology_.EdgesOf(topology_.patches()[index]);
     chunk.edges.clear();
-    const bool apart = std::ranges::none_of(others, [&](uint32_t other) {
-      return SpaceBehind(other).Overlaps(boxes_[index]);
-    });
+    const bool apart = std::ranges::none_of(
+        others, [&](uint32_t other) { return SpaceBehind(other).Overlaps(boxes_[index]); });
     if (apart) return;
     for (uint32_t i = 0; i < edges.size(); ++i) {
       const auto [a, b] = edges[i].ends;
@@ -388,10 +389,12 @@ struct SurfaceContact {
     const std::array<Real, 2> excess{contact.Excess(0), contact.Excess(1)};
     const Real both = excess[0] * excess[1];
     const Real strength = contact.sharpness * both * (2 * (excess[0] + excess[1]) - 3 * both);
-    const Touch<Real, 2> touch{
-        position[bodies[0]] * weights[0] + position[bodies[1]] * weights[1],
-        velocity[bodies[0]] * weights[0] + velocity[bodies[1]] * weights[1],
-        contact.at.faces, contact.at.shares, contact.at.depth, strength};
+    const Touch<Real, 2> touch{position[bodies[0]] * weights[0] + position[bodies[1]] * weights[1],
+                               velocity[bodies[0]] * weights[0] + velocity[bodies[1]] * weights[1],
+                               contact.at.faces,
+                               contact.at.shares,
+                               contact.at.depth,
+                               strength};
     const Response<Real> response = Exert(touch, step, SpringOf(bodies, step), chunk);
     if (response.push <= 0) return;
     const Vec3<Real> total = touch.Normal() * response.push + response.drag;
@@ -435,8 +438,8 @@ struct SurfaceContact {
     Real closing = 0;
     for (size_t i = 0; i < n; ++i) {
       const Immersion<Real>& at = touch.faces[i];
-      closing += touch.shares[i] *
-                 Dot(Blend(at.weights, Moving(at.face)) - touch.velocity, at.normal);
+      closing +=
+          touch.shares[i] * Dot(Blend(at.weights, Moving(at.face)) - touch.velocity, at.normal);
     }
     const Real push = skin.hardness * touch.depth + skin.damping * closing;
     if (push <= 0) return {};  // it does not pull
@@ -469,9 +472,10 @@ struct SurfaceContact {
     for (size_t i = 0; i < n; ++i) {
       const Immersion<Real>& at = touch.faces[i];
       for (int corner = 0; corner < 3; ++corner) {
-        chunk.reactions.push_back({vertices[at.face][corner],
-                                   (at.normal * (-push * at.weights[corner]) +
-                                    frames[i].Reaction(corner, response.drag)) * touch.shares[i]});
+        chunk.reactions.push_back(
+            {vertices[at.face][corner], (at.normal * (-push * at.weights[corner]) +
+                                         frames[i].Reaction(corner, response.drag)) *
+                                            touch.shares[i]});
       }
     }
     return response;
@@ -518,7 +522,7 @@ struct SurfaceContact {
   std::vector<Box<Real>> face_boxes_;  // (patches), with the layer in which contact is looked for
   std::vector<uint32_t> with_faces_;   // patches
   PatchGrid<Real> grid_;
-  std::vector<Chunk> chunks_;          // (patches / kGrain)
+  std::vector<Chunk> chunks_;  // (patches / kGrain)
 };
 
 }  // namespace

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <numbers>
 
@@ -24,8 +25,7 @@ TYPED_TEST(SurfaceContactTest, BouncesWithTheRestitutionOfTheClosedForm) {
   engine.LoadPhysicsLaw("newton_motion");
   engine.Advance(dt, 10000);
   const double beta = c / (2 * mass), omega = std::sqrt(k / mass - beta * beta);
-  const double phase =
-      std::numbers::pi - std::atan2(2 * beta * omega, omega * omega - beta * beta);
+  const double phase = std::numbers::pi - std::atan2(2 * beta * omega, omega * omega - beta * beta);
   EXPECT_NEAR(scene.At(scene.velocity, ball).y, std::exp(-beta / omega * phase), 3e-3);
   EXPECT_GT(scene.At(scene.position, ball).y, 0);
 }
@@ -61,8 +61,9 @@ TYPED_TEST(SurfaceContactTest, MassZeroBearsTheWeightAndKeepsItsBits) {
   double borne = 0;
   for (uint32_t corner = 0; corner < ball; ++corner) {
     borne += scene.At(scene.external_force, corner).y;
-    EXPECT_EQ(scene.At(scene.position, corner), (Vec3<TypeParam>{
-        ground[3 * corner], ground[3 * corner + 1], ground[3 * corner + 2]}));
+    EXPECT_EQ(
+        scene.At(scene.position, corner),
+        (Vec3<TypeParam>{ground[3 * corner], ground[3 * corner + 1], ground[3 * corner + 2]}));
     EXPECT_EQ(scene.At(scene.velocity, corner), (Vec3<TypeParam>{}));
   }
   EXPECT_NEAR(borne, -mass * kGravity, Rounding<TypeParam>(1000 * k * 0.015));

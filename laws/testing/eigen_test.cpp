@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // law_eigen.hpp with the real engine: forces against the equation, and bits against a wider CPU.
 #include <algorithm>
 #include <fstream>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The engine's ledger over the real laws: what forces and integrators are credited with.
 #include <cmath>
 #include <fstream>
@@ -55,8 +56,8 @@ TEST_P(LedgerIntegratorTest, ForcesAreCreditedWithAllMomentumAndEnergyThatItMove
   const vesper_ledger_entry motion = network.engine.Ledger(network.motion);
   ExpectZero(motion.momentum, 1e-9);
   EXPECT_NEAR(motion.energy, 0, 1e-11 * std::abs(change));
-  const double work = network.engine.Ledger(network.springs).energy +
-                      network.engine.Ledger(network.weight).energy;
+  const double work =
+      network.engine.Ledger(network.springs).energy + network.engine.Ledger(network.weight).energy;
   EXPECT_NEAR(work, change, 1e-11 * std::abs(change));
 }
 

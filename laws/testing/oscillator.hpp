@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A body on a spring, which integrators are measured by: omega = 5 rad/s.
 #pragma once
 
@@ -15,8 +16,7 @@ namespace vesper {
 /// swings about x = 0, where positions round least.
 template <class Real>
 struct Oscillator {
-  explicit Oscillator(const std::string& integrator, Real damping = 0)
-      : engine(Make(damping)) {
+  explicit Oscillator(const std::string& integrator, Real damping = 0) : engine(Make(damping)) {
     engine.LoadPhysicsLaw("hooke_spring");
     engine.LoadPhysicsLaw(integrator);
   }

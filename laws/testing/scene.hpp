@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Point masses and springs for the tests of laws, in the columns of a standard prototype.
 #pragma once
 
@@ -24,10 +25,10 @@ struct Scene {
   std::vector<Real> applied_force;   // (bodies x 3) [N]
   std::vector<Real> external_force;  // (bodies x 3) [N]
   // spring
-  std::vector<uint32_t> endpoints;      // (springs x 2), rows of bodies
-  std::vector<Real> length;             // (springs) [m]
-  std::vector<Real> hooke_constant;     // (springs) [N/m]
-  std::vector<Real> damping_constant;   // (springs) [N s/m]
+  std::vector<uint32_t> endpoints;     // (springs x 2), rows of bodies
+  std::vector<Real> length;            // (springs) [m]
+  std::vector<Real> hooke_constant;    // (springs) [N/m]
+  std::vector<Real> damping_constant;  // (springs) [N s/m]
   // world
   std::vector<Real> gravity = {0, 0, 0};  // (1 x 3) [m/s^2]
 

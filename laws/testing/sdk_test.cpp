@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The C++ layers with the real engine: law.hpp in test laws, vesper.hpp as their caller.
 #include <type_traits>
 #include <utility>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Two laws that share a copy of the velocities, as laws on a device do.
 #include <vector>
 

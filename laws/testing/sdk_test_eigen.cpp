@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A law written with Eigen maps: rows, whole columns, quaternions.
 #include "vesper/law_eigen.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Two laws that use every part of law.hpp, and throw wherever they are told to.
 #include <stdexcept>
 #include <string>
@@ -21,8 +22,8 @@ struct Pusher {
   using Suite = Members;
 
   Parameter push{"push", "Force.", units::newton, 2, -100, 100};
-  Parameter charge_push{"chargePush", "Force per coulomb.", {{1, 1, -3, -1, 0, 0, 0}, 0, 1, "N/C"},
-                        0.5, 0, 1};
+  Parameter charge_push{
+      "chargePush", "Force per coulomb.", {{1, 1, -3, -1, 0, 0, 0}, 0, 1, "N/C"}, 0.5, 0, 1};
   /** 0 nowhere, 1 in Bind, 2 in Advance, 3 in ParallelFor, 4 what is no std::exception, 5 in
    *  Join. */
   Parameter throw_in{"throwIn", "Where to throw.", units::one, 0, 0, 5};
@@ -77,7 +78,8 @@ struct Reporter {
   void Advance(const Step& step) {
     if (step.index == 1) {
       step.Log(VESPER_LOG_INFO, ("second step begins at " + std::to_string(step.time) + ", " +
-                                 std::to_string(members_->count) + " laws in the suite").c_str());
+                                 std::to_string(members_->count) + " laws in the suite")
+                                    .c_str());
     }
     for (uint64_t i = 0; i < force.size(); ++i) acceleration[i] = force[i];
   }

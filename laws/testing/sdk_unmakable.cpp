@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A law whose constructor throws once both precisions have been declared.
 #include <stdexcept>
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=bash
 # What bin/reve of a release and ./reve of a checkout share: messages, and the way to Java.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What every law library promises, checked on every library in a folder: the law test kit, and the
 // README that users read.
 #include <gtest/gtest.h>

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Attacks a running server as its agents can, and measures what innocent agents get meanwhile.
 
     tests/siege/agents.py [--seconds 20] [--only ATTACK ...] [--json]
@@ -47,8 +48,13 @@ class Client:
 
     def act(self, item, action, arguments=None):
         self.number += 1
-        return {"t": "act", "id": self.number, "item": item, "action": action,
-                "arguments": arguments or {}}
+        return {
+            "t": "act",
+            "id": self.number,
+            "item": item,
+            "action": action,
+            "arguments": arguments or {},
+        }
 
     def read(self):
         line = self.lines.readline()
@@ -72,8 +78,10 @@ class Client:
 
 # ---- attacks: each gets the port and a number of its own, and runs until its process is ended ----
 
+
 def flood(item, action, arguments):
     """Acts as fast as results come, with as many in flight as are taken."""
+
     def attack(port, me):
         client = Client(port, f"mallory-{me}")
         client.await_("welcome")
@@ -81,6 +89,7 @@ def flood(item, action, arguments):
         while True:
             if client.read()["t"] == "result":
                 client.send(client.act(item, action, arguments(client.number)))
+
     return attack
 
 
@@ -140,6 +149,7 @@ def leaving_lock_step(port, me):
 
 def joins(**hello):
     """Comes and goes, under ever new names."""
+
     def attack(port, me):
         for n in range(10**9):
             client = Client(port, f"mallory-{me}-{n}", **hello)
@@ -148,6 +158,7 @@ def joins(**hello):
             except OSError:  # turned away, for example while the world is full
                 time.sleep(0.01)
             client.close()
+
     return attack
 
 
@@ -202,8 +213,9 @@ def long_lines(port, me):
         try:
             client.await_("welcome")
             while True:
-                client.send(*(client.act("crier", "shout", {"text": "x" * 65000})
-                              for _ in range(20)))
+                client.send(
+                    *(client.act("crier", "shout", {"text": "x" * 65000}) for _ in range(20))
+                )
                 client.await_("result")
         except OSError:
             client.close()
@@ -216,8 +228,11 @@ BAD = [1e-320, 1e-160, 5e-324, 1e-99, 1e99, 1e100, 1e30, 0, 1, 1e-12]
 
 
 def knead(n):
-    return {"mass": BAD[n % 10], "inertia": [BAD[n // 10 % 10], BAD[n // 100 % 10], BAD[n % 7]],
-            "spin": [BAD[n // 3 % 10], BAD[n // 7 % 10], 1]}
+    return {
+        "mass": BAD[n % 10],
+        "inertia": [BAD[n // 10 % 10], BAD[n // 100 % 10], BAD[n % 7]],
+        "spin": [BAD[n // 3 % 10], BAD[n // 7 % 10], 1],
+    }
 
 
 def push(n):
@@ -237,11 +252,15 @@ def deform(port, me):
 ATTACKS = {
     "nothing": ([], "no attack: what the measurement itself costs"),
     "items": ([flood("mint", "strike", lambda n: {})] * 2, "items without end"),
-    "words": ([flood("crier", "shout", lambda n: {"text": WORDS[n % 3]})] * 2,
-              "events with texts of 1,000 characters"),
+    "words": (
+        [flood("crier", "shout", lambda n: {"text": WORDS[n % 3]})] * 2,
+        "events with texts of 1,000 characters",
+    ),
     "acts": ([flood("crier", "shout", lambda n: {"text": ""})] * 2, "acts without end"),
-    "questions": ([flood("oracle", "ask", lambda n: {"number": n})] * 2,
-                  "conditions that take almost 20,000 steps"),
+    "questions": (
+        [flood("oracle", "ask", lambda n: {"number": n})] * 2,
+        "conditions that take almost 20,000 steps",
+    ),
     "values": ([deform] * 2, "masses, inertias and forces of any size"),
     "silent": ([silent_lock_step] * 2, "lock-step without a word"),
     "late": ([late_lock_step] * 2, "lock-step, ready just before each deadline"),
@@ -314,22 +333,30 @@ def besiege(name, seconds):
     attackers, what = ATTACKS[name]
     server = subprocess.Popen(
         [ROOT / "reve", "serve", ROOT / "tests/siege/square.yaml", "--port", "0", "--json"],
-        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        text=True,
+    )
     processes = []
     try:
         ready = json.loads(server.stdout.readline())
         port, pid = int(ready["agentPort"]), int(ready["pid"])
         threading.Thread(target=collections.deque, args=(server.stdout, 0), daemon=True).start()
-        innocent = [Innocent(port, "steady"), Innocent(port, "slow", pause=3),
-                    Innocent(port, "learner", time={"mode": "lock-step", "every": 6})]
+        innocent = [
+            Innocent(port, "steady"),
+            Innocent(port, "slow", pause=3),
+            Innocent(port, "learner", time={"mode": "lock-step", "every": 6}),
+        ]
         for agent in innocent:
             agent.start()
         time.sleep(2)
         begin = time.monotonic()
         time.sleep(BASELINE_SECONDS)
         alone = innocent[0].rate(begin, time.monotonic())
-        processes = [multiprocessing.Process(target=run_attack, args=(attack, port, n), daemon=True)
-                     for n, attack in enumerate(attackers)]
+        processes = [
+            multiprocessing.Process(target=run_attack, args=(attack, port, n), daemon=True)
+            for n, attack in enumerate(attackers)
+        ]
         for process in processes:
             process.start()
         begin = time.monotonic()
@@ -338,16 +365,24 @@ def besiege(name, seconds):
         steady = innocent[0]
         beside = steady.rate(begin, end)
         report = {
-            "attack": name, "what": what, "attackers": len(attackers),
-            "alone": round(alone, 1), "beside": round(beside, 1),
+            "attack": name,
+            "what": what,
+            "attackers": len(attackers),
+            "alone": round(alone, 1),
+            "beside": round(beside, 1),
             "learner": round(innocent[2].rate(begin, end), 1),
             "longestGapSeconds": round(steady.longest_gap(begin, end), 2),
             "disconnected": {each.name: each.ended for each in innocent if each.ended},
             "quarantined": sorted(steady.quarantined),
-            "serverMiB": peak_mib(pid) if server.poll() is None else None}
+            "serverMiB": peak_mib(pid) if server.poll() is None else None,
+        }
         report["attackersLeft"] = sum(process.is_alive() for process in processes)
-        report["held"] = (server.poll() is None and not report["disconnected"]
-                          and not report["quarantined"] and beside >= KEPT * alone)
+        report["held"] = (
+            server.poll() is None
+            and not report["disconnected"]
+            and not report["quarantined"]
+            and beside >= KEPT * alone
+        )
         return report
     finally:
         for process in processes:
@@ -362,18 +397,26 @@ def peak_mib(pid):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--seconds", type=float, default=20, help="of each attack (20)")
-    parser.add_argument("--only", nargs="+", choices=list(ATTACKS), metavar="ATTACK",
-                        help="one or more of " + ", ".join(ATTACKS))
+    parser.add_argument(
+        "--only",
+        nargs="+",
+        choices=list(ATTACKS),
+        metavar="ATTACK",
+        help="one or more of " + ", ".join(ATTACKS),
+    )
     parser.add_argument("--json", action="store_true", help="one JSON object an attack")
     options = parser.parse_args()
     held = True
     if not options.json:
-        print("| attack | perceptions/s alone | beside | longest gap [s] | learner's rounds/s "
-              "| disconnected, quarantined | server [MiB] | attackers left |\n"
-              "|---|---|---|---|---|---|---|---|")
+        print(
+            "| attack | perceptions/s alone | beside | longest gap [s] | learner's rounds/s "
+            "| disconnected, quarantined | server [MiB] | attackers left |\n"
+            "|---|---|---|---|---|---|---|---|"
+        )
     for name in options.only or ATTACKS:
         report = besiege(name, options.seconds)
         held &= report["held"]
@@ -382,10 +425,13 @@ def main():
         else:
             lost = [f"{n}: {code}" for n, code in report["disconnected"].items()]
             lost += report["quarantined"]
-            print(f"| {report['what']} | {report['alone']} | {report['beside']} "
-                  f"| {report['longestGapSeconds']} | {report['learner']} "
-                  f"| {', '.join(lost) or '–'} | {report['serverMiB']} "
-                  f"| {report['attackersLeft']} of {report['attackers']} |", flush=True)
+            print(
+                f"| {report['what']} | {report['alone']} | {report['beside']} "
+                f"| {report['longestGapSeconds']} | {report['learner']} "
+                f"| {', '.join(lost) or '–'} | {report['serverMiB']} "
+                f"| {report['attackersLeft']} of {report['attackers']} |",
+                flush=True,
+            )
     sys.exit(0 if held else 1)
 
 

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Sends mutated messages to a running server, beside an agent that does its work.
 
     tests/siege/messages.py [--count 500000] [--seed N] [WORLD]
@@ -34,11 +35,41 @@ KEPT_RATE = 0.95
 # These act on the world by right; a mutant of them says nothing about the server.
 LEFT_OUT = {"pause", "run", "step", "rewind", "shut-down"}
 
-NUMBERS = ["0", "-1", "1e308", "-1e308", "1e-320", "9007199254740993", "1e999", "NaN", "0.1e", "00",
-           "18446744073709551616", "9" * 400, "-0", "1E+2", "0x10"]
-TEXTS = ["", "a" * 70, "a" * 70000, "\\u0000", "\\ud83e", "\\u202e", "\\u2028", "../../etc/passwd",
-         "\\n\\u001b[31mfault", "iron", "bellows", "actor", "$1/0",
-         "(a{1000}){1000}", "ﷺ", "🦆"]
+NUMBERS = [
+    "0",
+    "-1",
+    "1e308",
+    "-1e308",
+    "1e-320",
+    "9007199254740993",
+    "1e999",
+    "NaN",
+    "0.1e",
+    "00",
+    "18446744073709551616",
+    "9" * 400,
+    "-0",
+    "1E+2",
+    "0x10",
+]
+TEXTS = [
+    "",
+    "a" * 70,
+    "a" * 70000,
+    "\\u0000",
+    "\\ud83e",
+    "\\u202e",
+    "\\u2028",
+    "../../etc/passwd",
+    "\\n\\u001b[31mfault",
+    "iron",
+    "bellows",
+    "actor",
+    "$1/0",
+    "(a{1000}){1000}",
+    "ﷺ",
+    "🦆",
+]
 
 
 def seeds():
@@ -48,14 +79,23 @@ def seeds():
         if json.loads(line)["t"] not in LEFT_OUT:
             lines.append(line)
     for item, action, arguments in [
-            ("iron", "take", {}), ("iron", "strike", {"strength": 0.5}),
-            ("iron", "lay", {"on": "anvil"}), ("bellows", "pump", {"what": "iron", "by": 100}),
-            ("weight", "pull", {"force": [1, 2, 3]}), ("weight", "cut", {})]:
-        lines.append(json.dumps({"t": "act", "id": 1, "item": item, "action": action,
-                                 "arguments": arguments}))
-    packed = [bytes.fromhex(entry["bytes"])
-              for entry in map(json.loads, (VECTORS / "packed.jsonl").read_text().splitlines())
-              if entry["from"] == "client" and entry["message"]["t"] not in LEFT_OUT]
+        ("iron", "take", {}),
+        ("iron", "strike", {"strength": 0.5}),
+        ("iron", "lay", {"on": "anvil"}),
+        ("bellows", "pump", {"what": "iron", "by": 100}),
+        ("weight", "pull", {"force": [1, 2, 3]}),
+        ("weight", "cut", {}),
+    ]:
+        lines.append(
+            json.dumps(
+                {"t": "act", "id": 1, "item": item, "action": action, "arguments": arguments}
+            )
+        )
+    packed = [
+        bytes.fromhex(entry["bytes"])
+        for entry in map(json.loads, (VECTORS / "packed.jsonl").read_text().splitlines())
+        if entry["from"] == "client" and entry["message"]["t"] not in LEFT_OUT
+    ]
     return lines, packed
 
 
@@ -66,7 +106,7 @@ def mutate_text(rng, line, others):
         at = rng.randrange(len(line) + 1)
         if kind == 0:
             sign = chr(rng.choice((rng.randrange(128), rng.randrange(0xD800))))
-            line = line[:at] + sign + line[at + 1:]
+            line = line[:at] + sign + line[at + 1 :]
         elif kind == 1:
             line = line[:at]
         elif kind == 2:
@@ -81,7 +121,7 @@ def mutate_text(rng, line, others):
             line = '"'.join(parts)
         elif kind == 5:
             other = rng.choice(others)
-            line = line[:at] + other[rng.randrange(len(other)):]
+            line = line[:at] + other[rng.randrange(len(other)) :]
         else:
             depth = rng.choice((3, 31, 33, 5000))
             line = line.replace(":", ":" + "[" * depth + "1" + "]" * depth + ',"x":', 1)
@@ -96,13 +136,21 @@ def mutate_packed(rng, data):
         if kind == 0 and data:
             data[at] = rng.randrange(256)
         elif kind == 1:
-            del data[at:at + rng.randrange(1, 8)]
+            del data[at : at + rng.randrange(1, 8)]
         elif kind == 2:
             data[at:at] = rng.randbytes(rng.randrange(1, 16))
         else:
-            data[at:at + 1] = rng.choice((b"\xdd\xff\xff\xff\xff", b"\xdf\x7f\xff\xff\xff",
-                                          b"\xdb\xff\xff\xff\xff", b"\xc6\x7f\xff\xff\xff",
-                                          b"\x91" * 40, b"\xc1", b"\xc7\xff\x01"))
+            data[at : at + 1] = rng.choice(
+                (
+                    b"\xdd\xff\xff\xff\xff",
+                    b"\xdf\x7f\xff\xff\xff",
+                    b"\xdb\xff\xff\xff\xff",
+                    b"\xc6\x7f\xff\xff\xff",
+                    b"\x91" * 40,
+                    b"\xc1",
+                    b"\xc7\xff\x01",
+                )
+            )
     return bytes(data)
 
 
@@ -164,7 +212,7 @@ class Attack(threading.Thread):
             self.codes[part.split(b'"', 1)[0].decode("ascii", "replace")] += 1
         for part in received.split(b"\xa4code")[1:]:
             length = part[0] & 0x1F
-            self.codes[part[1:1 + length].decode("ascii", "replace")] += 1
+            self.codes[part[1 : 1 + length].decode("ascii", "replace")] += 1
 
 
 class Innocent(threading.Thread):
@@ -181,7 +229,10 @@ class Innocent(threading.Thread):
         try:
             with socket.create_connection((HOST, self.port), PATIENCE_SECONDS) as connection:
                 connection.settimeout(PATIENCE_SECONDS)
-                send = lambda message: connection.sendall(json.dumps(message).encode() + b"\n")
+
+                def send(message):
+                    connection.sendall(json.dumps(message).encode() + b"\n")
+
                 send({"t": "hello", "protocol": 1, "name": "innocent"})
                 send({"t": "perceive", "every": 1})
                 for line in connection.makefile("rb"):
@@ -189,8 +240,15 @@ class Innocent(threading.Thread):
                     if kind == "perception":
                         self.times.append(time.monotonic())
                         if len(self.times) % 60 == 0:
-                            send({"t": "act", "id": len(self.times), "item": "weight",
-                                  "action": "pull", "arguments": {"force": [0, 1, 0]}})
+                            send(
+                                {
+                                    "t": "act",
+                                    "id": len(self.times),
+                                    "item": "weight",
+                                    "action": "pull",
+                                    "arguments": {"force": [0, 1, 0]},
+                                }
+                            )
                     elif kind == "ping":
                         send({"t": "pong"})
                     elif kind == "result":
@@ -233,24 +291,35 @@ def attack(port, pid, count, seed):
     failures = [repr(each.failure) for each in [innocent, *attackers] if each.failure]
     alive = Path(f"/proc/{pid}").exists()
     return {
-        "seed": seed, "messages": sum(a.sent for a in attackers),
-        "connections": sum(a.connections for a in attackers), "seconds": round(end - begin, 1),
-        "perceptionsPerSecondAlone": round(alone, 1), "besideTheSiege": round(beside, 1),
+        "seed": seed,
+        "messages": sum(a.sent for a in attackers),
+        "connections": sum(a.connections for a in attackers),
+        "seconds": round(end - begin, 1),
+        "perceptionsPerSecondAlone": round(alone, 1),
+        "besideTheSiege": round(beside, 1),
         "longestGapSeconds": round(innocent.longest_gap(begin, end), 3),
-        "actsAccepted": innocent.accepted, "serverPeakMiB": peak_mib(pid) if alive else None,
-        "codes": dict(codes.most_common()), "failures": failures,
-        "held": alive and not failures and beside >= KEPT_RATE * alone}
+        "actsAccepted": innocent.accepted,
+        "serverPeakMiB": peak_mib(pid) if alive else None,
+        "codes": dict(codes.most_common()),
+        "failures": failures,
+        "held": alive and not failures and beside >= KEPT_RATE * alone,
+    }
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("world", nargs="?", default=str(ROOT / "worlds/workshop"))
     parser.add_argument("--count", type=int, default=500_000, help="messages (500000)")
     parser.add_argument("--seed", type=int, default=random.randrange(10**9))
     options = parser.parse_args()
-    server = subprocess.Popen([ROOT / "reve", "serve", options.world, "--port", "0", "--json"],
-                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    server = subprocess.Popen(
+        [ROOT / "reve", "serve", options.world, "--port", "0", "--json"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
     try:
         ready = json.loads(server.stdout.readline())
         for stream in (server.stdout, server.stderr):

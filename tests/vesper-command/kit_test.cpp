@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // `vesper test`: good laws pass, and for each promise there is a law that breaks it and fails.
 #include <gtest/gtest.h>
 
@@ -47,20 +48,19 @@ TEST_P(KitFaultTest, LawThatBreaksAPromiseFailsItsCheck) {
 
 INSTANTIATE_TEST_SUITE_P(
     Faults, KitFaultTest,
-    ::testing::Values(
-        Fault{"behind", "guard-pages f64", "behind the last row of 'position'"},
-        Fault{"before", "guard-pages f32", "before the first row of 'position'"},
-        Fault{"threads", "threads f64", "'externalForce' has other bits on "},
-        Fault{"not_a_number", "not-a-number f64",
-              "NaN in 'position' changes 'externalForce' and nobody is told"},
-        Fault{"momentum", "momentum f64", "forces sum to "},
-        Fault{"angular_momentum", "angular-momentum f32", "moments sum to "},
-        Fault{"translation", "translation f64", "'externalForce' differs in row 0"},
-        Fault{"rotation", "rotation f32", "'externalForce' differs in row 0"},
-        Fault{"place", "translation f64", "'externalForce' differs in row 0"},
-        Fault{"energy", "potential-energy f64", "but the energy falls by"},
-        Fault{"leak", "reload f64", "leaves open files"},
-        Fault{"motion", "convergence f64", "expected at least order 1"}));
+    ::testing::Values(Fault{"behind", "guard-pages f64", "behind the last row of 'position'"},
+                      Fault{"before", "guard-pages f32", "before the first row of 'position'"},
+                      Fault{"threads", "threads f64", "'externalForce' has other bits on "},
+                      Fault{"not_a_number", "not-a-number f64",
+                            "NaN in 'position' changes 'externalForce' and nobody is told"},
+                      Fault{"momentum", "momentum f64", "forces sum to "},
+                      Fault{"angular_momentum", "angular-momentum f32", "moments sum to "},
+                      Fault{"translation", "translation f64", "'externalForce' differs in row 0"},
+                      Fault{"rotation", "rotation f32", "'externalForce' differs in row 0"},
+                      Fault{"place", "translation f64", "'externalForce' differs in row 0"},
+                      Fault{"energy", "potential-energy f64", "but the energy falls by"},
+                      Fault{"leak", "reload f64", "leaves open files"},
+                      Fault{"motion", "convergence f64", "expected at least order 1"}));
 
 TEST(KitTest, LawThatWritesWhatItMayOnlyReadIsCaughtByItsPage) {
   const Outcome outcome = RunVesper({"test", BrokenLaw("writes_read"), "--json"});
@@ -90,8 +90,8 @@ TEST(KitTest, LawThatEndsTheProcessFails) {
 
 TEST(KitTest, GoodLawsPassAndTheReportSaysSo) {
   const std::string laws = VESPER_LAW_PATH;
-  const Outcome outcome = RunVesper({"test", laws + "/libvesper_law_newton_motion.so",
-                                     laws + "/libvesper_law_hooke_spring.so"});
+  const Outcome outcome = RunVesper(
+      {"test", laws + "/libvesper_law_newton_motion.so", laws + "/libvesper_law_hooke_spring.so"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
   for (const char* part : {"PASS  guard-pages", "newton_motion order 1.0", " 0 failed, ",
                            "hooke_spring", "ns per row"}) {
@@ -130,9 +130,7 @@ TEST(KitTest, BrokenFileEndsWith4) {
   EXPECT_NE(outcome.errors.find("libvesper_law_x.so"), std::string::npos) << outcome.errors;
 }
 
-TEST(KitTest, MissingFileEndsWith2) {
-  EXPECT_EQ(RunVesper({"test", "/nowhere.so"}).exit_code, 2);
-}
+TEST(KitTest, MissingFileEndsWith2) { EXPECT_EQ(RunVesper({"test", "/nowhere.so"}).exit_code, 2); }
 
 }  // namespace
 }  // namespace vesper

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // `vesper laws` over folders with good and broken libraries.
 #include <gtest/gtest.h>
 

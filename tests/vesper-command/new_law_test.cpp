@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // `vesper new-law`: what it writes builds outside the tree and passes its own tests.
 #include <gtest/gtest.h>
 
@@ -15,8 +16,8 @@ TEST(NewLawTest, WhatItWritesBuildsAndPassesItsTests) {
   const Outcome written = RunVesper({"new-law", "slow_down", "--dir", folder / "laws"});
   ASSERT_EQ(written.exit_code, 0) << written.errors;
   const std::string source = folder / "laws/slow_down", build = folder / "build";
-  const Outcome configured = RunCMake({"-S", source, "-B", build, "-G", "Ninja",
-                                       std::string("-DVesper_DIR=") + VESPER_PACKAGE});
+  const Outcome configured = RunCMake(
+      {"-S", source, "-B", build, "-G", "Ninja", std::string("-DVesper_DIR=") + VESPER_PACKAGE});
   ASSERT_EQ(configured.exit_code, 0) << configured.errors;
   const Outcome built = RunCMake({"--build", build});
   ASSERT_EQ(built.exit_code, 0) << built.output << built.errors;

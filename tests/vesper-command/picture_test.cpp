@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // `vesper run --png`: what is where in the pictures, and what is said when there are none.
 #include <gtest/gtest.h>
 #include <png.h>
@@ -76,8 +77,9 @@ Picture Draw(const std::string& body) {
 }
 
 TEST(PictureTest, BallIsWhereTheProjectionSaysAndAsLarge) {
-  const Picture picture = Draw("rows body 1\nposition (5 -3 0)\n"
-                               "draw body radius 1 colour #ff0000 unlit\n");
+  const Picture picture = Draw(
+      "rows body 1\nposition (5 -3 0)\n"
+      "draw body radius 1 colour #ff0000 unlit\n");
   ASSERT_EQ(picture.width(), 320u);
   ASSERT_EQ(picture.height(), 240u);
   const Spot spot = picture.Of(kRed);
@@ -106,16 +108,20 @@ TEST(PictureTest, PicturesFollowTheLaws) {
 }
 
 TEST(PictureTest, SpringIsALineOfItsWidthBetweenItsEnds) {
-  const Spot spot = Draw("rows body 2\nposition (-5 2 0) (5 2 0)\nrows spring 1\nendpoints (0 1)\n"
-                         "draw spring width 6 colour #ff0000\n").Of(kRed);
+  const Spot spot = Draw(
+                        "rows body 2\nposition (-5 2 0) (5 2 0)\nrows spring 1\nendpoints (0 1)\n"
+                        "draw spring width 6 colour #ff0000\n")
+                        .Of(kRed);
   EXPECT_NEAR(spot.x, 0, 0.5);
   EXPECT_NEAR(spot.y, 2 * kPixelsPerMetre, 0.5);
   EXPECT_NEAR(spot.pixels, 10 * kPixelsPerMetre * 6, 20);
 }
 
 TEST(PictureTest, SurfaceIsATriangleBetweenItsCorners) {
-  const Spot spot = Draw("rows body 3\nposition (0 0 0) (9 0 0) (0 6 0)\nrows surface 1\n"
-                         "vertices (0 1 2)\ndraw surface colour #ff0000 unlit\n").Of(kRed);
+  const Spot spot = Draw(
+                        "rows body 3\nposition (0 0 0) (9 0 0) (0 6 0)\nrows surface 1\n"
+                        "vertices (0 1 2)\ndraw surface colour #ff0000 unlit\n")
+                        .Of(kRed);
   EXPECT_NEAR(spot.x, 3 * kPixelsPerMetre, 0.5);
   EXPECT_NEAR(spot.y, 2 * kPixelsPerMetre, 0.5);
   EXPECT_NEAR(spot.pixels, 27 * kPixelsPerMetre * kPixelsPerMetre, 200);
@@ -136,27 +142,30 @@ TEST(PictureTest, ColourFollowsTheLengthOfAVectorFromFirstToLast) {
 }
 
 TEST(PictureTest, LastLineThatNamesARowDrawsIt) {
-  const Picture picture = Draw("rows body 3\nposition (-6 0 0) (0 0 0) (6 0 0)\n"
-                               "draw body radius 1 colour #ff0000 unlit\n"
-                               "draw body 1..2 radius 1 colour #0000ff unlit\n"
-                               "draw body 2 radius 0\n");
+  const Picture picture = Draw(
+      "rows body 3\nposition (-6 0 0) (0 0 0) (6 0 0)\n"
+      "draw body radius 1 colour #ff0000 unlit\n"
+      "draw body 1..2 radius 1 colour #0000ff unlit\n"
+      "draw body 2 radius 0\n");
   EXPECT_NEAR(picture.Of(kRed).x, -6 * kPixelsPerMetre, 1);
   EXPECT_NEAR(picture.Of(kBlue).x, 0, 1);
 }
 
 TEST(PictureTest, RadiusOfARowIsItsProperty) {
-  const Picture picture = Draw("rows body 2\nposition (-6 0 0) (6 0 0)\nradius 1 2\n"
-                               "draw body colour #ff0000 #0000ff by radius 1 2 unlit\n");
+  const Picture picture = Draw(
+      "rows body 2\nposition (-6 0 0) (6 0 0)\nradius 1 2\n"
+      "draw body colour #ff0000 #0000ff by radius 1 2 unlit\n");
   EXPECT_NEAR(picture.Of(kBlue).pixels / picture.Of(kRed).pixels, 4, 0.4);
 }
 
 TEST(PictureTest, WithoutACameraAllIsInThePicture) {
   const Folder folder;
-  const Outcome outcome = RunScene(
-      folder.Write("s.vesper", "scene 1\ndt 1\nbackground #ffffff\nrows body 2\n"
-                               "position (1000 5 -70) (1300 90 -70)\n"
-                               "draw body colour #ff0000 #0000ff by position 1005 1300 unlit\n"),
-      {"--frames", "0", "--png", folder / "%d.png"});
+  const Outcome outcome =
+      RunScene(folder.Write("s.vesper",
+                            "scene 1\ndt 1\nbackground #ffffff\nrows body 2\n"
+                            "position (1000 5 -70) (1300 90 -70)\n"
+                            "draw body colour #ff0000 #0000ff by position 1005 1300 unlit\n"),
+               {"--frames", "0", "--png", folder / "%d.png"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
   const Picture picture(folder / "0.png");
   const Spot near = picture.Of(kBlue), far = picture.Of(kRed);
@@ -171,9 +180,11 @@ TEST(PictureTest, WithoutACameraAllIsInThePicture) {
 constexpr auto kBall = "rows body 1\nposition (0 0 0)\n";
 
 TEST(PictureErrorTest, PatternNeedsOnePlaceForTheNumber) {
-  for (const auto& [pattern, found] :
-       {std::pair{"a.png", "no place for the frame's number"}, {"%d%d.png", "expected one %d"},
-        {"%s.png", "expected one %d"}, {"%4d.png", "expected one %d"}, {"%", "expected one %d"}}) {
+  for (const auto& [pattern, found] : {std::pair{"a.png", "no place for the frame's number"},
+                                       {"%d%d.png", "expected one %d"},
+                                       {"%s.png", "expected one %d"},
+                                       {"%4d.png", "expected one %d"},
+                                       {"%", "expected one %d"}}) {
     const Outcome outcome = RunScene("nowhere.vesper", {"--png", pattern});
     EXPECT_EQ(outcome.exit_code, 2) << pattern;
     EXPECT_NE(outcome.errors.find(found), std::string::npos) << outcome.errors;
@@ -190,8 +201,8 @@ TEST(PictureErrorTest, FileThatCannotBeWrittenEndsWith1) {
 
 TEST(PictureErrorTest, ReferenceOutOfRangeIsRefusedAtItsLine) {
   const Folder folder;
-  const std::string scene = folder.Write(
-      "s.vesper", std::string(kHead) + kBall + "rows spring 1\nendpoints (0 7)\n");
+  const std::string scene =
+      folder.Write("s.vesper", std::string(kHead) + kBall + "rows spring 1\nendpoints (0 7)\n");
   const Outcome outcome = RunScene(scene, {"--png", folder / "%d.png"});
   EXPECT_EQ(outcome.exit_code, 3);
   EXPECT_EQ(outcome.errors, "vesper: " + scene +
@@ -217,9 +228,8 @@ Outcome RunBeside(const std::string& renderer) {
     std::filesystem::permissions(folder.Write("vesper-render", renderer),
                                  std::filesystem::perms::owner_all);
   }
-  return RunProgram(folder / "vesper",
-                    {"run", folder.Write("s.vesper", std::string(kHead) + kBall), "--png",
-                     folder / "%d.png"});
+  return RunProgram(folder / "vesper", {"run", folder.Write("s.vesper", std::string(kHead) + kBall),
+                                        "--png", folder / "%d.png"});
 }
 
 TEST(PictureErrorTest, MissingRendererEndsWith4) {

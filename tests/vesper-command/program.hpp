@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 // Runs the program `vesper` and takes what it wrote.
 #pragma once
 
-#include <gtest/gtest.h>
 #include <fcntl.h>
+#include <gtest/gtest.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // `vesper run` on the sample scenes, against closed forms and invariants.
 #include <gtest/gtest.h>
 
@@ -43,9 +44,8 @@ Outcome RunScene(const std::string& scene, std::vector<std::string> options) {
 
 Table CsvOf(const std::string& scene, uint64_t frames, uint64_t every) {
   const Folder folder;
-  const Outcome outcome =
-      RunScene(scene, {"--frames", std::to_string(frames), "--every",
-                                       std::to_string(every), "--csv", folder / "out.csv"});
+  const Outcome outcome = RunScene(scene, {"--frames", std::to_string(frames), "--every",
+                                           std::to_string(every), "--csv", folder / "out.csv"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
   return ReadCsv(folder / "out.csv");
 }
@@ -56,10 +56,9 @@ TEST(RunTest, SceneOfTheDocumentationRuns) {
   const size_t begin = page.find(fence) + fence.size();
   ASSERT_GT(begin, fence.size());
   const Folder folder;
-  const Outcome outcome =
-      RunScene(folder.Write("s.vesper", page.substr(begin, page.find("```", begin) - begin)),
-               {"--frames", "2", "--every", "2", "--csv", folder / "s.csv", "--png",
-                   folder / "%d.png"});
+  const Outcome outcome = RunScene(
+      folder.Write("s.vesper", page.substr(begin, page.find("```", begin) - begin)),
+      {"--frames", "2", "--every", "2", "--csv", folder / "s.csv", "--png", folder / "%d.png"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
   EXPECT_NE(outcome.output.find("2 frames, 20 steps, t = 0.02 s"), std::string::npos)
       << outcome.output;
@@ -157,7 +156,8 @@ TEST(RunTest, LedgerFindsTheLawThatBreaksMomentum) {
                                          "scene 1\n"
                                          "dt 1/100\n"
                                          "law hooke_spring\n"
-                                         "law " TESTED_LAWS "/libvesper_law_broken_momentum.so\n"
+                                         "law " TESTED_LAWS
+                                         "/libvesper_law_broken_momentum.so\n"
                                          "law newton_motion\n"
                                          "rows body 2\n"
                                          "mass all 1\n"
@@ -219,8 +219,7 @@ TEST(RunTest, InvalidSceneEndsWith3AndNamesThePlace) {
   const std::string scene = folder.Write("s.vesper", "scene 1\ndt 1\nrows bodi 1\n");
   const Outcome outcome = RunScene(scene, {});
   EXPECT_EQ(outcome.exit_code, 3);
-  EXPECT_EQ(outcome.errors,
-            "vesper: " + scene + ":3:6: 'bodi' is no kind; did you mean 'body'?\n");
+  EXPECT_EQ(outcome.errors, "vesper: " + scene + ":3:6: 'bodi' is no kind; did you mean 'body'?\n");
 }
 
 TEST(RunTest, MissingSceneEndsWith3) {
@@ -272,12 +271,12 @@ TEST(RunTest, ValueBelowItsMinimumIsRefusedAtItsLine) {
 
 TEST(RunTest, LawThatBreaksDownEndsWith1AndNamesFrameLawAndProperty) {
   const Folder folder;
-  const Outcome outcome = RunScene(
-      folder.Write("s.vesper",
-                   "scene 1\ndt 1\nlaw gravity_field\nlaw newton_motion\nrows world 1\n"
-                   "gravity (0 1e308 0)\nrows body 1\nmass 1\n"
-                   "position (0 0 0)\nvelocity (0 0 0)\n"),
-      {});
+  const Outcome outcome =
+      RunScene(folder.Write("s.vesper",
+                            "scene 1\ndt 1\nlaw gravity_field\nlaw newton_motion\nrows world 1\n"
+                            "gravity (0 1e308 0)\nrows body 1\nmass 1\n"
+                            "position (0 0 0)\nvelocity (0 0 0)\n"),
+               {});
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_NE(outcome.errors.find(": frame 2: LAW_MISBEHAVED: "), std::string::npos)
       << outcome.errors;
@@ -294,17 +293,18 @@ TEST(RunTest, LawThatBreaksDownOnADeviceIsNamedByTheReportThatAsksForItsValues) 
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_NE(
       outcome.errors.find(scene + ": frame 3: LAW_MISBEHAVED: law opencl_gravitation: property "
-                                        "externalForce, row 0"),
-            std::string::npos)
+                                  "externalForce, row 0"),
+      std::string::npos)
       << outcome.errors;
 }
 
 TEST(RunTest, CsvOfTwoKindsIsRefused) {
   const Folder folder;
-  const Outcome outcome = RunScene(
-      folder.Write("s.vesper", "scene 1\ndt 1\nrows body 1\nmass 1\nrows spring 1\nlength 1\n"
-                               "csv mass length\n"),
-      {"--csv", folder / "x.csv"});
+  const Outcome outcome =
+      RunScene(folder.Write("s.vesper",
+                            "scene 1\ndt 1\nrows body 1\nmass 1\nrows spring 1\nlength 1\n"
+                            "csv mass length\n"),
+               {"--csv", folder / "x.csv"});
   EXPECT_EQ(outcome.exit_code, 3);
   EXPECT_NE(outcome.errors.find("properties of body and of spring"), std::string::npos);
 }

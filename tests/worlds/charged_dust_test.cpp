@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Charged dust in a magnetic field: three clouds that part.
 #include <array>
 #include <cmath>
@@ -56,11 +57,10 @@ struct DustRun {
 DustRun RunDust(int seconds, int threads) {
   const Folder folder;
   const std::string frames = std::to_string(60 * seconds);
-  const Outcome outcome = RunProgram(
-      VESPER_COMMAND,
-      {"run", kFolder + "charged-dust.vesper", "--laws", VESPER_LAW_PATH, "--frames", frames,
-       "--every", frames, "--threads", std::to_string(threads), "--csv", folder / "dust.csv",
-       "--json"});
+  const Outcome outcome =
+      RunProgram(VESPER_COMMAND, {"run", kFolder + "charged-dust.vesper", "--laws", VESPER_LAW_PATH,
+                                  "--frames", frames, "--every", frames, "--threads",
+                                  std::to_string(threads), "--csv", folder / "dust.csv", "--json"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
   const std::vector<Frame> written = ReadFrames(ReadText(folder / "dust.csv"));
   EXPECT_EQ(written.size(), 2u);
@@ -79,8 +79,8 @@ TEST(ChargedDust, PartsAndKeepsItsBooksOfMomentum) {
   ASSERT_EQ(run.end.position.size(), kGrains);
   const double error = Length(run.end.KeptMomentum() - run.begin.KeptMomentum());
   ExpectWithin(expected["momentumError"], error / run.begin.Momentum(), "momentum error");
-  ExpectWithin(expected["kineticEnergyLeft"],
-               run.end.KineticEnergy() / run.begin.KineticEnergy(), "kinetic energy left");
+  ExpectWithin(expected["kineticEnergyLeft"], run.end.KineticEnergy() / run.begin.KineticEnergy(),
+               "kinetic energy left");
   const std::array<std::string, 3> clouds = {"light", "negative", "heavy"};
   for (size_t cloud = 0; cloud < clouds.size(); ++cloud) {
     ExpectWithin(expected["meanX"][clouds[cloud]], run.end.MeanX(cloud), clouds[cloud]);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What `vesper run --csv` wrote of a scene with the line `csv position velocity [mass]`.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Two galaxies that collide; here with fewer bodies than the scene has.
 #include <algorithm>
 #include <cmath>

@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 // The paper's example 2: one icosahedron that is solid or goo, rolls or slides.
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "frames.hpp"
 #include "program.hpp"
@@ -57,7 +58,7 @@ SceneRun RunScene(const std::string& name, int seconds, int threads) {
                        folder / "frames.csv", "--json"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
   return {CornersOf(ReadFrames(ReadText(folder / "frames.csv"))),
-      Json::parse(outcome.output)["stateHash"]};
+          Json::parse(outcome.output)["stateHash"]};
 }
 
 /// Largest relative change of an edge at the end. Edges join the corners nearest to each other at

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // 1536 suns: the laws of the CPU, those of an OpenCL device, and both mixed.
 #include <algorithm>
 #include <cmath>
@@ -43,10 +44,9 @@ struct SunsRun {
 SunsRun RunSuns(const std::string& scene, int frames) {
   const Folder folder;
   const std::string count = std::to_string(frames);
-  const Outcome outcome =
-      RunProgram(VESPER_COMMAND, {"run", kFolder + scene + ".vesper", "--laws", VESPER_LAW_PATH,
-                                  "--frames", count, "--every", count, "--threads", "2", "--csv",
-                                  folder / "suns.csv"});
+  const Outcome outcome = RunProgram(
+      VESPER_COMMAND, {"run", kFolder + scene + ".vesper", "--laws", VESPER_LAW_PATH, "--frames",
+                       count, "--every", count, "--threads", "2", "--csv", folder / "suns.csv"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
   const std::vector<Frame> written = ReadFrames(ReadText(folder / "suns.csv"));
   EXPECT_EQ(written.size(), 2u);

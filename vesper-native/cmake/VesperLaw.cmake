@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # vesper_add_law(NAME source...)
 #
 # Makes the law library libvesper_law_NAME.so as a CMake target vesper_law_NAME: C or C++20, against

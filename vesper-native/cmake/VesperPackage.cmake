@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Makes find_package(Vesper) work in the build tree (-DVesper_DIR=<build>) and after installation.
 include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/Vesper)

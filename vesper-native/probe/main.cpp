@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // vesper-probe: opens one law library and reports over a pipe how far it got.
 //
 // Started by the engine (see probe_process.cpp) with the library and the pipe as descriptors 3 and

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How this build lays out the structs of the contract, for bindings to check theirs against.
 #include <cstddef>
 #include <iterator>
@@ -7,7 +8,7 @@
 namespace {
 
 #define STRUCT(type) {#type, nullptr, 0, static_cast<uint32_t>(sizeof(type))}
-#define FIELD(type, field)                                   \
+#define FIELD(type, field)                                      \
   {#type, #field, static_cast<uint32_t>(offsetof(type, field)), \
    static_cast<uint32_t>(sizeof(type::field))}
 

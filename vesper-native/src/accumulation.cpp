@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "accumulation.hpp"
 
 #include <algorithm>
@@ -27,8 +28,7 @@ bool Accumulation::InPlace() const { return shares_.size() == 1 && Initial() == 
 
 void Accumulation::Sum(ThreadPool& pool) const {
   if (InPlace()) return;
-  const uint64_t count =
-      columns_[property_].arrays.row_count * columns_.spec(property_).components;
+  const uint64_t count = columns_[property_].arrays.row_count * columns_.spec(property_).components;
   const uint64_t bad = FindFirst(pool, count, [this](uint64_t begin, uint64_t end) {
     for (uint64_t first = begin; first < end; first += kBlock) {
       const uint64_t found = SumBlock(first, std::min(kBlock, end - first));

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The sum over laws of what they add to one property.
 #pragma once
 

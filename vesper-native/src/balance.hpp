@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Momentum, angular momentum and energy: what is conserved, or who changed it.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The columns that say how bodies move, as mechanics reads them: f64, in SI units.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // engine.h, function by function: checks pointers, guards the border, calls the engine.
 #include <cinttypes>
 #include <cstring>
@@ -162,8 +163,8 @@ vesper_status vesper_engine_load_physics_law(vesper_engine* engine, const char* 
   return Guarded(error, [&] {
     vesper_library_id& id = Required(out, "out");
     vesper_engine& target = Required(engine, "engine");
-    auto prepared = std::make_unique<vesper_prepared_library>(target.config(),
-                                                              &Required(library, "library"));
+    auto prepared =
+        std::make_unique<vesper_prepared_library>(target.config(), &Required(library, "library"));
     id = target.Load(*prepared, parameters, count);
     prepared.release();
   });
@@ -177,9 +178,8 @@ vesper_status vesper_engine_unload_physics_law(vesper_engine* engine, vesper_lib
 vesper_status vesper_engine_law_info(const vesper_engine* engine, vesper_library_id library,
                                      uint32_t index, vesper_law_info* out,
                                      vesper_error* error) noexcept {
-  return Guarded(error, [&] {
-    Required(engine, "engine").LawInfo(library, index, Required(out, "out"));
-  });
+  return Guarded(error,
+                 [&] { Required(engine, "engine").LawInfo(library, index, Required(out, "out")); });
 }
 
 vesper_status vesper_engine_advance(vesper_engine* engine, double dt, uint32_t steps,
@@ -198,9 +198,8 @@ vesper_status vesper_engine_clear_fault(vesper_engine* engine, vesper_error* err
 
 vesper_status vesper_engine_move_row(vesper_engine* engine, const char* kind, uint64_t from,
                                      uint64_t to, vesper_error* error) noexcept {
-  return Guarded(error, [&] {
-    Required(engine, "engine").MoveRow(&Required(kind, "kind"), from, to);
-  });
+  return Guarded(error,
+                 [&] { Required(engine, "engine").MoveRow(&Required(kind, "kind"), from, to); });
 }
 
 vesper_status vesper_engine_state_size(vesper_engine* engine, uint64_t* out,
@@ -256,9 +255,8 @@ vesper_status vesper_engine_set_ledger(vesper_engine* engine, uint32_t on,
 
 vesper_status vesper_engine_ledger(vesper_engine* engine, vesper_library_id library, uint32_t line,
                                    vesper_ledger_entry* out, vesper_error* error) noexcept {
-  return Guarded(error, [&] {
-    Required(engine, "engine").LedgerEntry(library, line, Required(out, "out"));
-  });
+  return Guarded(
+      error, [&] { Required(engine, "engine").LedgerEntry(library, line, Required(out, "out")); });
 }
 
 vesper_status vesper_engine_potential_energy(vesper_engine* engine, vesper_library_id library,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Passes over columns, by all threads where a column is long enough to be worth waking them.
 #pragma once
 

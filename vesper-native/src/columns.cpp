@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "columns.hpp"
 
 #include <algorithm>
@@ -5,8 +6,8 @@
 
 #include "failure.hpp"
 #include "kernels.hpp"
-#include "versioned_struct.hpp"
 #include "unit.hpp"
+#include "versioned_struct.hpp"
 
 namespace vesper {
 namespace {
@@ -32,8 +33,7 @@ void CheckArrays(const PropertySpec& spec, const Arrays& arrays) {
     throw fail(VESPER_INVALID_ARGUMENT, "data is null but value_count is not 0",
                arrays.value_count);
   }
-  const uint64_t misaligned =
-      reinterpret_cast<uintptr_t>(arrays.data) % ScalarSize(spec.type);
+  const uint64_t misaligned = reinterpret_cast<uintptr_t>(arrays.data) % ScalarSize(spec.type);
   if (misaligned != 0) {
     throw fail(VESPER_INVALID_ARGUMENT, "data is not aligned to its scalar type", misaligned);
   }

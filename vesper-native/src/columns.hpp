@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The property provider: which array of the client stands for which property.
 #pragma once
 
@@ -26,7 +27,7 @@ struct Column {
   Arrays arrays{};
   uint64_t version = 0;
   vesper_field field{};  // where the property is one
-  AlignedBuffer dense;  // the rows, where the client shares values through indices
+  AlignedBuffer dense;   // the rows, where the client shares values through indices
 
   /// Rows, dense; null if there are none.
   std::byte* data() const {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "config.hpp"
 
 #include <dlfcn.h>
@@ -28,8 +29,8 @@ Config::Config(const vesper_engine_config* given) {
   if (given == nullptr) throw Failure(VESPER_INVALID_ARGUMENT, "config is null");
   const vesper_engine_config source = ReadStruct(*given, "config");
   if (source.threads == 0 || source.threads > kMaxThreads) {
-    throw Failure(VESPER_INVALID_ARGUMENT, "config.threads is %u, expected 1 to %u",
-                  source.threads, kMaxThreads);
+    throw Failure(VESPER_INVALID_ARGUMENT, "config.threads is %u, expected 1 to %u", source.threads,
+                  kMaxThreads);
   }
   if (source.validate > 1) {
     throw Failure(VESPER_INVALID_ARGUMENT, "config.validate is %u, expected 0 or 1",
@@ -40,8 +41,7 @@ Config::Config(const vesper_engine_config* given) {
                   source.deferred);
   }
   if (source.touches > 1) {
-    throw Failure(VESPER_INVALID_ARGUMENT, "config.touches is %u, expected 0 or 1",
-                  source.touches);
+    throw Failure(VESPER_INVALID_ARGUMENT, "config.touches is %u, expected 0 or 1", source.touches);
   }
   if (source.probe_timeout_ms == 0) {
     throw Failure(VESPER_INVALID_ARGUMENT, "config.probe_timeout_ms is 0, expected at least 1");

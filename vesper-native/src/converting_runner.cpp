@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "converting_runner.hpp"
 
 #include <cinttypes>
@@ -27,10 +28,7 @@ uint64_t ValueCount(const vesper_property& property) {
 class ConvertingRunner final : public LawRunner {
  public:
   ConvertingRunner(Law& law, std::unique_ptr<LawRunner> inner, std::vector<UnitRatio> ratios)
-      : law_(law),
-        inner_(std::move(inner)),
-        ratios_(std::move(ratios)),
-        columns_(ratios_.size()) {}
+      : law_(law), inner_(std::move(inner)), ratios_(std::move(ratios)), columns_(ratios_.size()) {}
 
   void Bind(const Targets& targets) override {
     targets_ = &targets;
@@ -67,9 +65,7 @@ class ConvertingRunner final : public LawRunner {
   }
 
  private:
-  bool IsConverted(size_t i) const {
-    return !ratios_[i].IsOne() && (*targets_)[i].row_count > 0;
-  }
+  bool IsConverted(size_t i) const { return !ratios_[i].IsOne() && (*targets_)[i].row_count > 0; }
 
   void ConvertField(size_t i) {
     if (ratios_[i].IsOne() || seen_[i].data == nullptr) return;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A law that declares other units than the prototype, of the same dimension.
 #pragma once
 

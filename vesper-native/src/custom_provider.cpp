@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "custom_provider.hpp"
 
 #include "failure.hpp"
-#include "versioned_struct.hpp"
 #include "unit.hpp"
+#include "versioned_struct.hpp"
 
 namespace vesper {
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A property provider of the client's own: arrays are asked for, not registered.
 #pragma once
 

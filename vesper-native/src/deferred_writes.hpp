@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Arrays that are stale, because a law keeps the newest values in memory of its own.
 #pragma once
 

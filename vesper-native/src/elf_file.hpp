@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Tells a complete shared object from anything that would crash the loader.
 #pragma once
 

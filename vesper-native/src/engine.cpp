@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "engine.hpp"
 
 #include <algorithm>
@@ -10,8 +11,8 @@
 #include "law_table.hpp"
 #include "matching.hpp"
 #include "state_hash.hpp"
-#include "versioned_struct.hpp"
 #include "unit.hpp"
+#include "versioned_struct.hpp"
 
 using vesper::Failure;
 
@@ -43,8 +44,9 @@ class vesper_engine::Turn {
  public:
   explicit Turn(const vesper_engine& engine) : engine_(engine) {
     if (engine_.busy_.exchange(true, std::memory_order_acquire)) {
-      throw Failure(VESPER_BUSY, "the engine is inside another call; laws and log receivers must "
-                                 "not call it, nor two threads at a time");
+      throw Failure(VESPER_BUSY,
+                    "the engine is inside another call; laws and log receivers must "
+                    "not call it, nor two threads at a time");
     }
   }
   ~Turn() { engine_.busy_.store(false, std::memory_order_release); }
@@ -126,8 +128,7 @@ void vesper_engine::RefuseIfUsed(uint32_t property, const char* refusal,
       for (const vesper::MatchedUse& matched : law->uses) {
         if (matched.property != property || !condition(*matched.use)) continue;
         throw Failure(VESPER_ACCESS_CONFLICT, "property %s %s %s; unload library %s first",
-                      matched.use->name, refusal, law->law.label().c_str(),
-                      library->name().c_str())
+                      matched.use->name, refusal, law->law.label().c_str(), library->name().c_str())
             .Property(matched.use->name)
             .Library(library->id())
             .Law(law->index);
@@ -169,8 +170,7 @@ void vesper_engine::RefuseFieldOfLibrary(uint32_t property) const {
       .Library(owner->id());
 }
 
-void vesper_engine::MatchFields(const vesper_law_library& table,
-                                vesper::LawLibrary& added) const {
+void vesper_engine::MatchFields(const vesper_law_library& table, vesper::LawLibrary& added) const {
   const std::span fields(table.fields, table.field_count);
   for (uint32_t i = 0; i < fields.size(); ++i) {
     added.fields().push_back(vesper::MatchField(table.name, fields[i], prototype_));
@@ -202,15 +202,10 @@ void vesper_engine::FindProperty(const char* name, vesper_property& out) {
   vesper::CheckStructSize<vesper_property>(out.struct_size, "out");
   if (!column.bound) throw NotBound(spec.name);
   FaultIfFails([&] { schedule_.deferred().Synchronize(property); });
-  const vesper_property found{sizeof found,
-                              spec.type,
-                              spec.name.c_str(),
-                              prototype_.kinds()[spec.kind].c_str(),
-                              spec.components,
-                              spec.law_access,
-                              column.arrays.data,
-                              column.arrays.row_count,
-                              column.version};
+  const vesper_property found{
+      sizeof found,    spec.type,       spec.name.c_str(),  prototype_.kinds()[spec.kind].c_str(),
+      spec.components, spec.law_access, column.arrays.data, column.arrays.row_count,
+      column.version};
   vesper::WriteStruct(out, found, "out");
 }
 
@@ -429,7 +424,7 @@ void vesper_engine::FaultIfFails(Body&& body) {
   } catch (const Failure& failure) {
     Fault(failure.error().library_id);
     throw;
-  } catch (...) { // out of memory, say: half a step is done, and no library is to blame
+  } catch (...) {  // out of memory, say: half a step is done, and no library is to blame
     Fault(VESPER_NO_LIBRARY);
     throw;
   }
@@ -545,9 +540,12 @@ void vesper_engine::LedgerEntry(vesper_library_id id, uint32_t line, vesper_ledg
     return;
   }
   switch (line) {
-    case VESPER_LEDGER_CLIENT: return WriteEntry({ledger_->client(), {}}, out);
-    case VESPER_LEDGER_GROUND: return WriteEntry({ledger_->ground(), {}}, out);
-    case VESPER_LEDGER_UNLOADED: return WriteEntry({ledger_->unloaded(), {}}, out);
+    case VESPER_LEDGER_CLIENT:
+      return WriteEntry({ledger_->client(), {}}, out);
+    case VESPER_LEDGER_GROUND:
+      return WriteEntry({ledger_->ground(), {}}, out);
+    case VESPER_LEDGER_UNLOADED:
+      return WriteEntry({ledger_->unloaded(), {}}, out);
     case VESPER_LEDGER_TOTAL:
       BindFresh();
       return WriteEntry(ledger_->Total(), out);

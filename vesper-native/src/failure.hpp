@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How a failed operation travels inside the engine: as an exception up to the C border, where
 // `Guarded` turns it into a status and fills the caller's `vesper_error`.
 #pragma once

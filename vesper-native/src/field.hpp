@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Functions of position, where they need more than being handed on.
 #pragma once
 

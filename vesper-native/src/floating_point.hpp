@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Floating-point modes around code that is not ours.
 #pragma once
 
@@ -31,9 +32,7 @@ class FloatingPointGuard {
   static constexpr uint32_t kDefaultMxcsr = 0x1f80;
   static constexpr uint16_t kDefaultX87 = 0x037f;
 
-  static void SetX87(uint16_t word) {
-    asm volatile("fnclex\n\tfldcw %0" : : "m"(word));
-  }
+  static void SetX87(uint16_t word) { asm volatile("fnclex\n\tfldcw %0" : : "m"(word)); }
 
   uint32_t mxcsr_;
   uint16_t x87_;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The border to code of law libraries.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // An engine-owned copy of a column with a canary at both ends.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Streaming passes over column memory. Values are `count` scalars, tightly packed.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "law.hpp"
 
 #include <chrono>
@@ -32,9 +33,8 @@ void Law::Create(const vesper_host& host, vesper_suite* suite,
 }
 
 void Law::Bind(const std::vector<vesper_property>& properties) {
-  CallForeign(label_, [&](vesper_error* error) {
-    return desc_.bind(law_, properties.data(), error);
-  });
+  CallForeign(label_,
+              [&](vesper_error* error) { return desc_.bind(law_, properties.data(), error); });
 }
 
 template <class Call>
@@ -42,8 +42,8 @@ void Law::Timed(Call&& call) {
   const auto start = std::chrono::steady_clock::now();
   CallForeign(label_, call);
   const auto spent = std::chrono::steady_clock::now() - start;
-  nanoseconds_ += static_cast<uint64_t>(
-      std::chrono::duration_cast<std::chrono::nanoseconds>(spent).count());
+  nanoseconds_ +=
+      static_cast<uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(spent).count());
 }
 
 void Law::Advance(const vesper_step& step) {
@@ -57,9 +57,8 @@ void Law::Synchronize(uint32_t use) {
 
 double Law::PotentialEnergy() {
   double energy = 0;
-  CallForeign(label_, [&](vesper_error* error) {
-    return desc_.potential_energy(law_, &energy, error);
-  });
+  CallForeign(label_,
+              [&](vesper_error* error) { return desc_.potential_energy(law_, &energy, error); });
   if (std::isfinite(energy)) return energy;
   throw Failure(VESPER_LAW_MISBEHAVED, "%s: its potential energy is %g, expected a number",
                 label_.c_str(), energy);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One law of a library, as an engine calls it.
 #pragma once
 

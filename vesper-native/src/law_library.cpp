@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "law_library.hpp"
 
 #include <algorithm>
@@ -62,8 +63,8 @@ void LawLibrary::Create(const vesper_law_library& table,
   }
   for (const auto& field : fields_) {
     const vesper_field source{sizeof source, 0, suite_, field->desc->evaluate};
-    field->function = std::make_unique<ConvertedField>(source, field->from_library,
-                                                       field->desc->components);
+    field->function =
+        std::make_unique<ConvertedField>(source, field->from_library, field->desc->components);
   }
   for (size_t i = 0; i < laws_.size(); ++i) {
     try {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A law library that belongs to an engine.
 #pragma once
 
@@ -33,7 +34,7 @@ struct MatchedUse {
 struct LoadedField {
   uint32_t property;
   const vesper_field_desc* desc;
-  UnitRatio from_library;  // to the property's unit
+  UnitRatio from_library;                              // to the property's unit
   std::unique_ptr<ConvertedField> function = nullptr;  // made once the suite is open
 };
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "law_runner.hpp"
 
 #include <algorithm>
@@ -55,8 +56,8 @@ std::string PrintValue(const vesper_property& property, uint64_t index) {
 
 Failure Misbehaved(const Law& law, const vesper_property& property, uint64_t row,
                    const std::string& what) {
-  return Failure(VESPER_LAW_MISBEHAVED, "%s: property %s, row %" PRIu64 ": %s",
-                 law.label().c_str(), property.name, row, what.c_str())
+  return Failure(VESPER_LAW_MISBEHAVED, "%s: property %s, row %" PRIu64 ": %s", law.label().c_str(),
+                 property.name, row, what.c_str())
       .Property(property.name)
       .Row(row);
 }
@@ -66,12 +67,12 @@ void CheckFinite(const Law& law, ThreadPool& pool, const vesper_property& proper
   if (bad == kNotFound) return;
   const uint64_t component = bad % property.components;
   const bool unwritten = IsUnwritten(property.scalar_type, property.data, bad);
-  throw Misbehaved(law, property, bad / property.components,
-                   unwritten && property.access == VESPER_WRITE
-                       ? "declared WRITE, but the row was not written"
-                   : unwritten ? "the row was not written"
-                               : "wrote " + PrintValue(property, bad) + " to component " +
-                                   std::to_string(component));
+  throw Misbehaved(
+      law, property, bad / property.components,
+      unwritten && property.access == VESPER_WRITE ? "declared WRITE, but the row was not written"
+      : unwritten
+          ? "the row was not written"
+          : "wrote " + PrintValue(property, bad) + " to component " + std::to_string(component));
 }
 
 /// Whether the law writes the array of a use within `advance`.

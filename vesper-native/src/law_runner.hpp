@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How an engine drives a law over its arrays: in place, or on guarded copies.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "law_table.hpp"
 
 #include <cmath>
@@ -7,8 +8,8 @@
 #include <string>
 
 #include "failure.hpp"
-#include "versioned_struct.hpp"
 #include "unit.hpp"
+#include "versioned_struct.hpp"
 
 namespace vesper {
 namespace {
@@ -195,9 +196,8 @@ LawTable::LawTable(const vesper_law_library* library, const char* source) {
     CheckFields(library_, file);
   } catch (Failure& failure) {
     if (failure.status() == VESPER_LIBRARY_LOAD_FAILED) throw;
-    const vesper_status status = failure.status() == VESPER_ABI_MISMATCH
-                                     ? VESPER_ABI_MISMATCH
-                                     : VESPER_LIBRARY_LOAD_FAILED;
+    const vesper_status status =
+        failure.status() == VESPER_ABI_MISMATCH ? VESPER_ABI_MISMATCH : VESPER_LIBRARY_LOAD_FAILED;
     throw Failure(status, "%s: %s", source, failure.error().message);
   }
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a law library says about itself: checked, and copied, before anybody relies on it.
 #pragma once
 

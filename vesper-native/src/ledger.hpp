@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The ledger: which law changed how much momentum, angular momentum and energy. See docs/ledger.md.
 #pragma once
 
@@ -80,7 +81,7 @@ class Ledger {
   };
   /// A sum of forces and the velocity they change; or of torques, and the angular velocity.
   struct Channel {
-    uint32_t sum, rate;             // properties, or kNone
+    uint32_t sum, rate;              // properties, or kNone
     Account* integrator = nullptr;   // of the law that writes `rate`
     std::vector<double> begin = {};  // (bodies x 3), `rate` when the step began
   };

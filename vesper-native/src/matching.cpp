@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "matching.hpp"
 
 #include <cmath>
@@ -7,19 +8,24 @@
 
 #include "failure.hpp"
 #include "nearest_name.hpp"
-#include "versioned_struct.hpp"
 #include "unit.hpp"
+#include "versioned_struct.hpp"
 
 namespace vesper {
 namespace {
 
 const char* AccessName(vesper_access access) {
   switch (access) {
-    case VESPER_READ: return "READ";
-    case VESPER_WRITE: return "WRITE";
-    case VESPER_READ_WRITE: return "READ_WRITE";
-    case VESPER_ACCUMULATE: return "ACCUMULATE";
-    case VESPER_READ | VESPER_ACCUMULATE: return "READ or ACCUMULATE";
+    case VESPER_READ:
+      return "READ";
+    case VESPER_WRITE:
+      return "WRITE";
+    case VESPER_READ_WRITE:
+      return "READ_WRITE";
+    case VESPER_ACCUMULATE:
+      return "ACCUMULATE";
+    case VESPER_READ | VESPER_ACCUMULATE:
+      return "READ or ACCUMULATE";
   }
   return "a set of several";
 }
@@ -42,8 +48,7 @@ void CheckUse(const vesper_law_desc& law, const vesper_property_use& use, const 
   const bool convertible =
       (IsReal(spec.type) || IsField(spec.type)) && SameDimension(spec.unit, use.unit);
   if (!convertible && !SameUnit(spec.unit, use.unit)) {
-    throw Mismatch(VESPER_UNIT_MISMATCH, law, use, "unit", Describe(use.unit),
-                   Describe(spec.unit));
+    throw Mismatch(VESPER_UNIT_MISMATCH, law, use, "unit", Describe(use.unit), Describe(spec.unit));
   }
   if ((use.access & ~spec.law_access) != 0) {
     throw Failure(VESPER_ACCESS_CONFLICT,
@@ -132,9 +137,8 @@ size_t FindSlot(const std::vector<std::unique_ptr<LoadedLaw>>& laws,
     if (wanted.parameter != slots[i].desc->name) continue;
     if (!wanted.law.empty() && wanted.law != law) continue;
     if (found != slots.size()) {
-      throw Failure(VESPER_INVALID_ARGUMENT,
-                    "parameter '%s' is ambiguous: write %s.%s or %s.%s", name,
-                    laws[slots[found].law]->law.desc().name, slots[i].desc->name, law,
+      throw Failure(VESPER_INVALID_ARGUMENT, "parameter '%s' is ambiguous: write %s.%s or %s.%s",
+                    name, laws[slots[found].law]->law.desc().name, slots[i].desc->name, law,
                     slots[i].desc->name);
     }
     found = i;
@@ -150,9 +154,8 @@ size_t FindSlot(const std::vector<std::unique_ptr<LoadedLaw>>& laws,
 
 void CheckValue(const char* law, const vesper_parameter_desc& desc, double value) {
   if (std::isfinite(value) && value >= desc.minimum && value <= desc.maximum) return;
-  throw Failure(VESPER_INVALID_ARGUMENT,
-                "law %s: parameter %s is %g, expected %g to %g [%s]", law, desc.name, value,
-                desc.minimum, desc.maximum, desc.unit.symbol);
+  throw Failure(VESPER_INVALID_ARGUMENT, "law %s: parameter %s is %g, expected %g to %g [%s]", law,
+                desc.name, value, desc.minimum, desc.maximum, desc.unit.symbol);
 }
 
 }  // namespace

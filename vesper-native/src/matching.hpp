@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Decides whether a law fits an engine, before any of the law's code runs.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The laws of one phase, in order of loading, and which of them may run at the same time.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "prepared_library.hpp"
 
 #include <dlfcn.h>
@@ -129,9 +130,9 @@ SealedCopy::SealedCopy(const Config& config, const std::string& library) {
   source_ = ShortPath(file);
   const std::vector<std::byte> bytes = ReadStable(file, source_);
   CheckSharedObject(bytes, source_);
-  memory_ = Descriptor(
-      memfd_create(ContentName(file, bytes).c_str(), MFD_CLOEXEC | MFD_ALLOW_SEALING),
-      "memory for the copy of a law library");
+  memory_ =
+      Descriptor(memfd_create(ContentName(file, bytes).c_str(), MFD_CLOEXEC | MFD_ALLOW_SEALING),
+                 "memory for the copy of a law library");
   WriteAll(memory_.get(), bytes);
   const int seals = F_SEAL_SEAL | F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_WRITE;
   if (fcntl(memory_.get(), F_ADD_SEALS, seals) != 0) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A law library on its way from a file to an engine.
 #pragma once
 

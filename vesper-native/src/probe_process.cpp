@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "probe_process.hpp"
 
 #include <fcntl.h>
@@ -27,11 +28,16 @@ using Clock = std::chrono::steady_clock;
 
 const char* StageName(ProbeStage stage) {
   switch (stage) {
-    case ProbeStage::kLoading: return "loading";
-    case ProbeStage::kCallingEntry: return "calling " VESPER_LAW_LIBRARY_ENTRY;
-    case ProbeStage::kReadingTable: return "reading its table";
-    case ProbeStage::kUnloading: return "unloading";
-    case ProbeStage::kDone: return "ending";
+    case ProbeStage::kLoading:
+      return "loading";
+    case ProbeStage::kCallingEntry:
+      return "calling " VESPER_LAW_LIBRARY_ENTRY;
+    case ProbeStage::kReadingTable:
+      return "reading its table";
+    case ProbeStage::kUnloading:
+      return "unloading";
+    case ProbeStage::kDone:
+      return "ending";
   }
   return "doing something unknown";
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Opens a library in a process of its own, because a broken one takes its process down.
 #pragma once
 

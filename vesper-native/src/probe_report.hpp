@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the probe process tells the engine, one record per stage over a pipe.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "prototype.hpp"
 
 #include <algorithm>
@@ -5,8 +6,8 @@
 
 #include "failure.hpp"
 #include "nearest_name.hpp"
-#include "versioned_struct.hpp"
 #include "unit.hpp"
+#include "versioned_struct.hpp"
 
 namespace vesper {
 namespace {

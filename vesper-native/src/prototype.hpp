@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The engine's copy of the contract of one use.
 #pragma once
 
@@ -21,9 +22,9 @@ struct PropertySpec {
   uint32_t components;
   vesper_access law_access;
   vesper_unit unit;
-  uint32_t refers_to;     // kind, or kNone
-  uint32_t initial_from;  // property, or kNone
-  size_t row_size;        // bytes
+  uint32_t refers_to;                  // kind, or kNone
+  uint32_t initial_from;               // property, or kNone
+  size_t row_size;                     // bytes
   std::optional<double> minimum = {};  // of every component
 
   bool IsAccumulator() const { return (law_access & VESPER_ACCUMULATE) != 0; }

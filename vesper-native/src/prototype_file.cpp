@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "prototype_file.hpp"
 
 #include <algorithm>
@@ -202,8 +203,8 @@ class Reader {
   }
 
   void ReadHeader(Line& line) {
-    if (!line.Take("prototype ")) line.Fail(line.at(), "found " + line.Found() + ", expected " +
-                                                           Missing());
+    if (!line.Take("prototype "))
+      line.Fail(line.at(), "found " + line.Found() + ", expected " + Missing());
     prototype_->name = Keep(line.Name("the name of the prototype"));
     if (line.AtEnd()) return;
     line.Expect("extends ", " or the end of the line");
@@ -222,15 +223,15 @@ class Reader {
   }
 
   void ReadReal(Line& line) {
-    if (!line.Take("real ")) line.Fail(line.at(), "found " + line.Found() + ", expected " +
-                                                      Missing());
+    if (!line.Take("real "))
+      line.Fail(line.at(), "found " + line.Found() + ", expected " + Missing());
     static constexpr Word kReals[] = {{"f64", VESPER_F64}, {"f32", VESPER_F32}};
     prototype_->real_type = line.OneOf(kReals, "f64 or f32");
   }
 
   void ReadTime(Line& line) {
-    if (!line.Take("time ")) line.Fail(line.at(), "found " + line.Found() + ", expected " +
-                                                      Missing());
+    if (!line.Take("time "))
+      line.Fail(line.at(), "found " + line.Found() + ", expected " + Missing());
     line.SkipSpaces();
     const size_t begin = line.at();
     prototype_->time_unit = line.Unit();
@@ -252,8 +253,7 @@ class Reader {
     line.Expect("x", " and the number of components, such as x3");
     property.components = line.Number("the number of components, such as x3");
     property.unit = line.Unit();
-    property.law_access =
-        line.OneOf(kAccesses, "read, write, read_write or accumulate");
+    property.law_access = line.OneOf(kAccesses, "read, write, read_write or accumulate");
     if (line.Take("->")) property.refers_to = Keep(line.Name("the kind that it refers to"));
     if (line.Take("from ")) property.initial_from = Keep(line.Name("the name of a property"));
     if (line.Take("min ")) {
@@ -270,9 +270,12 @@ class Reader {
   }
 
   vesper_scalar_type ReadType(Line& line) const {
-    const Word types[] = {{"real", prototype_->real_type}, {"f32", VESPER_F32},
-                          {"f64", VESPER_F64},             {"i32", VESPER_I32},
-                          {"u32", VESPER_U32},             {"field", VESPER_FIELD}};
+    const Word types[] = {{"real", prototype_->real_type},
+                          {"f32", VESPER_F32},
+                          {"f64", VESPER_F64},
+                          {"i32", VESPER_I32},
+                          {"u32", VESPER_U32},
+                          {"field", VESPER_FIELD}};
     return line.OneOf(types, "a type: real, f32, f64, i32, u32 or field");
   }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Prototypes as data files, so that a property can be added without touching code.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What lives in an engine and nowhere else, as bytes: the steps done and their time, and what
 // laws remember.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which law runs when, on which arrays: one step of the simulation.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the engine remembers for one law, row by row: a use with access SCRATCH.
 #pragma once
 

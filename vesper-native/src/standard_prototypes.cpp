@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The prototypes that ship with the engine. Same tables, two precisions.
 #include <cstring>
 #include <iterator>
@@ -13,8 +14,19 @@ constexpr vesper_property_descriptor Describe(vesper_scalar_type type, uint32_t 
                                               const char* kind, const char* name, vesper_unit unit,
                                               vesper_access access, const char* doc,
                                               const char* initial_from = nullptr) {
-  return {sizeof(vesper_property_descriptor), type, name, kind, components, access, unit, nullptr,
-          initial_from, doc, 0, 0, 0};
+  return {sizeof(vesper_property_descriptor),
+          type,
+          name,
+          kind,
+          components,
+          access,
+          unit,
+          nullptr,
+          initial_from,
+          doc,
+          0,
+          0,
+          0};
 }
 
 /// What laws read, and what has no meaning below 0.
@@ -29,8 +41,19 @@ constexpr vesper_property_descriptor NotNegative(vesper_scalar_type type, uint32
 
 constexpr vesper_property_descriptor Refer(uint32_t components, const char* kind, const char* name,
                                            const char* refers_to, const char* doc) {
-  return {sizeof(vesper_property_descriptor), VESPER_U32, name, kind, components, VESPER_READ,
-          VESPER_UNIT_ONE, refers_to, nullptr, doc, 0, 0, 0};
+  return {sizeof(vesper_property_descriptor),
+          VESPER_U32,
+          name,
+          kind,
+          components,
+          VESPER_READ,
+          VESPER_UNIT_ONE,
+          refers_to,
+          nullptr,
+          doc,
+          0,
+          0,
+          0};
 }
 
 template <vesper_scalar_type real>
@@ -59,15 +82,15 @@ constexpr vesper_property_descriptor kProperties[] = {
              "Sum of all torques of the stage about the centre of mass."),
     Describe(real, 1, "body", "dragCoefficient", VESPER_UNIT_KILOGRAM_PER_METRE, VESPER_READ,
              "Force of quadratic drag per squared speed."),
-    Describe(real, 1, "body", "linearDragCoefficient", VESPER_UNIT_KILOGRAM_PER_SECOND,
-             VESPER_READ, "Force of linear drag per speed."),
+    Describe(real, 1, "body", "linearDragCoefficient", VESPER_UNIT_KILOGRAM_PER_SECOND, VESPER_READ,
+             "Force of linear drag per speed."),
 
     Refer(2, "spring", "endpoints", "body", "Rows of the two bodies it joins."),
     NotNegative(real, 1, "spring", "length", VESPER_UNIT_METRE, "Rest length."),
     Describe(real, 1, "spring", "hookeConstant", VESPER_UNIT_NEWTON_PER_METRE, VESPER_READ,
              "Force per elongation."),
-    Describe(real, 1, "spring", "dampingConstant", VESPER_UNIT_NEWTON_SECOND_PER_METRE,
-             VESPER_READ, "Force per speed of elongation."),
+    Describe(real, 1, "spring", "dampingConstant", VESPER_UNIT_NEWTON_SECOND_PER_METRE, VESPER_READ,
+             "Force per speed of elongation."),
 
     Refer(3, "surface", "vertices", "body", "Rows of the three bodies that span the triangle."),
     NotNegative(real, 1, "surface", "hardness", VESPER_UNIT_NEWTON_PER_METRE,
@@ -95,8 +118,13 @@ constexpr vesper_property_descriptor kProperties[] = {
 
 template <vesper_scalar_type real>
 constexpr vesper_prototype Standard(const char* name) {
-  return {sizeof(vesper_prototype), real, name, VESPER_UNIT_SECOND,
-          static_cast<uint32_t>(std::size(kProperties<real>)), 0, kProperties<real>};
+  return {sizeof(vesper_prototype),
+          real,
+          name,
+          VESPER_UNIT_SECOND,
+          static_cast<uint32_t>(std::size(kProperties<real>)),
+          0,
+          kProperties<real>};
 }
 
 constexpr vesper_prototype kStandardPrototypes[] = {

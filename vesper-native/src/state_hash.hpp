@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One number for the whole state of an engine.
 #pragma once
 

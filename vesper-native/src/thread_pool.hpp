@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The threads that laws run on, and share through their host.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the thread sanitizer has to be told, because it does not see into TBB: Debian's library is
 // not built for it. The one file that uses TBB is therefore compiled without the sanitizer, and
 // says here what order TBB gives: so everything outside TBB, laws included, is still checked.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "unit.hpp"
 
 #include <cctype>
@@ -45,8 +46,10 @@ size_t ScalarSize(vesper_scalar_type type) {
   switch (type) {
     case VESPER_F32:
     case VESPER_I32:
-    case VESPER_U32: return 4;
-    case VESPER_F64: return 8;
+    case VESPER_U32:
+      return 4;
+    case VESPER_F64:
+      return 8;
   }
   return 0;
 }
@@ -59,11 +62,16 @@ bool IsKnownType(vesper_scalar_type type) { return ScalarSize(type) != 0 || IsFi
 
 const char* ScalarName(vesper_scalar_type type) {
   switch (type) {
-    case VESPER_F32: return "f32";
-    case VESPER_F64: return "f64";
-    case VESPER_I32: return "i32";
-    case VESPER_U32: return "u32";
-    case VESPER_FIELD: return "field";
+    case VESPER_F32:
+      return "f32";
+    case VESPER_F64:
+      return "f64";
+    case VESPER_I32:
+      return "i32";
+    case VESPER_U32:
+      return "u32";
+    case VESPER_FIELD:
+      return "field";
   }
   return "unknown type";
 }

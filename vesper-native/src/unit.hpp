@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Units and scalar types: equality, validity, and how messages print them.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "unit_parser.hpp"
 
 #include <algorithm>
@@ -82,8 +83,8 @@ struct Prefix {
 };
 
 constexpr Prefix kPrefixes[] = {
-    {"f", 1, 1e15}, {"p", 1, 1e12}, {"n", 1, 1e9}, {"u", 1, 1e6}, {"m", 1, 1e3},
-    {"c", 1, 100},  {"d", 1, 10},   {"h", 100, 1}, {"k", 1e3, 1}, {"M", 1e6, 1},
+    {"f", 1, 1e15}, {"p", 1, 1e12}, {"n", 1, 1e9},  {"u", 1, 1e6}, {"m", 1, 1e3},
+    {"c", 1, 100},  {"d", 1, 10},   {"h", 100, 1},  {"k", 1e3, 1}, {"M", 1e6, 1},
     {"G", 1e9, 1},  {"T", 1e12, 1}, {"P", 1e15, 1},
 };
 
@@ -217,10 +218,10 @@ class Parser {
         Fail(offset, "an exponent of the unit leaves -127 to 127");
       }
     }
-    product.numerator *= std::pow(power > 0 ? factor.numerator : factor.denominator,
-                                  std::abs(power));
-    product.denominator *= std::pow(power > 0 ? factor.denominator : factor.numerator,
-                                    std::abs(power));
+    product.numerator *=
+        std::pow(power > 0 ? factor.numerator : factor.denominator, std::abs(power));
+    product.denominator *=
+        std::pow(power > 0 ? factor.denominator : factor.numerator, std::abs(power));
   }
 
   const char* Rest() const { return text_.data() + at_; }

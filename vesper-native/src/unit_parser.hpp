@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Units as people write them: "N/m", "kg*m^2/s^2", "km/h".
 #pragma once
 

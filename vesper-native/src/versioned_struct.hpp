@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Structs that begin with `struct_size` and may be of another minor version of the contract, older
 // or newer: fields are only appended, and one that is missing is zero.
 #pragma once
@@ -71,7 +72,8 @@ T ReadStruct(const T& source, const char* what) {
   std::memcpy(static_cast<void*>(&known), &source, std::min<size_t>(size, sizeof known));
   known.struct_size = sizeof known;
   const auto* bytes = reinterpret_cast<const std::byte*>(&source);
-  const bool asks_for_more = size > sizeof known &&
+  const bool asks_for_more =
+      size > sizeof known &&
       std::any_of(bytes + sizeof known, bytes + size, [](std::byte b) { return b != std::byte{}; });
   if (asks_for_more) {
     throw Failure(VESPER_ABI_MISMATCH,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How the forces of several laws become one sum.
 #include <algorithm>
 #include <limits>

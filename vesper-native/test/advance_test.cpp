@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a step is: order of laws, stages, accumulators, time.
 #include <cmath>
 
@@ -210,13 +211,13 @@ TEST_P(AdvanceTest, CallsFromInsideAStepAreRefused) {
     p.seen.push_back(vesper_engine_advance(p.engine, 1, 1, nullptr));
     p.seen.push_back(vesper_engine_unload_physics_law(p.engine, 1, nullptr));
     p.seen.push_back(vesper_engine_state_hash(p.engine, &hash, nullptr));
-    p.seen.push_back(vesper_provider_touch(vesper_engine_property_provider(p.engine), nullptr, 0,
-                                           nullptr));
+    p.seen.push_back(
+        vesper_provider_touch(vesper_engine_property_provider(p.engine), nullptr, 0, nullptr));
     vesper_engine_destroy(p.engine);
   };
-  ASSERT_EQ(vesper_engine_create(&config, vesper_prototype_standard("si-f64"), &probe.engine,
-                                 nullptr),
-            VESPER_OK);
+  ASSERT_EQ(
+      vesper_engine_create(&config, vesper_prototype_standard("si-f64"), &probe.engine, nullptr),
+      VESPER_OK);
   vesper_library_id id = 0;
   ASSERT_EQ(vesper_engine_load_physics_law(probe.engine, "suite", nullptr, 0, &id, nullptr),
             VESPER_OK);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Memory that moves from one owner to another.
 #include "aligned_buffer.hpp"
 

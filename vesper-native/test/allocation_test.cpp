@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The frame path allocates nothing: counted through this program's own operator new, which the
 // engine's library resolves to as well.
 #include <atomic>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Laws that run at the same time, and laws that must not.
 #include <unistd.h>
 
@@ -25,7 +26,7 @@ class Pipe {
   std::array<int, 2> ends_{};
 };
 
-constexpr double kLong = 20;   // [s] that laws wait for each other where they must meet
+constexpr double kLong = 20;    // [s] that laws wait for each other where they must meet
 constexpr double kShort = 0.1;  // [s] where they must not
 
 class ConcurrencyTest : public BothModes {
@@ -38,12 +39,12 @@ class ConcurrencyTest : public BothModes {
     TestEngine engine = MakeEngine(2);
     engine.AddBodies(bodies);
     const Pipe here, there;
-    engine.Load(library, {{"first.tell", there.in()},
-                          {"first.hear", here.out()},
-                          {"first.patience", patience}});
-    engine.Load(other, {{"first.tell", here.in()},
-                        {"first.hear", there.out()},
-                        {"first.patience", patience}});
+    engine.Load(
+        library,
+        {{"first.tell", there.in()}, {"first.hear", here.out()}, {"first.patience", patience}});
+    engine.Load(
+        other,
+        {{"first.tell", here.in()}, {"first.hear", there.out()}, {"first.patience", patience}});
     return engine.Advance(0.1, 1);
   }
 };

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What bindings and laws rely on without recompiling: symbols, layouts, names, defaults.
 #include <cstdio>
 #include <cstring>
@@ -150,9 +151,8 @@ TEST(ContractTest, ConfigOfAClientBuiltFor1_0IsItsOwnBytesOnly) {
 
 vesper_error Create(const vesper_engine_config* config, const vesper_prototype* prototype,
                     vesper_engine** out) {
-  return Try([&](vesper_error* error) {
-    return vesper_engine_create(config, prototype, out, error);
-  });
+  return Try(
+      [&](vesper_error* error) { return vesper_engine_create(config, prototype, out, error); });
 }
 
 TEST(ContractTest, BadConfigsAreRefusedAndOutIsUntouched) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Laws that declare units of another scale than the prototype's.
 #include <random>
 
@@ -61,10 +62,12 @@ TEST_P(ConversionTest, ConvertedArraysFollowARebind) {
   engine.Load("commuter");
   EXPECT_OK(engine.Advance(1, 1));
   Bodies more(9);
-  for (const auto& [name, values, components] :
-       {std::tuple{"mass", &more.mass, 1u}, {"position", &more.position, 3u},
-        {"velocity", &more.velocity, 3u}, {"acceleration", &more.acceleration, 3u},
-        {"externalForce", &more.force, 3u}, {"orientation", &more.orientation, 4u}}) {
+  for (const auto& [name, values, components] : {std::tuple{"mass", &more.mass, 1u},
+                                                 {"position", &more.position, 3u},
+                                                 {"velocity", &more.velocity, 3u},
+                                                 {"acceleration", &more.acceleration, 3u},
+                                                 {"externalForce", &more.force, 3u},
+                                                 {"orientation", &more.orientation, 4u}}) {
     EXPECT_OK(engine.Rebind(name, *values, components));
   }
   EXPECT_OK(engine.Advance(1, 1));

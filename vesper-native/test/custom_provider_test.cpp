@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A property provider of the client's own, through the C++ layer.
 #include <cstring>
 #include <functional>
@@ -40,12 +41,9 @@ class Store : public CustomPropertyProvider {
   uint64_t Version() const noexcept override { return version; }
 
   void Lend(Bodies& bodies) {
-    entries = {{"mass", {&bodies.mass, 1}},
-               {"position", {&bodies.position, 3}},
-               {"velocity", {&bodies.velocity, 3}},
-               {"acceleration", {&bodies.acceleration, 3}},
-               {"externalForce", {&bodies.force, 3}},
-               {"orientation", {&bodies.orientation, 4}}};
+    entries = {{"mass", {&bodies.mass, 1}},           {"position", {&bodies.position, 3}},
+               {"velocity", {&bodies.velocity, 3}},   {"acceleration", {&bodies.acceleration, 3}},
+               {"externalForce", {&bodies.force, 3}}, {"orientation", {&bodies.orientation, 4}}};
     ++version;
   }
 

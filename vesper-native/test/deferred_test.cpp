@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Laws that keep the newest values in memory of their own, next to their twins that do not.
 #include <algorithm>
 #include <cstddef>
@@ -42,11 +43,10 @@ IN_BOTH_MODES(DeferredTest);
 
 TEST_P(DeferredTest, ChangesNoBitWhateverLawsAreBesideIt) {
   const std::vector<std::vector<const char*>> suites = {{"vault"}, {"vault_pull", "vault_move"}};
-  const std::vector<std::vector<const char*>> others = {
-      {},
-      {"push"},
-      {"relay_spin", "relay_acceleration"},
-      {"push", "trace_constrain", "relay_spin"}};
+  const std::vector<std::vector<const char*>> others = {{},
+                                                        {"push"},
+                                                        {"relay_spin", "relay_acceleration"},
+                                                        {"push", "trace_constrain", "relay_spin"}};
   for (const auto& other : others) {
     std::vector<const char*> laws = {"no_vault"};
     laws.insert(laws.end(), other.begin(), other.end());
@@ -214,8 +214,7 @@ TEST_P(DeferredTest, ArraysMayGrow) {
     bodies.orientation.resize(200);
     EXPECT_OK(each->engine.Rebind("mass", bodies.mass, 1));
     EXPECT_OK(each->engine.Rebind("orientation", bodies.orientation, 4));
-    for (auto& [name, values] :
-         std::initializer_list<std::pair<const char*, std::vector<double>&>>{
+    for (auto& [name, values] : std::initializer_list<std::pair<const char*, std::vector<double>&>>{
              {"position", bodies.position},
              {"velocity", bodies.velocity},
              {"acceleration", bodies.acceleration},

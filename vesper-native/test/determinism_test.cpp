@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Same arrays, laws, order and dt: same bits.
 #include <cmath>
 #include <random>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Properties that are functions of position: from the client, or from a law library.
 #include <functional>
 
@@ -119,8 +120,7 @@ TEST_P(FieldTest, ArraysAndFieldsAreNotMixedUp) {
                 [&] { provider.SetField("wind", {sizeof(vesper_field), 0, data, nullptr}); });
   ExpectRefused(VESPER_INVALID_ARGUMENT, "field.struct_size is 0",
                 [&] { provider.SetField("wind", {0, 0, data, Turn}); });
-  EXPECT_EQ(vesper_provider_set_field(nullptr, "wind", nullptr, nullptr),
-            VESPER_INVALID_ARGUMENT);
+  EXPECT_EQ(vesper_provider_set_field(nullptr, "wind", nullptr, nullptr), VESPER_INVALID_ARGUMENT);
 }
 
 TEST_P(FieldTest, LibraryBringsAFieldAndTakesItAway) {

@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
 // The scan for NaN and infinity against the library's own classification.
 #include <cmath>
-#include <limits>
 #include <cstring>
+#include <limits>
 #include <random>
 #include <vector>
 
@@ -37,8 +38,12 @@ TYPED_TEST(FiniteTest, FindsEveryNonFiniteValueAtEveryPlace) {
 
 TYPED_TEST(FiniteTest, AcceptsEveryFiniteExtreme) {
   using Limits = std::numeric_limits<TypeParam>;
-  const std::vector<TypeParam> values = {0, -TypeParam{0}, Limits::max(), Limits::lowest(),
-                                         Limits::min(), Limits::denorm_min(),
+  const std::vector<TypeParam> values = {0,
+                                         -TypeParam{0},
+                                         Limits::max(),
+                                         Limits::lowest(),
+                                         Limits::min(),
+                                         Limits::denorm_min(),
                                          -Limits::denorm_min()};
   EXPECT_EQ(FindNonFinite(this->kType, values.data(), values.size()), kNotFound);
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The ledger: who gave how much momentum, angular momentum and energy to the bodies.
 #include <array>
 #include <cmath>
@@ -27,9 +28,9 @@ struct Totals {
 };
 
 void ExpectNear(const Totals& found, const Totals& expected, double tolerance) {
-  static constexpr const char* kNames[] = {"momentum x", "momentum y", "momentum z",
-                                           "angular momentum x", "angular momentum y",
-                                           "angular momentum z", "energy"};
+  static constexpr const char* kNames[] = {
+      "momentum x",         "momentum y",         "momentum z", "angular momentum x",
+      "angular momentum y", "angular momentum z", "energy"};
   for (size_t i = 0; i < found.values.size(); ++i) {
     EXPECT_NEAR(found.values[i], expected.values[i], tolerance) << kNames[i];
   }
@@ -92,9 +93,8 @@ class LedgerTest : public BothModes {
   }
 
   vesper_error SetLedger(uint32_t on) {
-    return Try([&](vesper_error* error) {
-      return vesper_engine_set_ledger(engine->get(), on, error);
-    });
+    return Try(
+        [&](vesper_error* error) { return vesper_engine_set_ledger(engine->get(), on, error); });
   }
   vesper_error TryLine(vesper_library_id library, uint32_t line, vesper_ledger_entry& entry) {
     entry.struct_size = sizeof entry;
@@ -321,8 +321,9 @@ TEST_P(LedgerTest, LawsThatDeferTheirWritesAreBookedLikeTheirTwins) {
     EXPECT_OK(engine->Advance(0.01, 3));
     EXPECT_OK(engine->Advance(0.01, 4));
     const Totals move = ids.size() == 1 ? Law(ids.front(), 1) : Law(ids.back());
-    return std::vector<Totals>{Law(ids.front()), move, Law(other), Law(brake),
-                               Line(VESPER_LEDGER_CLIENT), Line(VESPER_LEDGER_TOTAL)};
+    return std::vector<Totals>{
+        Law(ids.front()),         move, Law(other), Law(brake), Line(VESPER_LEDGER_CLIENT),
+        Line(VESPER_LEDGER_TOTAL)};
   };
   for (const char* beside : {"trace_observe", "push"}) {  // one or two laws add to the forces
     const std::vector<Totals> twins = book({"no_vault"}, beside, false);
@@ -354,8 +355,8 @@ TEST_P(LedgerTest, RefusesLinesThatDoNotExist) {
   EXPECT_REFUSED(NOT_FOUND, "there is no law 1", TryLine(push, 1, entry));
   double energy = 0;
   EXPECT_REFUSED(NOT_FOUND, "law push reports no potential energy", Try([&](vesper_error* error) {
-    return vesper_engine_potential_energy(engine->get(), push, 0, &energy, error);
-  }));
+                   return vesper_engine_potential_energy(engine->get(), push, 0, &energy, error);
+                 }));
   EXPECT_OK(SetLedger(0));
   EXPECT_REFUSED(NOT_FOUND, "the ledger is off", TryLine(push, 0, entry));
 }
@@ -428,9 +429,9 @@ TEST(LedgerPrototypeTest, LinesAreInSiUnits) {
   ASSERT_EQ(vesper_engine_advance(engine.get(), 1, 1, nullptr), VESPER_OK);
   vesper_ledger_entry client{};
   client.struct_size = sizeof client;
-  ASSERT_EQ(vesper_engine_ledger(engine.get(), VESPER_NO_LIBRARY, VESPER_LEDGER_CLIENT, &client,
-                                 nullptr),
-            VESPER_OK);
+  ASSERT_EQ(
+      vesper_engine_ledger(engine.get(), VESPER_NO_LIBRARY, VESPER_LEDGER_CLIENT, &client, nullptr),
+      VESPER_OK);
   EXPECT_DOUBLE_EQ(client.momentum[0], 5);
   EXPECT_DOUBLE_EQ(client.angular_momentum[2], -10000);
   EXPECT_DOUBLE_EQ(client.energy, 25);

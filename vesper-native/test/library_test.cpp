@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The way of a law library from a file into an engine and out again.
 #include <sys/stat.h>
 
@@ -100,10 +101,10 @@ TEST(LibraryTest, ForeignElfFilesAreRefused) {
     char value;
     const char* message;
   };
-  for (const Case& spoilt : {Case{4, 1, "not a 64-bit"}, Case{5, 2, "another byte order"},
-                             Case{16, 1, "not a shared object"}, Case{18, 3, "another processor"},
-                             Case{54, 1, "without program headers"},
-                             Case{39, -1, "truncated: needs"}}) {
+  for (const Case& spoilt :
+       {Case{4, 1, "not a 64-bit"}, Case{5, 2, "another byte order"},
+        Case{16, 1, "not a shared object"}, Case{18, 3, "another processor"},
+        Case{54, 1, "without program headers"}, Case{39, -1, "truncated: needs"}}) {
     std::vector<char> bytes = good;
     bytes[spoilt.offset] = spoilt.value;
     WriteFile(folder / "law.so", bytes);
@@ -121,10 +122,10 @@ TEST(LibraryTest, EveryTruncationIsRefusedBeforeTheLoaderSeesIt) {
     EXPECT_REFUSED(LIBRARY_LOAD_FAILED, size == 0 ? "empty" : "truncated: needs", error);
   }
   WriteFile(folder / "law.so", {whole.begin(), whole.end() - 1});
-  EXPECT_REFUSED(LIBRARY_LOAD_FAILED,
-                 "needs " + std::to_string(whole.size()) + " bytes, has " +
-                     std::to_string(whole.size() - 1),
-                 Prepare(folder / "law.so"));
+  EXPECT_REFUSED(
+      LIBRARY_LOAD_FAILED,
+      "needs " + std::to_string(whole.size()) + " bytes, has " + std::to_string(whole.size() - 1),
+      Prepare(folder / "law.so"));
 }
 
 TEST(LibraryTest, FileThatIsStillBeingCopiedLoadsOnceItIsComplete) {
@@ -376,9 +377,9 @@ TEST(LibraryTest, SuiteIsOpenedOnceAndClosedAfterItsLaws) {
   const vesper_library_id suite = engine.Load("suite");
   EXPECT_OK(engine.Advance(1, 1));
   EXPECT_OK(engine.Unload(suite));
-  const std::vector<std::string> expected = {
-      "suite: open",    "suite: create",  "suite: create",
-      "suite: destroy", "suite: destroy", "suite: close after 2 calls"};
+  const std::vector<std::string> expected = {"suite: open",    "suite: create",
+                                             "suite: create",  "suite: destroy",
+                                             "suite: destroy", "suite: close after 2 calls"};
   EXPECT_EQ(engine.log(), expected);
 }
 

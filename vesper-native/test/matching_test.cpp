@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Whether a law fits an engine: names, types, units, access, conflicts, parameters.
 #include <cmath>
 
@@ -25,8 +26,7 @@ TEST_F(MatchingTest, UnknownPropertySuggestsTheNearest) {
 TEST_F(MatchingTest, MismatchesNameBothSides) {
   EXPECT_REFUSED(TYPE_MISMATCH, "law asking: property position: kind is spring, expected body",
                  engine.TryLoad("asking_kind"));
-  EXPECT_REFUSED(TYPE_MISMATCH, "type is f32 x 3, expected f64 x 3",
-                 engine.TryLoad("asking_type"));
+  EXPECT_REFUSED(TYPE_MISMATCH, "type is f32 x 3, expected f64 x 3", engine.TryLoad("asking_type"));
   EXPECT_REFUSED(TYPE_MISMATCH, "type is f64 x 4, expected f64 x 3",
                  engine.TryLoad("asking_components"));
   EXPECT_REFUSED(UNIT_MISMATCH, "unit is kg, expected m", engine.TryLoad("asking_unit"));
@@ -93,8 +93,7 @@ TEST_F(MatchingTest, TwoIntegratorsOfOnePropertyCollide) {
 
 TEST_F(MatchingTest, IntegratorsAgreeOnTheNumberOfStages) {
   engine.Load("euler");
-  EXPECT_REFUSED(ACCESS_CONFLICT,
-                 "integrator euler has 1 stages, but trace_integrate has 2",
+  EXPECT_REFUSED(ACCESS_CONFLICT, "integrator euler has 1 stages, but trace_integrate has 2",
                  engine.TryLoad("trace_integrate"));
 }
 

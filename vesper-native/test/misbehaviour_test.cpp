@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Laws that break their word: what is caught, how it is reported, and what it costs.
 #include "misbehaving.h"
 
@@ -16,8 +17,7 @@ class MisbehaviourTest : public BothModes {
     engine = std::make_unique<TestEngine>(options);
     bodies = Bodies(5);
     engine->AddBodies(bodies);
-    library = engine->Load("misbehaving",
-                           {{"mode", static_cast<double>(mode)}, {"row", row}});
+    library = engine->Load("misbehaving", {{"mode", static_cast<double>(mode)}, {"row", row}});
     return engine->Advance(1, 1);
   }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Prototypes as data files.
 #include <cstring>
 #include <filesystem>
@@ -210,8 +211,9 @@ TEST(PrototypeFileTest, ExamplesOfThePageParse) {
   EXPECT_EQ(traffic->property_count, 2u);
   std::string slip = examples[0];
   slip.replace(slip.find("read_write"), 10, "reed");
-  EXPECT_REFUSED(INVALID_ARGUMENT, "heat.prototype:3:40: found 'reed', expected read, write, "
-                                   "read_write or accumulate; did you mean 'read'?",
+  EXPECT_REFUSED(INVALID_ARGUMENT,
+                 "heat.prototype:3:40: found 'reed', expected read, write, "
+                 "read_write or accumulate; did you mean 'read'?",
                  TryParse(slip));
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Prototypes: the standard ones, and what is refused.
 #include <cmath>
 #include <functional>
@@ -97,9 +98,19 @@ struct Draft {
 
   Draft() {
     const auto real = [](const char* name, vesper_access access, const char* initial) {
-      return vesper_property_descriptor{sizeof(vesper_property_descriptor), VESPER_F64, name,
-                                        "body", 3, access, VESPER_UNIT_NEWTON, nullptr, initial,
-                                        nullptr, 0, 0, 0};
+      return vesper_property_descriptor{sizeof(vesper_property_descriptor),
+                                        VESPER_F64,
+                                        name,
+                                        "body",
+                                        3,
+                                        access,
+                                        VESPER_UNIT_NEWTON,
+                                        nullptr,
+                                        initial,
+                                        nullptr,
+                                        0,
+                                        0,
+                                        0};
     };
     properties = {real("wind", VESPER_READ, nullptr),
                   real("sum", VESPER_READ | VESPER_ACCUMULATE, "wind"),
@@ -113,9 +124,8 @@ struct Draft {
     prototype.properties = properties.data();
     const vesper_engine_config config = TestConfig();
     vesper_engine* engine = nullptr;
-    const vesper_error error = Try([&](vesper_error* e) {
-      return vesper_engine_create(&config, &prototype, &engine, e);
-    });
+    const vesper_error error =
+        Try([&](vesper_error* e) { return vesper_engine_create(&config, &prototype, &engine, e); });
     EXPECT_EQ(engine != nullptr, error.status == VESPER_OK);
     vesper_engine_destroy(engine);
     return error;
@@ -196,19 +206,17 @@ TEST(PrototypeTest, DescriptorsOfANewerClientAreWalkedWithTheirOwnSize) {
   prototype.properties = &newer[0].known;
   const vesper_engine_config config = TestConfig();
   vesper_engine* engine = nullptr;
-  EXPECT_OK(Try([&](vesper_error* e) {
-    return vesper_engine_create(&config, &prototype, &engine, e);
-  }));
+  EXPECT_OK(
+      Try([&](vesper_error* e) { return vesper_engine_create(&config, &prototype, &engine, e); }));
   std::vector<uint32_t> ends(2);
   EXPECT_EQ(vesper_provider_add_physical_property(vesper_engine_property_provider(engine), "ends",
                                                   ends.data(), 1, nullptr, 1, nullptr),
             VESPER_OK);
   vesper_engine_destroy(engine);
   newer[1].appended = 1;
-  EXPECT_REFUSED(ABI_MISMATCH, "prototype.properties uses a field that contract",
-                 Try([&](vesper_error* e) {
-                   return vesper_engine_create(&config, &prototype, &engine, e);
-                 }));
+  EXPECT_REFUSED(
+      ABI_MISMATCH, "prototype.properties uses a field that contract",
+      Try([&](vesper_error* e) { return vesper_engine_create(&config, &prototype, &engine, e); }));
 }
 
 TEST(PrototypeTest, EngineKeepsItsOwnCopy) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Arrays of the client: adding, moving, sharing, removing, editing.
 #include <cmath>
 
@@ -18,8 +19,8 @@ class ProviderTest : public BothModes {
   }
   vesper_error AddEndpoints(TestEngine& engine, std::vector<uint32_t>& endpoints) {
     return Try([&](vesper_error* error) {
-      return vesper_provider_add_physical_property(engine.provider(), "endpoints",
-                                                   endpoints.data(), endpoints.size() / 2, nullptr,
+      return vesper_provider_add_physical_property(engine.provider(), "endpoints", endpoints.data(),
+                                                   endpoints.size() / 2, nullptr,
                                                    endpoints.size() / 2, error);
     });
   }
@@ -206,9 +207,8 @@ TEST_P(ProviderTest, SumsCannotShareValues) {
   TestEngine engine(Options());
   EXPECT_REFUSED(ACCESS_CONFLICT, "property externalForce: the engine writes its sums",
                  Try([&](vesper_error* error) {
-                   return vesper_provider_add_physical_property(engine.provider(), "externalForce",
-                                                                one.data(), 1, indices.data(), 2,
-                                                                error);
+                   return vesper_provider_add_physical_property(
+                       engine.provider(), "externalForce", one.data(), 1, indices.data(), 2, error);
                  }));
 }
 

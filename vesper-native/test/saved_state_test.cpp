@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Saving what lives in the engine, and going on from it.
 #include <algorithm>
 #include <cmath>
@@ -11,9 +12,8 @@ using Bytes = std::vector<char>;
 
 Bytes Save(const TestEngine& engine) {
   uint64_t size = 0;
-  EXPECT_OK(Try([&](vesper_error* error) {
-    return vesper_engine_state_size(engine.get(), &size, error);
-  }));
+  EXPECT_OK(Try(
+      [&](vesper_error* error) { return vesper_engine_state_size(engine.get(), &size, error); }));
   Bytes state(size);
   EXPECT_OK(Try([&](vesper_error* error) {
     return vesper_engine_save_state(engine.get(), state.data(), size, error);
@@ -71,9 +71,8 @@ TEST_P(SavedStateTest, StepsThatAreSetAreAsIfTheyHadBeenDone) {
   Bodies done_bodies(1), set_bodies(1);
   TestEngine done(Options()), set(Options());
   EXPECT_OK(done.Advance(0.1, 7));
-  EXPECT_OK(Try([&](vesper_error* error) {
-    return vesper_engine_set_step_count(set.get(), 7, 0.1, error);
-  }));
+  EXPECT_OK(Try(
+      [&](vesper_error* error) { return vesper_engine_set_step_count(set.get(), 7, 0.1, error); }));
   EXPECT_EQ(vesper_engine_step_count(set.get()), 7u);
   EXPECT_EQ(Save(set), Save(done));
   done.AddBodies(done_bodies);
@@ -89,9 +88,8 @@ TEST_P(SavedStateTest, StepsThatAreSetAreAsIfTheyHadBeenDone) {
 TEST_P(SavedStateTest, StepsOfNoLengthAreRefused) {
   TestEngine engine(Options());
   for (double dt : {0.0, -1.0, std::nan(""), HUGE_VAL}) {
-    const vesper_error error = Try([&](vesper_error* out) {
-      return vesper_engine_set_step_count(engine.get(), 3, dt, out);
-    });
+    const vesper_error error = Try(
+        [&](vesper_error* out) { return vesper_engine_set_step_count(engine.get(), 3, dt, out); });
     EXPECT_EQ(error.status, VESPER_INVALID_ARGUMENT);
     EXPECT_EQ(vesper_engine_step_count(engine.get()), 0u);
   }
@@ -134,8 +132,7 @@ TEST_P(SavedStateTest, OfAnotherPrototypeIsRefusedByName) {
   TestEngine wide(options);
   options.prototype = "si-f32";
   TestEngine narrow(options);
-  EXPECT_REFUSED(ACCESS_CONFLICT, "prototype is si-f32, expected si-f64",
-                 Load(wide, Save(narrow)));
+  EXPECT_REFUSED(ACCESS_CONFLICT, "prototype is si-f32, expected si-f64", Load(wide, Save(narrow)));
 }
 
 TEST_P(SavedStateTest, DamagedInAnyByteIsRefusedAndChangesNothing) {
@@ -172,8 +169,9 @@ TEST_P(SavedStateTest, RoomMustBeAsLargeAsSaid) {
   Remembering world(Options(), 1);
   Bytes room(10);
   EXPECT_REFUSED(INVALID_ARGUMENT, "size is 10", Try([&](vesper_error* error) {
-    return vesper_engine_save_state(world.engine.get(), room.data(), room.size(), error);
-  }));
+                   return vesper_engine_save_state(world.engine.get(), room.data(), room.size(),
+                                                   error);
+                 }));
 }
 
 }  // namespace

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the engine keeps for laws, row by row.
 #include "test_kit.hpp"
 
@@ -77,9 +78,8 @@ TEST_P(ScratchTest, ComesBackWhenAStepFails) {
   Remembering world(2, Options(), 3);
   EXPECT_OK(world.engine.Advance(1, 1));
   EXPECT_REFUSED(LAW_FAILED, "as told", world.engine.Advance(1, 3));
-  EXPECT_OK(Try([&](vesper_error* error) {
-    return vesper_engine_clear_fault(world.engine.get(), error);
-  }));
+  EXPECT_OK(Try(
+      [&](vesper_error* error) { return vesper_engine_clear_fault(world.engine.get(), error); }));
   EXPECT_OK(world.engine.Advance(1, 1));
   EXPECT_EQ(world.bodies.acceleration, (std::vector<double>{2, 0, 2, 4, 0, 2}));
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The state hash against XXH3-64 of the documented bytes.
 #include <xxhash.h>
 

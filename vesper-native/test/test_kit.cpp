@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "test_kit.hpp"
 
 #include <filesystem>
@@ -93,9 +94,8 @@ vesper_library_id TestEngine::Load(const std::string& library, Parameters parame
 }
 
 vesper_error TestEngine::Unload(vesper_library_id library) {
-  return Try([&](vesper_error* error) {
-    return vesper_engine_unload_physics_law(get(), library, error);
-  });
+  return Try(
+      [&](vesper_error* error) { return vesper_engine_unload_physics_law(get(), library, error); });
 }
 
 vesper_error TestEngine::Advance(double dt, uint32_t steps) {
@@ -110,16 +110,14 @@ vesper_error TestEngine::Synchronize(std::initializer_list<const char*> names) {
 }
 
 vesper_error TestEngine::SynchronizeAll() {
-  return Try([&](vesper_error* error) {
-    return vesper_engine_synchronize(get(), nullptr, 0, error);
-  });
+  return Try(
+      [&](vesper_error* error) { return vesper_engine_synchronize(get(), nullptr, 0, error); });
 }
 
 uint64_t TestEngine::StateHash() {
   uint64_t hash = 0;
-  EXPECT_OK(Try([&](vesper_error* error) {
-    return vesper_engine_state_hash(get(), &hash, error);
-  }));
+  EXPECT_OK(
+      Try([&](vesper_error* error) { return vesper_engine_state_hash(get(), &hash, error); }));
   return hash;
 }
 

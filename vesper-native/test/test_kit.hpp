@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // An engine with bodies in it, for tests. Speaks the C interface only.
 #pragma once
 
@@ -22,17 +23,17 @@ vesper_error Try(Call&& call) {
   return error;
 }
 
-#define EXPECT_OK(expression)                                                        \
-  do {                                                                               \
-    const vesper_error result = (expression);                                        \
-    EXPECT_STREQ(vesper_status_name(result.status), "OK") << result.message;         \
+#define EXPECT_OK(expression)                                                \
+  do {                                                                       \
+    const vesper_error result = (expression);                                \
+    EXPECT_STREQ(vesper_status_name(result.status), "OK") << result.message; \
   } while (false)
 
 /// Expects a status, and a message that holds `text`.
-#define EXPECT_REFUSED(expected, text, expression)                                   \
-  do {                                                                               \
-    const vesper_error result = (expression);                                        \
-    EXPECT_STREQ(vesper_status_name(result.status), #expected) << result.message;    \
+#define EXPECT_REFUSED(expected, text, expression)                                          \
+  do {                                                                                      \
+    const vesper_error result = (expression);                                               \
+    EXPECT_STREQ(vesper_status_name(result.status), #expected) << result.message;           \
     EXPECT_NE(std::string(result.message).find(text), std::string::npos) << result.message; \
   } while (false)
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Units as text.
 #include <array>
 #include <cstring>

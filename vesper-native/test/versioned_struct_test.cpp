@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Structs of older and newer minor versions of the contract.
 #include "versioned_struct.hpp"
 

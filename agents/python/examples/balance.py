@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Learns to balance the pole of worlds/cart-pole, in lock-step with the world, from nothing but
 falling over.
 
@@ -18,9 +19,8 @@ import time
 from typing import Iterable, List, Tuple
 
 import numpy
-from gymnasium import spaces
-
 import reve
+from gymnasium import spaces
 from reve.gym import Edit, Environment, Task
 
 Numbers = numpy.ndarray
@@ -43,8 +43,7 @@ class Balance(Task):
         return [("tip", "physical.location", [math.sin(lean), math.cos(lean), 0.0])]
 
     def observe(self, perception: reve.Perception) -> Numbers:
-        """Where the cart is [m], its speed [m/s], how far the pole leans [1], and how fast [1/s].
-        """
+        """Where the cart is [m], its speed [m/s], how far the pole leans [1], and how fast [1/s]."""
         cart, tip = perception.find("cart"), perception.find("tip")
         speed, tip_speed = cart.symbols["velocity"][0], tip.symbols["velocity"][0]
         lean = tip.location[0] - cart.location[0]
@@ -114,12 +113,16 @@ def run(options: argparse.Namespace) -> int:
         weights, history = learn(environment, options)
         final = [play(environment, weights, seed=1000 + i) for i in range(5)]
         environment.close()
-    print(json.dumps({
-        "weights": [round(float(w), 3) for w in weights],
-        "history": history,
-        "final": final,
-        "seconds": round(time.monotonic() - begun, 1),
-    }))
+    print(
+        json.dumps(
+            {
+                "weights": [round(float(w), 3) for w in weights],
+                "history": history,
+                "final": final,
+                "seconds": round(time.monotonic() - begun, 1),
+            }
+        )
+    )
     return 0 if min(final) == AT_MOST else 1
 
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A curious agent: goes to the item it finds most interesting, pushes it until it has moved, and
 turns to the next.
 
@@ -30,8 +31,7 @@ _BORED_FOR = 12.0  # s
 
 
 def surprise(item: reve.Item, items: Sequence[reve.Item]) -> float:
-    """How unlike the rest an item is [bits]: a symbol that one item in eight shares counts three.
-    """
+    """How unlike the rest an item is [bits]: a symbol that one item in eight shares counts three."""
     bits = 0.0
     for symbol, value in item.symbols.items():
         if symbol not in _EVERYBODY_HAS:
@@ -119,7 +119,8 @@ class Curious:
         """Of what has a place, is not the agent itself, and is neither ground nor boring."""
         items = perception.items
         others = [
-            i for i in items
+            i
+            for i in items
             if i.location is not None
             and i.name != self.agent.body
             and i.symbols.get("class") != "ground"

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Agents for REVE worlds: perceive and act over TCP.
 
 >>> import reve
@@ -6,6 +7,7 @@
 """
 
 from .client import Agent, Control, connect, control
+from .errors import Disconnected, ProtocolError, ReveError
 from .protocol import (
     Act,
     Bye,
@@ -22,7 +24,6 @@ from .protocol import (
     Value,
     Welcome,
 )
-from .errors import Disconnected, ProtocolError, ReveError
 from .server import serve
 
 __all__ = [

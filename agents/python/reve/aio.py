@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The client for asyncio: as `reve.connect` and `reve.control`, with coroutines.
 
 >>> import reve.aio
@@ -83,8 +84,7 @@ async def control(
 
 
 class Client:
-    """What agents and controls have in common; as `reve.Client`. For the tasks of one event loop.
-    """
+    """What agents and controls have in common; as `reve.Client`. For the tasks of one event loop."""
 
     _talk: Conversation
     _reader: asyncio.Task[None]
@@ -140,8 +140,7 @@ class Client:
         return await self._ask(lambda id: protocol.perceive(id, relations=relations), Perception)
 
     async def perceptions(self, every: int = 1) -> AsyncIterator[Perception]:
-        """A perception every that many frames, always the newest. Starting another ends the first.
-        """
+        """A perception every that many frames, always the newest. Starting another ends the first."""
         number, line = self._talk.subscribe(every)
         self._send(line)
         patience = self._timeout + every / self.welcome.rate
@@ -292,8 +291,7 @@ class Agent(Client):
         return self.welcome.body
 
     async def act(self, item: Union[str, Item], action: str, /, **arguments: Argument) -> Result:
-        """Asks the item to do one of its actions and waits for the outcome. A refusal is a result.
-        """
+        """Asks the item to do one of its actions and waits for the outcome. A refusal is a result."""
         target = item if isinstance(item, str) else item.name
         return await self._ask(lambda id: protocol.act(id, target, action, arguments), Result)
 

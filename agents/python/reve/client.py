@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A blocking client. One thread of its own reads, so pings are answered while the agent thinks."""
 
 from __future__ import annotations
@@ -5,10 +6,19 @@ from __future__ import annotations
 import errno
 import socket
 import threading
-from functools import partial
 import time as clock
+from functools import partial
 from typing import (
-    BinaryIO, Callable, Iterator, List, Optional, Sequence, Tuple, Type, TypeVar, Union
+    BinaryIO,
+    Callable,
+    Iterator,
+    List,
+    Optional,
+    Sequence,
+    Tuple,
+    Type,
+    TypeVar,
+    Union,
 )
 
 from . import protocol
@@ -125,9 +135,7 @@ class Client:
                 f"{host}:{port}: {error.strerror or error}; does a server run there?",
             ) from error
 
-    def _open(
-        self, greeting: Message
-    ) -> Tuple[Union[socket.socket, TlsSocket], BinaryIO, Welcome]:
+    def _open(self, greeting: Message) -> Tuple[Union[socket.socket, TlsSocket], BinaryIO, Welcome]:
         plain = self._dial()
         connection: Union[socket.socket, TlsSocket] = plain
         try:

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What runs a world, for clients that wait and for those that do not."""
 
 from __future__ import annotations

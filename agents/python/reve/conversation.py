@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What a client and a server have said to each other: no sockets, no threads. Who shares one holds
 a lock.
 """
@@ -274,7 +275,9 @@ class Conversation:
                 "%s misses events from frame %d to %d, as it reads too slowly or others cause too "
                 "many at once; from now on only its "
                 "missed_events counts them",
-                self.welcome.agent, gap.fields["first"], gap.frame,
+                self.welcome.agent,
+                gap.fields["first"],
+                gap.frame,
             )
         count = gap.fields.get("events", 1)
         self.missed_events += int(count) if isinstance(count, (int, float)) else 1

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What can go wrong between an agent and its world."""
 
 from __future__ import annotations
@@ -6,8 +7,7 @@ from typing import Optional
 
 
 class ReveError(Exception):
-    """The server refused a message, or did not answer. `code` is for programs, the rest for people.
-    """
+    """The server refused a message, or did not answer. `code` is for programs, the rest for people."""
 
     def __init__(self, code: str, message: str, hint: Optional[str] = None) -> None:
         super().__init__(f"{code}: {message}" + (f" ({hint})" if hint else ""))

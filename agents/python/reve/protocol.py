@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The messages of protocol version 1 and how they are written: JSON lines or MessagePack.
 
 The protocol is described in agents/protocol/PROTOCOL.md.
@@ -201,8 +202,7 @@ class Update:
 
 @dataclass(frozen=True)
 class Result:
-    """How an act ended: the frame it took effect in, or a code and a reason. True where accepted.
-    """
+    """How an act ended: the frame it took effect in, or a code and a reason. True where accepted."""
 
     id: int
     accepted: bool
@@ -443,7 +443,8 @@ def _msgpack() -> Any:
         import msgpack
     except ImportError as error:
         raise ReveError(
-            "no-msgpack", "MessagePack needs the package msgpack",
+            "no-msgpack",
+            "MessagePack needs the package msgpack",
             "pip install msgpack, or use JSON",
         ) from error
     return msgpack
@@ -510,7 +511,9 @@ def _change(item: Message) -> Change:
         location=None if at is None else (at[0], at[1], at[2]),
         orientation=None if turn is None else (turn[0], turn[1], turn[2], turn[3]),
         symbols=item.get("symbols"),
-        actions=None if actions is None else {
+        actions=None
+        if actions is None
+        else {
             action: {
                 name: Parameter(
                     p["type"], p.get("components"), p.get("unit"), p.get("min"), p.get("max")

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A server of one's own, for as long as one needs it."""
 
 from __future__ import annotations
@@ -30,8 +31,18 @@ def serve(
     that does not start.
     """
     command = [
-        os.fspath(launcher), "serve", os.fspath(world), "--port", "0", "--json", "--fast",
-        "--deadline", "3600", "--waiting", "off", *options,
+        os.fspath(launcher),
+        "serve",
+        os.fspath(world),
+        "--port",
+        "0",
+        "--json",
+        "--fast",
+        "--deadline",
+        "3600",
+        "--waiting",
+        "off",
+        *options,
     ]
     with tempfile.TemporaryFile("w+") as errors:
         process = _start(command, errors)
@@ -64,7 +75,8 @@ def _start(command: List[str], errors: IO[str]) -> "subprocess.Popen[str]":
         )
     except OSError as error:
         raise ReveError(
-            "no-server", f"cannot run {command[0]}: {error.strerror}",
+            "no-server",
+            f"cannot run {command[0]}: {error.strerror}",
             "give the path of the project's `reve` as launcher",
         ) from error
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Private connections: TLS over a socket."""
 
 from __future__ import annotations
@@ -52,7 +53,8 @@ def trusting(tls: Tls) -> ssl.SSLContext:
 def failed(error: Exception) -> Disconnected:
     """What to raise from a handshake that failed."""
     return Disconnected(
-        "tls-failed", str(error),
+        "tls-failed",
+        str(error),
         "does the server speak TLS, and is its certificate one that you trust?",
     )
 

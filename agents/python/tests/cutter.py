@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A way to a server that breaks."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What the tests share: the package beside them, the protocol's vectors, and a real server."""
 
 from __future__ import annotations

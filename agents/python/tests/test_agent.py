@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The client against the real server, in a process of its own, making 240 frames a second."""
 
 import contextlib
@@ -12,10 +13,9 @@ import threading
 import time
 import unittest
 
+import reve
 from cutter import Cutter
 from support import PACKAGE, java, pond
-
-import reve
 
 
 class AgentTest(unittest.TestCase):
@@ -89,7 +89,8 @@ class AgentTest(unittest.TestCase):
     def test_a_refused_act_is_a_result_with_code_and_reason(self):
         with self.join("ian") as ian:
             for arguments, code in (
-                ({}, "missing-argument"), ({"impulse": [1, 2]}, "wrong-components")
+                ({}, "missing-argument"),
+                ({"impulse": [1, 2]}, "wrong-components"),
             ):
                 result = ian.act("duck", "push", **arguments)
                 self.assertFalse(result)
@@ -102,8 +103,11 @@ class AgentTest(unittest.TestCase):
             duck = jan.perceive().find("duck")
             jan.act(duck, "push", impulse=[0, 0, 0])
             jan.perceive()
-            events = [event for event in jan.events() if event.fields.get("actor") == jan.body
-                      or event.fields.get("agent") == "jan"]
+            events = [
+                event
+                for event in jan.events()
+                if event.fields.get("actor") == jan.body or event.fields.get("agent") == "jan"
+            ]
             self.assertEqual([event.type for event in events], ["joined", "quack", "acted"])
             self.assertEqual([e for e in jan.events() if e.fields.get("agent") == "jan"], [])
 
@@ -134,7 +138,10 @@ class AgentTest(unittest.TestCase):
         ola.close()
         ola.close()
         for call in (
-            ola.perceive, ola.ping, lambda: ola.act("duck", "push"), lambda: next(ola.perceptions())
+            ola.perceive,
+            ola.ping,
+            lambda: ola.act("duck", "push"),
+            lambda: next(ola.perceptions()),
         ):
             with self.assertRaises(reve.Disconnected) as raised:
                 call()
@@ -314,9 +321,13 @@ class AgentTest(unittest.TestCase):
             for encoding, lock_step in itertools.product(encodings, rhythms):
                 name = f"cut-{encoding}-{'step' if lock_step else 'free'}"
                 cutter = Cutter(self.port, seed, 3000)
-                with self.subTest(name, seed=seed), cutter as way, reve.connect(
-                    port=way.port, name=name, encoding=encoding, time=lock_step, grace=20.0
-                ) as agent:
+                with (
+                    self.subTest(name, seed=seed),
+                    cutter as way,
+                    reve.connect(
+                        port=way.port, name=name, encoding=encoding, time=lock_step, grace=20.0
+                    ) as agent,
+                ):
                     for _ in range(30):
                         if lock_step:
                             self.assertTrue(agent.step(paint).results[0])
@@ -328,7 +339,8 @@ class AgentTest(unittest.TestCase):
                     self.assertGreater(way.cuts, 0)
                     for who in (agent, eye):
                         acted = [
-                            event for event in who.events()
+                            event
+                            for event in who.events()
                             if event.type == "acted" and event.fields["agent"] == name
                         ]
                         self.assertEqual(len(acted), 30)
@@ -346,9 +358,20 @@ class AgentTest(unittest.TestCase):
 
     def test_the_curious_example_follows_and_pushes_what_is_interesting(self):
         example = subprocess.run(
-            [sys.executable, str(PACKAGE / "examples" / "curious.py"),
-             "--port", str(self.port), "--seconds", "0.5", "--push-every", "0.1"],
-            env={"PYTHONPATH": str(PACKAGE)}, stdout=subprocess.PIPE, text=True, timeout=60,
+            [
+                sys.executable,
+                str(PACKAGE / "examples" / "curious.py"),
+                "--port",
+                str(self.port),
+                "--seconds",
+                "0.5",
+                "--push-every",
+                "0.1",
+            ],
+            env={"PYTHONPATH": str(PACKAGE)},
+            stdout=subprocess.PIPE,
+            text=True,
+            timeout=60,
             check=True,
         )
         summary = json.loads(example.stdout.splitlines()[-1])
@@ -362,7 +385,10 @@ class AgentTest(unittest.TestCase):
     def test_the_java_example_paints_what_lets_itself_be_painted(self):
         example = subprocess.run(
             java("reve.agent.examples.Painter", "--port", str(self.port), "--seconds", "0.5"),
-            stdout=subprocess.PIPE, text=True, timeout=60, check=True,
+            stdout=subprocess.PIPE,
+            text=True,
+            timeout=60,
+            check=True,
         )
         summary = json.loads(example.stdout.splitlines()[-1])
         said = (summary["agent"], summary["world"], summary["ended"])

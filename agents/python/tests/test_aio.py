@@ -1,12 +1,12 @@
+# SPDX-License-Identifier: Apache-2.0
 """The client for asyncio against the real server."""
 
 import asyncio
 import unittest
 
-from support import pond
-
 import reve
 import reve.aio
+from support import pond
 
 
 class AsyncAgentTest(unittest.IsolatedAsyncioTestCase):
@@ -43,13 +43,16 @@ class AsyncAgentTest(unittest.IsolatedAsyncioTestCase):
 
     async def test_agents_step_together(self):
         time = reve.LockStep(deadline=5.0)
-        async with await self.join("cyd", time=time) as cyd, \
-                await self.join("dan", time=time) as dan:
+        async with (
+            await self.join("cyd", time=time) as cyd,
+            await self.join("dan", time=time) as dan,
+        ):
             first = await dan.observe()
             await cyd.observe(first.frame)
             for number in range(1, 20):
                 seen = await asyncio.gather(
-                    cyd.step(reve.Act("duck", "paint", {"colour": f"shade {number}"})), dan.step())
+                    cyd.step(reve.Act("duck", "paint", {"colour": f"shade {number}"})), dan.step()
+                )
                 frames = [perception.frame for perception in seen]
                 self.assertEqual(frames, [first.frame + number] * 2)
                 self.assertEqual(seen[1].find("duck").symbols["colour"], f"shade {number}")

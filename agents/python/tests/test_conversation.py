@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What a client makes of what the server says, without a connection."""
 
 import unittest
@@ -8,8 +9,19 @@ from reve.conversation import Conversation
 
 def conversation():
     welcome = protocol.Welcome(
-        None, 1, "agent", "ada", "ada", "pond", 1, 60, "json", None,
-        protocol.Ticket("secret", 60.0), False, protocol.Limits(65536, 4096, 64, 15.0, 60.0),
+        None,
+        1,
+        "agent",
+        "ada",
+        "ada",
+        "pond",
+        1,
+        60,
+        "json",
+        None,
+        protocol.Ticket("secret", 60.0),
+        False,
+        protocol.Limits(65536, 4096, 64, 15.0, 60.0),
     )
     return Conversation(protocol.hello("ada", grace_seconds=60), welcome)
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The examples in the documents, run as they are against the real server; only the port is
 exchanged."""
 
@@ -11,9 +12,8 @@ import tempfile
 import unittest
 from typing import List
 
-from support import PACKAGE, java, launched, pond
-
 import reve
+from support import PACKAGE, java, launched, pond
 
 README = PACKAGE / "README.md"
 PAGE = PACKAGE.parents[1] / "docs" / "agents.md"
@@ -28,8 +28,11 @@ def examples(document: pathlib.Path, language: str, port: int) -> List[str]:
 
 def python(script: str) -> "subprocess.CompletedProcess[str]":
     return subprocess.run(
-        [sys.executable, "-c", script], env={**os.environ, "PYTHONPATH": str(PACKAGE)},
-        capture_output=True, text=True, timeout=60,
+        [sys.executable, "-c", script],
+        env={**os.environ, "PYTHONPATH": str(PACKAGE)},
+        capture_output=True,
+        text=True,
+        timeout=60,
     )
 
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Worlds to learn in: against the checkers of Gymnasium and PettingZoo, on real servers with real
 physics."""
 
@@ -11,9 +12,8 @@ import unittest
 import warnings
 
 import pytest
-from support import PACKAGE
-
 import reve
+from support import PACKAGE
 
 ROOT = PACKAGE.parents[1]
 LAUNCHER = ROOT / "reve"
@@ -26,7 +26,6 @@ if HAS_GYM:
     from gymnasium import spaces
     from gymnasium.utils.env_checker import check_env
     from pettingzoo.test import parallel_api_test
-
     from reve.gym import Environment, Task
     from reve.gym.parallel import ParallelEnvironment
 
@@ -92,16 +91,24 @@ class GymTest(unittest.TestCase):
             parallel_api_test(environment, num_cycles=40)
 
     def test_gymnasiums_checker_is_content_with_what_is_rendered(self):
-        environment = self.environment("cart-pole", lambda at: Environment(
-            at, Balance(), frames=2, steps=50, render_mode="rgb_array", camera=("viewer", "eye")))
+        environment = self.environment(
+            "cart-pole",
+            lambda at: Environment(
+                at, Balance(), frames=2, steps=50, render_mode="rgb_array", camera=("viewer", "eye")
+            ),
+        )
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             warnings.filterwarnings("ignore", message=EXPECTED_WARNINGS)
             check_env(environment)
 
     def test_a_rendered_picture_shows_the_world_as_the_step_left_it(self):
-        environment = self.environment("cart-pole", lambda at: Environment(
-            at, Balance(), render_mode="rgb_array", camera=("viewer", "eye")))
+        environment = self.environment(
+            "cart-pole",
+            lambda at: Environment(
+                at, Balance(), render_mode="rgb_array", camera=("viewer", "eye")
+            ),
+        )
         self.assertEqual(environment.metadata["render_fps"], 60)
         environment.reset(seed=1)
         before = environment.render()
@@ -158,9 +165,7 @@ class GymTest(unittest.TestCase):
 
     def test_each_world_of_a_server_has_an_environment_of_its_own(self):
         worlds = ROOT / "worlds"
-        with reve.serve(
-            worlds / "cart-pole", str(worlds / "playground"), launcher=LAUNCHER
-        ) as at:
+        with reve.serve(worlds / "cart-pole", str(worlds / "playground"), launcher=LAUNCHER) as at:
             one = Environment(at, Balance(), world="cart-pole")
             self.addCleanup(one.close)
             other = Environment(at, Reach("robot1"), world="playground")
@@ -185,10 +190,19 @@ class GymTest(unittest.TestCase):
 
     def test_the_learner_gets_better(self):
         run = subprocess.run(
-            [sys.executable, str(PACKAGE / "examples" / "balance.py"),
-             "--generations", "3", "--launcher", str(LAUNCHER)],
-            cwd=ROOT, env={**os.environ, "PYTHONPATH": str(PACKAGE)},
-            capture_output=True, text=True, timeout=300,
+            [
+                sys.executable,
+                str(PACKAGE / "examples" / "balance.py"),
+                "--generations",
+                "3",
+                "--launcher",
+                str(LAUNCHER),
+            ],
+            cwd=ROOT,
+            env={**os.environ, "PYTHONPATH": str(PACKAGE)},
+            capture_output=True,
+            text=True,
+            timeout=300,
         )
         self.assertIn(run.returncode, (0, 1), run.stderr)  # 1: not yet perfect
         history = json.loads(run.stdout)["history"]
@@ -199,8 +213,11 @@ class GymTest(unittest.TestCase):
         for script in re.findall(r"^```python\n(.*?)^```$", page, re.MULTILINE | re.DOTALL):
             run = subprocess.run(
                 [sys.executable, "-c", script],
-                cwd=ROOT, env={**os.environ, "PYTHONPATH": str(PACKAGE)},
-                capture_output=True, text=True, timeout=120,
+                cwd=ROOT,
+                env={**os.environ, "PYTHONPATH": str(PACKAGE)},
+                capture_output=True,
+                text=True,
+                timeout=120,
             )
             self.assertEqual(run.returncode, 0, run.stderr)
             self.assertIn("points", run.stdout)

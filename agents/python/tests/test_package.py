@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The package as a whole: it installs, and its types hold."""
 
 import importlib.util
@@ -25,15 +26,26 @@ class PackageTest(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             source, target = pathlib.Path(folder, "source"), pathlib.Path(folder, "target")
             shutil.copytree(PACKAGE, source, ignore=shutil.ignore_patterns("__pycache__", "tests"))
-            install = [sys.executable, "-m", "pip", "install", "-q",
-                       "--no-index", "--no-deps", "--no-build-isolation"]
+            install = [
+                sys.executable,
+                "-m",
+                "pip",
+                "install",
+                "-q",
+                "--no-index",
+                "--no-deps",
+                "--no-build-isolation",
+            ]
             run = subprocess.run(
                 [*install, "--target", str(target), str(source)],
-                capture_output=True, text=True, timeout=120,
+                capture_output=True,
+                text=True,
+                timeout=120,
             )
             self.assertEqual(run.returncode, 0, run.stderr)
             files = [
-                f.relative_to(PACKAGE) for f in (PACKAGE / "reve").rglob("*")
+                f.relative_to(PACKAGE)
+                for f in (PACKAGE / "reve").rglob("*")
                 if f.suffix in (".py", ".typed")
             ]
             self.assertIn(pathlib.Path("reve", "py.typed"), files)
@@ -45,9 +57,19 @@ class PackageTest(unittest.TestCase):
     def test_its_types_hold(self):
         with tempfile.TemporaryDirectory() as cache:
             run = subprocess.run(
-                [sys.executable, "-m", "mypy", "--config-file", str(PACKAGE / "pyproject.toml"),
-                 "--cache-dir", cache, str(PACKAGE / "reve")],
-                capture_output=True, text=True, timeout=300,
+                [
+                    sys.executable,
+                    "-m",
+                    "mypy",
+                    "--config-file",
+                    str(PACKAGE / "pyproject.toml"),
+                    "--cache-dir",
+                    cache,
+                    str(PACKAGE / "reve"),
+                ],
+                capture_output=True,
+                text=True,
+                timeout=300,
             )
         self.assertEqual(run.returncode, 0, run.stdout + run.stderr)
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The protocol's test vectors, as every client must reproduce them."""
 
 import base64
@@ -6,10 +7,9 @@ import json
 import math
 import unittest
 
-from support import vectors
-
 import reve
 from reve import ProtocolError, protocol
+from support import vectors
 
 try:
     import msgpack
@@ -21,7 +21,8 @@ def written(message):
     """The JSON that a server must have sent for the client to understand this message."""
     t = type(message).__name__.lower()
     fields = {
-        name: value for name, value in vars(message).items()
+        name: value
+        for name, value in vars(message).items()
         if value is not None and name != "results"
     }
     if t == "welcome":
@@ -100,8 +101,10 @@ def understood(message):
 
 def lock_step(time):
     fallback = time.get("fallback")
-    act = None if fallback is None else protocol.Act(
-        fallback.get("item"), fallback["action"], fallback["arguments"]
+    act = (
+        None
+        if fallback is None
+        else protocol.Act(fallback.get("item"), fallback["action"], fallback["arguments"])
     )
     return protocol.LockStep(
         time.get("every", 1), time.get("deadline", 1.0), act, time.get("relations", False)
@@ -114,10 +117,15 @@ def said(message):
     if t == "hello":
         resume, time = message.get("resume"), message.get("time")
         return protocol.hello(
-            message["name"], message.get("body"), message.get("role", protocol.AGENT),
-            message.get("encoding", protocol.JSON), message.get("graceSeconds", 0),
-            None if resume is None else (resume["session"], resume["frame"]), message.get("token"),
-            None if time is None else lock_step(time), message.get("world"),
+            message["name"],
+            message.get("body"),
+            message.get("role", protocol.AGENT),
+            message.get("encoding", protocol.JSON),
+            message.get("graceSeconds", 0),
+            None if resume is None else (resume["session"], resume["frame"]),
+            message.get("token"),
+            None if time is None else lock_step(time),
+            message.get("world"),
         )
     if t == "perceive":
         return protocol.perceive(
@@ -204,9 +212,17 @@ class ProtocolTest(unittest.TestCase):
 
     def test_what_is_no_message_is_refused_and_shown(self):
         for line in (
-            b"", b"null", b"[]", b"{}",
-            b'{"t":1}', b'{"t":"jump"}', b'{"t":"hello"}', b'{"t":"bye"', b"\xff\xfe",
-            b'{"t":"result","id":1}', b'{"t":"perception","frame":1,"time":0,"items":[{}]}',
+            b"",
+            b"null",
+            b"[]",
+            b"{}",
+            b'{"t":1}',
+            b'{"t":"jump"}',
+            b'{"t":"hello"}',
+            b'{"t":"bye"',
+            b"\xff\xfe",
+            b'{"t":"result","id":1}',
+            b'{"t":"perception","frame":1,"time":0,"items":[{}]}',
         ):
             with self.subTest(line=line), self.assertRaises(ProtocolError) as raised:
                 protocol.decode(line)

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 import io.netty.bootstrap.ServerBootstrap;
 import io.netty.channel.ChannelHandlerContext;
 import io.netty.channel.ChannelInboundHandlerAdapter;
@@ -12,16 +13,23 @@ import io.netty.channel.socket.nio.NioServerSocketChannel;
 final class NettyEcho {
 
     public static void main(String[] arguments) throws InterruptedException {
-        new ServerBootstrap().group(new MultiThreadIoEventLoopGroup(2, NioIoHandler.newFactory()))
-                .channel(NioServerSocketChannel.class).option(ChannelOption.SO_BACKLOG, 2048)
+        new ServerBootstrap()
+                .group(new MultiThreadIoEventLoopGroup(2, NioIoHandler.newFactory()))
+                .channel(NioServerSocketChannel.class)
+                .option(ChannelOption.SO_BACKLOG, 2048)
                 .childOption(ChannelOption.TCP_NODELAY, true)
-                .childHandler(new ChannelInitializer<SocketChannel>() {
-                    @Override
-                    protected void initChannel(SocketChannel channel) {
-                        channel.pipeline().addLast(new Echo());
-                    }
-                }).bind("127.0.0.1", Integer.parseInt(arguments[0])).sync()
-                .channel().closeFuture().sync();
+                .childHandler(
+                        new ChannelInitializer<SocketChannel>() {
+                            @Override
+                            protected void initChannel(SocketChannel channel) {
+                                channel.pipeline().addLast(new Echo());
+                            }
+                        })
+                .bind("127.0.0.1", Integer.parseInt(arguments[0]))
+                .sync()
+                .channel()
+                .closeFuture()
+                .sync();
     }
 
     private static final class Echo extends ChannelInboundHandlerAdapter {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // An echo server of one thread that waits with epoll: what the kernel alone costs.
 //   echo_epoll PORT
 #include <arpa/inet.h>

@@ -1,9 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 import com.github.stephengold.joltjni.*;
 import com.github.stephengold.joltjni.enumerate.EActivation;
 import com.github.stephengold.joltjni.enumerate.EBendType;
 import com.github.stephengold.joltjni.enumerate.EMotionType;
 import com.github.stephengold.joltjni.readonly.ConstVertexAttributes;
 import com.sun.management.OperatingSystemMXBean;
+
 import java.lang.management.ManagementFactory;
 
 /**
@@ -22,7 +24,8 @@ public final class JoltIcosahedra {
     private static final int[][] FACES = {
         {0, 11, 5}, {0, 5, 1}, {0, 1, 7}, {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
         {11, 10, 2}, {10, 7, 6}, {7, 1, 8}, {3, 9, 4}, {3, 4, 2}, {3, 2, 6}, {3, 6, 8},
-        {3, 8, 9}, {4, 9, 5}, {2, 4, 11}, {6, 2, 10}, {8, 6, 7}, {9, 8, 1}};
+        {3, 8, 9}, {4, 9, 5}, {2, 4, 11}, {6, 2, 10}, {8, 6, 7}, {9, 8, 1}
+    };
 
     public static void main(String[] arguments) {
         System.load(arguments[0]);
@@ -31,9 +34,11 @@ public final class JoltIcosahedra {
         Jolt.newFactory();
         Jolt.registerTypes();
         TempAllocator memory = new TempAllocatorImpl(256 << 20);
-        JobSystem jobs = threads == 1 ? new JobSystemSingleThreaded(Jolt.cMaxPhysicsJobs)
-                : new JobSystemThreadPool(Jolt.cMaxPhysicsJobs, Jolt.cMaxPhysicsBarriers,
-                        threads - 1);
+        JobSystem jobs =
+                threads == 1
+                        ? new JobSystemSingleThreaded(Jolt.cMaxPhysicsJobs)
+                        : new JobSystemThreadPool(
+                                Jolt.cMaxPhysicsJobs, Jolt.cMaxPhysicsBarriers, threads - 1);
         PhysicsSystem system = world();
         for (int frame = 0; frame < SETTLE; frame++) {
             system.update(1 / 60f, 1, memory, jobs);
@@ -45,8 +50,10 @@ public final class JoltIcosahedra {
         }
         double wall = 1e-9 * (System.nanoTime() - start);
         double busy = 1e-9 * (processorNanoseconds() - processor);
-        System.out.printf("{\"framesPerSecond\": %.2f, \"framesPerProcessorSecond\": %.2f, "
-                + "\"meanHeight\": %.4f}%n", FRAMES / wall, FRAMES / busy, meanHeight(system));
+        System.out.printf(
+                "{\"framesPerSecond\": %.2f, \"framesPerProcessorSecond\": %.2f, "
+                        + "\"meanHeight\": %.4f}%n",
+                FRAMES / wall, FRAMES / busy, meanHeight(system));
         System.exit(0);
     }
 
@@ -68,14 +75,23 @@ public final class JoltIcosahedra {
 
     private static PhysicsSystem world() {
         var system = new PhysicsSystem();
-        system.init(ICOSAHEDRA + 16, 0, 65536, 65536,
+        system.init(
+                ICOSAHEDRA + 16,
+                0,
+                65536,
+                65536,
                 new MapObj2Bp(2, 2).add(MOVING, MOVING).add(FIXED, FIXED),
                 new ObjVsBpFilter(2, 2).disablePair(MOVING, MOVING),
                 new ObjVsObjFilter(2).disablePair(MOVING, MOVING));
         system.setGravity(0f, -9.81f, 0f);
         BodyInterface bodies = system.getBodyInterface();
-        bodies.createAndAddBody(new BodyCreationSettings(new BoxShape(new Vec3(500f, 1f, 500f)),
-                new RVec3(0, -1, 0), new Quat(), EMotionType.Static, FIXED),
+        bodies.createAndAddBody(
+                new BodyCreationSettings(
+                        new BoxShape(new Vec3(500f, 1f, 500f)),
+                        new RVec3(0, -1, 0),
+                        new Quat(),
+                        EMotionType.Static,
+                        FIXED),
                 EActivation.DontActivate);
         SoftBodySharedSettings icosahedron = icosahedron();
         int side = (int) Math.round(Math.sqrt(ICOSAHEDRA));

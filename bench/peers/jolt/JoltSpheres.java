@@ -1,7 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 import com.github.stephengold.joltjni.*;
 import com.github.stephengold.joltjni.enumerate.EActivation;
 import com.github.stephengold.joltjni.enumerate.EMotionType;
 import com.sun.management.OperatingSystemMXBean;
+
 import java.lang.management.ManagementFactory;
 import java.util.Random;
 
@@ -25,9 +27,11 @@ public final class JoltSpheres {
         Jolt.newFactory();
         Jolt.registerTypes();
         TempAllocator memory = new TempAllocatorImpl(1600 << 20);
-        JobSystem jobs = threads == 1 ? new JobSystemSingleThreaded(Jolt.cMaxPhysicsJobs)
-                : new JobSystemThreadPool(Jolt.cMaxPhysicsJobs, Jolt.cMaxPhysicsBarriers,
-                        threads - 1);
+        JobSystem jobs =
+                threads == 1
+                        ? new JobSystemSingleThreaded(Jolt.cMaxPhysicsJobs)
+                        : new JobSystemThreadPool(
+                                Jolt.cMaxPhysicsJobs, Jolt.cMaxPhysicsBarriers, threads - 1);
         PhysicsSystem system = world(count);
         for (int frame = 0; frame < SETTLE; frame++) {
             system.update(1 / 60f, 1, memory, jobs);
@@ -39,7 +43,8 @@ public final class JoltSpheres {
         }
         double wall = 1e-9 * (System.nanoTime() - start);
         double busy = 1e-9 * (processorNanoseconds() - processor);
-        System.out.printf("{\"framesPerSecond\": %.3f, \"framesPerProcessorSecond\": %.3f}%n",
+        System.out.printf(
+                "{\"framesPerSecond\": %.3f, \"framesPerProcessorSecond\": %.3f}%n",
                 FRAMES / wall, FRAMES / busy);
         System.exit(0);
     }
@@ -51,24 +56,35 @@ public final class JoltSpheres {
 
     private static PhysicsSystem world(int count) {
         var system = new PhysicsSystem();
-        system.init(count + 16, 0, count * 8, count * 8,
+        system.init(
+                count + 16,
+                0,
+                count * 8,
+                count * 8,
                 new MapObj2Bp(2, 2).add(MOVING, MOVING).add(FIXED, FIXED),
                 new ObjVsBpFilter(2, 2).disablePair(FIXED, FIXED),
                 new ObjVsObjFilter(2).disablePair(FIXED, FIXED));
         system.setGravity(0f, -9.81f, 0f);
         BodyInterface bodies = system.getBodyInterface();
-        bodies.createAndAddBody(new BodyCreationSettings(new BoxShape(new Vec3(500f, 1f, 500f)),
-                new RVec3(0, -1, 0), new Quat(), EMotionType.Static, FIXED),
+        bodies.createAndAddBody(
+                new BodyCreationSettings(
+                        new BoxShape(new Vec3(500f, 1f, 500f)),
+                        new RVec3(0, -1, 0),
+                        new Quat(),
+                        EMotionType.Static,
+                        FIXED),
                 EActivation.DontActivate);
         var ball = new SphereShape(0.5f);
         int side = Math.max(1, (int) Math.round(Math.sqrt(count / (double) LAYERS)));
         var random = new Random(1);
         for (int i = 0; i < count; i++) {
-            var place = new RVec3(jittered(random, i % side),
-                    0.6 + jittered(random, i / side / side),
-                    jittered(random, i / side % side));
-            var body = new BodyCreationSettings(ball, place, new Quat(), EMotionType.Dynamic,
-                    MOVING);
+            var place =
+                    new RVec3(
+                            jittered(random, i % side),
+                            0.6 + jittered(random, i / side / side),
+                            jittered(random, i / side % side));
+            var body =
+                    new BodyCreationSettings(ball, place, new Quat(), EMotionType.Dynamic, MOVING);
             body.setAllowSleeping(false);
             body.setFriction(0.5f);
             bodies.createAndAddBody(body, EActivation.Activate);

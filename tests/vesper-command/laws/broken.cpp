@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Laws that each break one promise; FAULT says which.
 #include <fcntl.h>
 #include <unistd.h>
@@ -12,8 +13,20 @@ namespace {
 using namespace vesper;
 
 enum Fault {
-  kNone, kBehind, kBefore, kWritesRead, kThreads, kNotANumber, kMomentum, kAngularMomentum,
-  kTranslation_, kRotation_, kEnergy, kCrash, kLeak, kExit
+  kNone,
+  kBehind,
+  kBefore,
+  kWritesRead,
+  kThreads,
+  kNotANumber,
+  kMomentum,
+  kAngularMomentum,
+  kTranslation_,
+  kRotation_,
+  kEnergy,
+  kCrash,
+  kLeak,
+  kExit
 };
 constexpr Fault kFault = FAULT;
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A law that gives away a symbol of its own.
 #define LIBRARY_NAME "broken_exports"
 #define FAULT kNone

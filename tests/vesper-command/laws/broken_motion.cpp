@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // An integrator whose clock is fast by a tenth: its error does not vanish with dt.
 #include "vesper/law.hpp"
 

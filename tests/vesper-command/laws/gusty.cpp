@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Brings a field, and a law that reads it.
 #include <cmath>
 
@@ -27,7 +28,7 @@ void Gust(void*, uint64_t count, const double* at, double* out) {
   for (uint64_t i = 0; i < 3 * count; ++i) out[i] = std::sin(at[i]);
 }
 
-constexpr vesper_field_desc kGusts = {sizeof(vesper_field_desc), 3,    "gusts", "A force.",
+constexpr vesper_field_desc kGusts = {sizeof(vesper_field_desc), 3,   "gusts", "A force.",
                                       VESPER_UNIT_NEWTON,        Gust};
 
 }  // namespace

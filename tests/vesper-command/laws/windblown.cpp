@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Reads a field of the prototype and one that nobody but the law knows: at each body's place or,
 // to break its claim that the origin does not matter, always at one.
 #include "vesper/law.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "csv.hpp"
 
 #include <charconv>
@@ -36,8 +37,8 @@ void CsvWriter::WriteFrame(uint64_t frame, double time) {
   for (uint64_t row = 0; row < columns_[0]->rows(); ++row) {
     std::string line = start + std::to_string(row);
     for (const AnyColumn* column : columns_) {
-      const auto& [n, type] = std::pair(column->descriptor().components,
-                                        column->descriptor().scalar_type);
+      const auto& [n, type] =
+          std::pair(column->descriptor().components, column->descriptor().scalar_type);
       for (uint32_t c = 0; c < n; ++c) line += ',' + FormatNumber(column->Get(row * n + c), type);
     }
     file_ << line << '\n';

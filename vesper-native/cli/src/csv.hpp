@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Writes chosen properties frame by frame: a line per frame and row.
 #pragma once
 

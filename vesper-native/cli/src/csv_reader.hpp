@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Rows of a kind from a CSV file, such as the one that --csv writes.
 #pragma once
 

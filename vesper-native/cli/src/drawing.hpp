@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the pictures of a scene show, and from where.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "drawing_reader.hpp"
 
 #include <algorithm>
@@ -11,8 +12,8 @@ namespace vesper::cli {
 namespace {
 
 constexpr uint64_t kLargestSide = 8192, kMostPixels = 1 << 24;  // the renderer's limits
-constexpr double kFovs[] = {0.1, 170};                           // [degrees]
-constexpr double kWidths[] = {0.25, 64};                         // [px]
+constexpr double kFovs[] = {0.1, 170};                          // [degrees]
+constexpr double kWidths[] = {0.25, 64};                        // [px]
 
 double NumberIn(SceneReader& reader, const std::string& what, const double (&limits)[2]) {
   const double number = reader.Number(what);
@@ -112,7 +113,8 @@ void ReadDraw(SceneReader& reader, Scene& scene) {
   if (rows == scene.rows.end()) reader.FailLast("'" + line.kind + "' has no rows yet");
   const Form form = FormOf(scene, line.kind);
   if (form == Form::kNone) {
-    reader.FailLast("'" + line.kind + "' cannot be drawn: it has neither 'position' nor two or "
+    reader.FailLast("'" + line.kind +
+                    "' cannot be drawn: it has neither 'position' nor two or "
                     "three references to a kind that has");
   }
   line.rows = reader.RowNumbers(rows->second, line.kind);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The lines of a scene that say what its pictures show.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How commands end; docs/command-line.md has the same table.
 #pragma once
 

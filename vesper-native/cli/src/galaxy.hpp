@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Model galaxies as rows of bodies.
 #pragma once
 

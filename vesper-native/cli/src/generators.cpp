@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "generators.hpp"
 
 #include <array>
@@ -195,9 +196,15 @@ struct Generator {
   void (*fill)(SceneReader&, const Scene&, AnyColumn&);
 };
 constexpr Generator kGenerators[] = {
-    {"all", FillAll},      {"line", FillLine},        {"grid", FillGrid},
-    {"web", FillWeb},      {"random", FillRandom},    {"chain", FillChain},
-    {"grid-edges", FillGridEdges}, {"web-edges", FillWebEdges}, {"distance", FillDistance},
+    {"all", FillAll},
+    {"line", FillLine},
+    {"grid", FillGrid},
+    {"web", FillWeb},
+    {"random", FillRandom},
+    {"chain", FillChain},
+    {"grid-edges", FillGridEdges},
+    {"web-edges", FillWebEdges},
+    {"distance", FillDistance},
 };
 
 bool LooksLikeAName(const std::string& word) {
@@ -211,8 +218,7 @@ Value ReadRow(SceneReader& reader, const AnyColumn& column) {
   const uint32_t components = column.descriptor().components;
   if (value.size() == components) return value;
   reader.FailLast(NameOf(column) + " has " + std::to_string(components) + " component" +
-                  (components == 1 ? "" : "s") + " per row, found " +
-                  std::to_string(value.size()) +
+                  (components == 1 ? "" : "s") + " per row, found " + std::to_string(value.size()) +
                   (components == 1 ? "" : "; write them in parentheses: (x y …)"));
 }
 

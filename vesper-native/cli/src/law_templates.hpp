@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The files of a new law; @NAME@ and @CLASS@ stand for its names.
 #pragma once
 
@@ -83,7 +84,8 @@ add_test(NAME @NAME@ COMMAND @NAME@_test $<TARGET_FILE:vesper_law_@NAME@>)
 add_test(NAME promises COMMAND Vesper::command test $<TARGET_FILE:vesper_law_@NAME@>)
 )";
 
-inline constexpr const char* kLawReadme = R"(# @NAME@
+inline constexpr const char* kLawReadme =
+    R"(# @NAME@
 
 Slows every body down.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "laws_command.hpp"
 
 #include <algorithm>
@@ -25,11 +26,16 @@ const char* PhaseName(vesper_phase phase) {
 
 const char* AccessName(vesper_access access) {
   switch (access) {
-    case VESPER_READ: return "read";
-    case VESPER_WRITE: return "write";
-    case VESPER_READ_WRITE: return "read-write";
-    case VESPER_ACCUMULATE: return "accumulate";
-    case VESPER_SCRATCH: return "scratch";
+    case VESPER_READ:
+      return "read";
+    case VESPER_WRITE:
+      return "write";
+    case VESPER_READ_WRITE:
+      return "read-write";
+    case VESPER_ACCUMULATE:
+      return "accumulate";
+    case VESPER_SCRATCH:
+      return "scratch";
   }
   return "other";
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // vesper laws: what is in folders of law libraries.
 #pragma once
 

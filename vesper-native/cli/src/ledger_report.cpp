@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "ledger_report.hpp"
 
 #include <algorithm>
@@ -57,8 +58,8 @@ std::vector<LedgerLine> ReadLedger(PhysicsEngine& engine,
     index = same ? index + 1 : 0;
     lines.push_back({law.name, true, engine.Ledger(law.library_id, index)});
   }
-  for (const auto& [name, line] : {std::pair{"client", VESPER_LEDGER_CLIENT},
-                                   std::pair{"ground", VESPER_LEDGER_GROUND}}) {
+  for (const auto& [name, line] :
+       {std::pair{"client", VESPER_LEDGER_CLIENT}, std::pair{"ground", VESPER_LEDGER_GROUND}}) {
     const vesper_ledger_entry entry = engine.Ledger(VESPER_NO_LIBRARY, line);
     if (!IsEmpty(entry)) lines.push_back({name, false, entry});
   }
@@ -91,12 +92,10 @@ void PrintLedger(std::ostream& out, const std::vector<LedgerLine>& lines) {
                    "potential [J]", "work + potential [J]"}};
   for (size_t i = 0; i < lines.size(); ++i) {
     const LedgerLine& line = lines[i];
-    table.push_back({line.name, momenta[i], angular_momenta[i],
-                     Number(line.entry.energy, most_energy),
-                     line.entry.has_potential_energy != 0
-                         ? Number(line.PotentialChange(), most_energy)
-                         : "-",
-                     balances[i]});
+    table.push_back(
+        {line.name, momenta[i], angular_momenta[i], Number(line.entry.energy, most_energy),
+         line.entry.has_potential_energy != 0 ? Number(line.PotentialChange(), most_energy) : "-",
+         balances[i]});
   }
   Print(out, table, "  ");
 }

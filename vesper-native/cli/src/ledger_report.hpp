@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The ledger of a run, one line per law, as a table or as JSON. See docs/ledger.md.
 #pragma once
 
@@ -15,9 +16,7 @@ struct LedgerLine {
   bool is_law;
   vesper_ledger_entry entry;
 
-  double PotentialChange() const {
-    return entry.potential_energy - entry.initial_potential_energy;
-  }
+  double PotentialChange() const { return entry.potential_energy - entry.initial_potential_energy; }
   /// Zero for forces that keep energy.
   double EnergyBalance() const { return entry.energy + PotentialChange(); }
 };

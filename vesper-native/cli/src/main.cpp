@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // vesper: the engine on the command line.
 #include <CLI/CLI.hpp>
 #include <cerrno>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "picture.hpp"
 
 #include <algorithm>
@@ -7,13 +8,13 @@
 namespace vesper::cli {
 namespace {
 
-constexpr uint32_t kSphere = 1, kPlane = 3, kMesh = 4;      // shapes of SCENE.md
-constexpr uint32_t kUnlit = 1, kGrid = 2, kFade = 4;        // item flags of SCENE.md
+constexpr uint32_t kSphere = 1, kPlane = 3, kMesh = 4;  // shapes of SCENE.md
+constexpr uint32_t kUnlit = 1, kGrid = 2, kFade = 4;    // item flags of SCENE.md
 constexpr uint32_t kDefaultMaterial = 0, kNoItem = 0;
 constexpr std::array<uint32_t, 2> kAllTriangles{0, 0};
 constexpr uint32_t kSamples = 4, kShadows = 1, kPerspective = 0;
-constexpr double kFitFov = 34;     // [degrees]
-constexpr double kFitFill = 0.82;  // part of the picture that a fitted box may take up
+constexpr double kFitFov = 34;      // [degrees]
+constexpr double kFitFill = 0.82;   // part of the picture that a fitted box may take up
 constexpr double kGroundSide = 60;  // in sides of the box: beyond what fading leaves
 constexpr double kBallsPerSide = 60;
 constexpr double kLineWidth = 1.0 / 200;  // in heights of the picture
@@ -115,7 +116,8 @@ PicturePattern::PicturePattern(const std::string& text) {
       const std::string digits = text.substr(at + 1, end - at - 1);
       if (found || end == std::string::npos || text[end] != 'd' || digits.size() > 2 ||
           (!digits.empty() && digits[0] != '0')) {
-        throw std::invalid_argument("'" + text + "': expected one %d or %04d for the frame's number"
+        throw std::invalid_argument("'" + text +
+                                    "': expected one %d or %04d for the frame's number"
                                     " (and %% for a percent sign)");
       }
       digits_ = digits.empty() ? 0 : std::stoul(digits);
@@ -124,7 +126,8 @@ PicturePattern::PicturePattern(const std::string& text) {
     }
   }
   if (!found) {
-    throw std::invalid_argument("'" + text + "' has no place for the frame's number, such as "
+    throw std::invalid_argument("'" + text +
+                                "' has no place for the frame's number, such as "
                                 "frame-%04d.png");
   }
 }
@@ -138,8 +141,7 @@ double PictureWriter::Box::Side() const {
   return std::max({high.x - low.x, high.y - low.y, high.z - low.z});
 }
 
-PictureWriter::PictureWriter(const Scene& scene, PicturePattern pattern,
-                             const std::string& program)
+PictureWriter::PictureWriter(const Scene& scene, PicturePattern pattern, const std::string& program)
     : scene_(scene), pattern_(std::move(pattern)), layers_(MakeLayers()), renderer_(program) {
   SetUp();
 }
@@ -212,9 +214,10 @@ Camera PictureWriter::Fit(const Box& box) const {
   const double slope = std::tan(kFitFov / 2 * std::numbers::pi / 180) * kFitFill;
   double distance = box.Side() > 0 ? 0 : 0.5 / slope;
   for (int i = 0; i < 8; ++i) {
-    const Vec3<double> corner = Vec3<double>{(i & 1) != 0 ? box.high.x : box.low.x,
-                                             (i & 2) != 0 ? box.high.y : box.low.y,
-                                             (i & 4) != 0 ? box.high.z : box.low.z} - centre;
+    const Vec3<double> corner =
+        Vec3<double>{(i & 1) != 0 ? box.high.x : box.low.x, (i & 2) != 0 ? box.high.y : box.low.y,
+                     (i & 4) != 0 ? box.high.z : box.low.z} -
+        centre;
     const double nearer = Dot(corner, back);
     distance = std::max({distance, nearer + std::abs(Dot(corner, right)) / (slope * aspect),
                          nearer + std::abs(Dot(corner, up)) / slope});
@@ -252,15 +255,15 @@ void PictureWriter::SendBalls(const Layer& layer) {
     centres.push_back(ToPoint(positions.GetVector(row)));
     sizes.push_back(static_cast<float>(2 * std::max(radius, 0.0)));
   }
-  Message message = Instances(kSphere, 0, centres, sizes, ColoursOf(layer),
-                              layer.line.unlit ? kUnlit : 0);
+  Message message =
+      Instances(kSphere, 0, centres, sizes, ColoursOf(layer), layer.line.unlit ? kUnlit : 0);
   renderer_.Send(message);
 }
 
 void PictureWriter::SendLines(const Layer& layer) {
   const AnyColumn& ends = *References(scene_, layer.line.kind);
-  const double width = layer.line.width.value_or(
-      std::clamp(scene_.drawing.height * kLineWidth, 1.5, 16.0));
+  const double width =
+      layer.line.width.value_or(std::clamp(scene_.drawing.height * kLineWidth, 1.5, 16.0));
   Message message(Message::kSegments);
   message.Put(static_cast<uint32_t>(layer.rows.size())).Put(static_cast<float>(width));
   for (const uint64_t row : layer.rows) message.Put(PositionOf(ends, row, 0));
@@ -288,18 +291,18 @@ void PictureWriter::SendTriangles(const Layer& layer) {
     mesh.Put(id).Put(count).Put(count / 3).Put<uint32_t>(0).PutAll(std::span(positions));
     for (uint32_t i = 0; i < count; ++i) mesh.Put(i);
     renderer_.Send(mesh);
-    Message message = Instances(kMesh, id, {Point{0, 0, 0}}, {1}, {colour},
-                                layer.line.unlit ? kUnlit : 0);
+    Message message =
+        Instances(kMesh, id, {Point{0, 0, 0}}, {1}, {colour}, layer.line.unlit ? kUnlit : 0);
     renderer_.Send(message);
   }
 }
 
 std::vector<Colour> PictureWriter::ColoursOf(const Layer& layer) const {
   const Paint& paint = layer.line.paint;
-  const Colour plain = !paint.colours.empty()            ? paint.colours[0]
-                       : layer.form == Form::kBalls      ? kBallColour
-                       : layer.form == Form::kLines      ? kLineColour
-                                                         : kTriangleColour;
+  const Colour plain = !paint.colours.empty()       ? paint.colours[0]
+                       : layer.form == Form::kBalls ? kBallColour
+                       : layer.form == Form::kLines ? kLineColour
+                                                    : kTriangleColour;
   std::vector<Colour> colours(layer.rows.size(), plain);
   if (paint.property.empty()) return colours;
   const AnyColumn& column = *scene_.Find(paint.property);

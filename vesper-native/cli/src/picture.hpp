@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Draws a scene as it stands: rows with a position as balls, rows that refer to two of those as
 // lines, to three as triangles.
 #pragma once

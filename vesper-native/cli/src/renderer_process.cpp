@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "renderer_process.hpp"
 
 #include <fcntl.h>
@@ -36,8 +37,7 @@ int Spawn(const std::string& program, int socket, pid_t& pid) {
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
   std::string name = program;
   char* const arguments[] = {name.data(), nullptr};
-  const int error =
-      posix_spawn(&pid, program.c_str(), &actions, &attributes, arguments, environ);
+  const int error = posix_spawn(&pid, program.c_str(), &actions, &attributes, arguments, environ);
   posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
   return error;
@@ -55,8 +55,8 @@ RendererProcess::RendererProcess(const std::string& program) : RendererProcess()
   close(ends[1]);
   if (error != 0) {
     close(ends[0]);
-    throw RendererError(program + ", which draws pictures, cannot be started: " +
-                        std::strerror(error));
+    throw RendererError(program +
+                        ", which draws pictures, cannot be started: " + std::strerror(error));
   }
   socket_ = ends[0];
   setsockopt(socket_, SOL_SOCKET, SO_SNDTIMEO, &kPatience, sizeof kPatience);
@@ -109,9 +109,12 @@ void RendererProcess::Await() {
 void RendererProcess::Receive(std::span<std::byte> bytes) {
   while (!bytes.empty()) {
     const ssize_t got = recv(socket_, bytes.data(), bytes.size(), 0);
-    if (got > 0) bytes = bytes.subspan(static_cast<size_t>(got));
-    else if (got == 0) FailBroken(0);
-    else if (errno != EINTR) FailBroken(errno);
+    if (got > 0)
+      bytes = bytes.subspan(static_cast<size_t>(got));
+    else if (got == 0)
+      FailBroken(0);
+    else if (errno != EINTR)
+      FailBroken(errno);
   }
 }
 

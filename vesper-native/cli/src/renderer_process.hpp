@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The program `vesper-render`, which draws pictures in a process of its own.
 #pragma once
 
@@ -22,7 +23,14 @@ class RendererError : public std::runtime_error {
 class Message {
  public:
   enum Type : uint32_t {
-    kHello = 1, kImage, kCamera, kEnvironment, kMesh, kInstances, kSegments, kRender
+    kHello = 1,
+    kImage,
+    kCamera,
+    kEnvironment,
+    kMesh,
+    kInstances,
+    kSegments,
+    kRender
   };
 
   explicit Message(Type type) { Put<uint32_t>(type).Put<uint32_t>(0); }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "run_command.hpp"
 
 #include <unistd.h>
@@ -26,7 +27,7 @@ volatile std::sig_atomic_t interrupted = 0;
 
 /// Ctrl-C and SIGTERM end the run after its frame.
 void EndOnSignals() {
-  struct sigaction action {};
+  struct sigaction action{};
   action.sa_handler = [](int) { interrupted = 1; };
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
@@ -89,8 +90,7 @@ class SceneRun {
   /// Where a failed frame has its cause: a law that broke down, or else the scene.
   int Explain(const Error& error) const {
     if (error.status() == VESPER_LAW_FAILED || error.status() == VESPER_LAW_MISBEHAVED) {
-      return Fail(kFailed, scene_.file + ": frame " + std::to_string(frame_) + ": " +
-                               error.what());
+      return Fail(kFailed, scene_.file + ": frame " + std::to_string(frame_) + ": " + error.what());
     }
     const auto place = scene_.places.find(std::string(error.property()));
     return Fail(kInvalidScene, place == scene_.places.end()
@@ -205,8 +205,9 @@ class SceneRun {
     std::cout << "\n";
     TextTable table;
     for (const vesper_law_info& law : Laws()) {
-      const double each = law.calls == 0 ? 0 : 1e-3 * static_cast<double>(law.nanoseconds) /
-                                                   static_cast<double>(law.calls);
+      const double each = law.calls == 0 ? 0
+                                         : 1e-3 * static_cast<double>(law.nanoseconds) /
+                                               static_cast<double>(law.calls);
       char time[32];
       std::snprintf(time, sizeof time, "%.2f us", each);
       table.push_back({law.name, law.version, std::to_string(law.calls) + " calls", time});

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // vesper run: applies the laws of a scene, frame by frame.
 #pragma once
 
@@ -13,8 +14,8 @@ namespace vesper::cli {
 struct RunOptions {
   std::string scene;
   uint64_t frames = 60;
-  uint64_t every = 1;  // frames between two that are written
-  std::string csv;     // file; empty: none
+  uint64_t every = 1;                 // frames between two that are written
+  std::string csv;                    // file; empty: none
   std::optional<PicturePattern> png;  // none: no pictures
   std::vector<std::string> law_folders;
   uint32_t threads = 1;

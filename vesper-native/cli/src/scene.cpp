@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "scene.hpp"
 
 #include <array>
@@ -92,8 +93,8 @@ class SceneParser {
       if (property.name != name) continue;
       if (property.kind != kind_) {
         reader_.FailLast("'" + name + "' is a property of " + property.kind +
-                         (kind_.empty() ? "" : ", not of " + kind_) +
-                         "; it belongs below 'rows " + property.kind + " …'");
+                         (kind_.empty() ? "" : ", not of " + kind_) + "; it belongs below 'rows " +
+                         property.kind + " …'");
       }
       if ((property.law_access & VESPER_ACCUMULATE) != 0) {
         reader_.FailLast("'" + name + "' is summed up by the engine and cannot be given" +

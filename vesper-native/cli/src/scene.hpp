@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A scene: the properties and laws of one run, read from a text file.
 // docs/vesper-command.md describes the format.
 #pragma once
@@ -24,8 +25,8 @@ struct Scene {
   std::string file;
   const vesper_prototype* prototype = nullptr;
   std::optional<LoadedPrototype> own_prototype;  // if it comes from a file
-  double dt = 0;            // [the prototype's unit of time]
-  uint32_t steps = 1;       // per frame
+  double dt = 0;                                 // [the prototype's unit of time]
+  uint32_t steps = 1;                            // per frame
   std::vector<SceneLaw> laws;
   std::map<std::string, uint64_t> rows;      // of each kind
   std::map<std::string, AnyColumn> columns;  // by property

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Goes through a scene file line by line and word by word.
 #pragma once
 
@@ -70,7 +71,7 @@ class SceneReader {
   size_t next_ = 0;
   std::optional<Token> unit_;  // at the end of the line
   bool unit_used_ = false;
-  double scale_ = 1;           // of quantities
+  double scale_ = 1;  // of quantities
 };
 
 }  // namespace vesper::cli

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // vesper test: holds law libraries to what every law promises, and to what they claim.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The statement `galaxy` of scenes.
 #include <gtest/gtest.h>
 
@@ -18,13 +19,16 @@ constexpr auto kLine =
 Scene Galaxy(const std::string& line) {
   return ParseScene(
       "scene 1\ndt 1\nrows world 1\ngravitationalConstant 5\nrows body 4001\n"
-      "mass all 1\nposition all (0 0 0)\nvelocity all (0 0 0)\n" + line, "s");
+      "mass all 1\nposition all (0 0 0)\nvelocity all (0 0 0)\n" +
+          line,
+      "s");
 }
 
 /// Bodies of one galaxy.
 struct Bodies {
   explicit Bodies(const Scene& scene)
-      : mass(*scene.Find("mass")), position(*scene.Find("position")),
+      : mass(*scene.Find("mass")),
+        position(*scene.Find("position")),
         velocity(*scene.Find("velocity")) {}
 
   template <class Each>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Reading scenes: what a line means, and what is said about a line that means nothing.
 #include "scene.hpp"
 
@@ -52,8 +53,9 @@ TEST(SceneTest, LawsKeepTheirOrderAndParameters) {
 }
 
 TEST(SceneTest, ValuesAreListedRowByRowAndChangedByAt) {
-  const Scene scene = Parse("rows body 3\nmass 1 2 3\nposition (1 2 3) (4 5 6) (7 8 9)\n"
-                            "at 0 2..2: mass 1/2\n");
+  const Scene scene = Parse(
+      "rows body 3\nmass 1 2 3\nposition (1 2 3) (4 5 6) (7 8 9)\n"
+      "at 0 2..2: mass 1/2\n");
   EXPECT_EQ(Values(scene, "mass"), (std::vector<double>{0.5, 2, 0.5}));
   EXPECT_EQ(Values(scene, "position"), (std::vector<double>{1, 2, 3, 4, 5, 6, 7, 8, 9}));
 }
@@ -63,7 +65,8 @@ TEST(SceneTest, UnitAtTheEndOfALineHoldsForAllItsValues) {
       "scene 1\ndt 5 [ms]\nrows world 1\ngravity (0 -981 0) [cm/s^2]\nrows body 2\n"
       "mass line 1 3 [g]\nvelocity (36 0 0) (0 72 0) [km/h]\n"
       "position grid 2 1 1 spacing 2 origin (1 1 1) [km]\nat 1: mass 1/2 [t]\n"
-      "charge random 1 2 seed 3 [uC]\nradius all 3 # [km]\n", "s");
+      "charge random 1 2 seed 3 [uC]\nradius all 3 # [km]\n",
+      "s");
   EXPECT_DOUBLE_EQ(scene.dt, 0.005);
   const auto expect_near = [&](const char* property, const std::vector<double>& expected) {
     const auto values = Values(scene, property);
@@ -85,8 +88,10 @@ TEST(SceneTest, PrototypeMayComeFromAFileBesideTheScene) {
   const std::string folder = ::testing::TempDir();
   std::ofstream(folder + "heat.prototype")
       << "prototype heat extends si-f64\nbody temperature: real x1 [K] read_write\n";
-  const Scene scene = ParseScene("scene 1\nprototype heat.prototype\ndt 1\nrows body 2\n"
-                                 "temperature 20 2000 [mK]\n", folder + "s.vesper");
+  const Scene scene = ParseScene(
+      "scene 1\nprototype heat.prototype\ndt 1\nrows body 2\n"
+      "temperature 20 2000 [mK]\n",
+      folder + "s.vesper");
   EXPECT_STREQ(scene.prototype->name, "heat");
   EXPECT_EQ(Values(scene, "temperature"), (std::vector<double>{0.02, 2}));
   EXPECT_EQ(ErrorOf("scene 1\nprototype ./none.prototype\n").substr(0, 19), "s:2:11: NOT_FOUND: ");
@@ -171,23 +176,23 @@ TEST(GeneratorTest, LineIsEvenAndHoldsBothEnds) {
 }
 
 TEST(GeneratorTest, GridRunsFastestAlongX) {
-  const Scene scene =
-      Parse("rows body 8\nposition grid 2 2 2 spacing (1 2 4) origin (0 0 1)\n");
-  EXPECT_EQ(Values(scene, "position"),
-            (std::vector<double>{0, 0, 1, 1, 0, 1, 0, 2, 1, 1, 2, 1,  //
-                                 0, 0, 5, 1, 0, 5, 0, 2, 5, 1, 2, 5}));
+  const Scene scene = Parse("rows body 8\nposition grid 2 2 2 spacing (1 2 4) origin (0 0 1)\n");
+  EXPECT_EQ(Values(scene, "position"), (std::vector<double>{0, 0, 1, 1, 0, 1, 0, 2, 1, 1, 2, 1,  //
+                                                            0, 0, 5, 1, 0, 5, 0, 2, 5, 1, 2, 5}));
 }
 
 TEST(GeneratorTest, GridEdgesJoinNeighboursOfTheGrid) {
-  const Scene scene = Parse("rows body 12\nposition grid 2 3 2 spacing 0.5\nrows spring 20\n"
-                            "endpoints grid-edges 2 3 2\nlength distance 2\n");
+  const Scene scene = Parse(
+      "rows body 12\nposition grid 2 3 2 spacing 0.5\nrows spring 20\n"
+      "endpoints grid-edges 2 3 2\nlength distance 2\n");
   EXPECT_EQ(Values(scene, "length"), std::vector<double>(20, 1));
 }
 
 // A spoke of the innermost ring is as long as every other one; a chord of ring r measures 2 r sin.
 TEST(GeneratorTest, WebEdgesAreSpokesAndChords) {
-  const Scene scene = Parse("rows body 13\nposition web 2 6 radius 4\nrows spring 24\n"
-                            "endpoints web-edges 2 6\nlength distance\n");
+  const Scene scene = Parse(
+      "rows body 13\nposition web 2 6 radius 4\nrows spring 24\n"
+      "endpoints web-edges 2 6\nlength distance\n");
   const auto lengths = Values(scene, "length");
   ASSERT_EQ(lengths.size(), 24u);
   for (size_t i = 0; i < 24; ++i) EXPECT_NEAR(lengths[i], i < 18 ? 2 : 4, 1e-12) << i;
@@ -236,8 +241,9 @@ TEST_P(SceneLineErrorTest, NamesPlaceFoundAndExpected) {
 const Wrong kWrong[] = {
     {"dt 0", "4: expected a time above 0"},
     {"dt", "3: the line ends; expected the length of a step in seconds"},
-    {"dt 1/0", "4: found '1/0'; expected the length of a step in seconds, a number such as 1.5, "
-               "2e-3 or 1/240"},
+    {"dt 1/0",
+     "4: found '1/0'; expected the length of a step in seconds, a number such as 1.5, "
+     "2e-3 or 1/240"},
     {"dt 1 s", "6: found 's'; expected the end of the line"},
     {"steps 1.5", "7: expected the number of steps per frame, a whole number from 1 to 1e9"},
     {"prototype si-f64", "1: must come before the first 'rows'"},
@@ -250,22 +256,28 @@ const Wrong kWrong[] = {
     {"rows body 3", "6: the rows of body were given before"},
     {"rows surface -1", "14: expected the number of rows, a whole number from 0 to 1e9"},
     {"mas 1 2 3", "1: 'mas' is no statement or property of body; did you mean 'mass'?"},
-    {"length 1", "1: 'length' is a property of spring, not of body; it belongs below 'rows spring "
-                 "…'"},
-    {"externalForce all (0 0 0)", "1: 'externalForce' is summed up by the engine and cannot be "
-                                  "given; give 'appliedForce' instead"},
+    {"length 1",
+     "1: 'length' is a property of spring, not of body; it belongs below 'rows spring "
+     "…'"},
+    {"externalForce all (0 0 0)",
+     "1: 'externalForce' is summed up by the engine and cannot be "
+     "given; give 'appliedForce' instead"},
     {"torque all (0 0 0)", "1: 'torque' is summed up by the engine and cannot be given"},
-    {"mass 1 2", "8: 2 values for 'mass'; expected one for each of the 3 rows of body, or 'all "
-                 "VALUE'"},
+    {"mass 1 2",
+     "8: 2 values for 'mass'; expected one for each of the 3 rows of body, or 'all "
+     "VALUE'"},
     {"mass (1 2) 1 1", "10: 'mass' has 1 component per row, found 2"},
-    {"position 1 2 3", "10: 'position' has 3 components per row, found 1; write them in "
-                       "parentheses: (x y …)"},
+    {"position 1 2 3",
+     "10: 'position' has 3 components per row, found 1; write them in "
+     "parentheses: (x y …)"},
     {"position all (1 2", "18: '(' without its ')'"},
     {"mass al 1", "6: 'al' is no generator; did you mean 'all'?"},
-    {"mass all 1e999", "10: found '1e999'; expected a value of 'mass', a number such as 1.5, 2e-3 "
-                       "or 1/240"},
-    {"position grid 2 2 2 spacing 1", "19: this makes 8 values; expected one for each of the 3 "
-                                      "rows of body"},
+    {"mass all 1e999",
+     "10: found '1e999'; expected a value of 'mass', a number such as 1.5, 2e-3 "
+     "or 1/240"},
+    {"position grid 2 2 2 spacing 1",
+     "19: this makes 8 values; expected one for each of the 3 "
+     "rows of body"},
     {"position grid 3 1 1 1", "21: found '1'; expected 'spacing'"},
     {"mass grid 3 1 1 spacing 1", "6: makes points, but 'mass' has no three real components"},
     {"mass chain", "6: makes pairs of rows, but 'mass' has none"},
@@ -276,37 +288,45 @@ const Wrong kWrong[] = {
     {"at 2..1: mass 1", "4: expected a row number, or a range such as 3..7"},
     {"at : mass 1", "4: expected row numbers"},
     {"at 1 mass 1", "6: found 'mass'; expected ':'"},
-    {"at 1: length 1", "7: 'length' is a property of spring, not of body; it belongs below 'rows "
-                       "spring …'"},
+    {"at 1: length 1",
+     "7: 'length' is a property of spring, not of body; it belongs below 'rows "
+     "spring …'"},
     {"mass all 1 [m]", "12: [m] is no unit of 'mass'; expected one of the same dimension as [kg]"},
-    {"mass all 1 [kq]", "12: INVALID_ARGUMENT: unit 'kq', column 1: unknown unit 'kq'; did you "
-                         "mean 'kg'?"},
+    {"mass all 1 [kq]",
+     "12: INVALID_ARGUMENT: unit 'kq', column 1: unknown unit 'kq'; did you "
+     "mean 'kg'?"},
     {"mass all 1 [kg", "12: '[' without its ']'"},
-    {"mass all [kg] 1", "10: found '[kg]'; expected a value of 'mass', a number such as 1.5, 2e-3 "
-                        "or 1/240"},
-    {"at 1: length 1 [kg]", "7: 'length' is a property of spring, not of body; it belongs below "
-                            "'rows spring …'"},
+    {"mass all [kg] 1",
+     "10: found '[kg]'; expected a value of 'mass', a number such as 1.5, 2e-3 "
+     "or 1/240"},
+    {"at 1: length 1 [kg]",
+     "7: 'length' is a property of spring, not of body; it belongs below "
+     "'rows spring …'"},
     {"steps 4 [s]", "9: a unit does not belong here; expected the end of the line"},
     {"dt 1 [m]", "6: [m] is no unit of time; expected one of the same dimension as [s]"},
     {"image 10 9000", "10: a picture has at most 8192 pixels a side and 16777216 in all"},
     {"camera (0 0 1)", "8: found '('; expected 'from'"},
     {"camera from (0 0) at (0 0 0)", "17: expected where the camera is, a point such as (0 1 5)"},
-    {"camera from (0 9 0) at (0 0 0)", "30: expected a direction that is not along the y axis, "
-                                       "which is up in the picture"},
-    {"camera from (0 0 1) at (0 0 0) fov 180", "36: expected the field of view in degrees, from "
-                                               "0.1 to 170"},
+    {"camera from (0 9 0) at (0 0 0)",
+     "30: expected a direction that is not along the y axis, "
+     "which is up in the picture"},
+    {"camera from (0 0 1) at (0 0 0) fov 180",
+     "36: expected the field of view in degrees, from "
+     "0.1 to 170"},
     {"background red", "12: found 'red'; expected a colour such as #3498db"},
     {"draw surface", "6: 'surface' has no rows yet"},
-    {"draw body", "6: 'body' cannot be drawn: it has neither 'position' nor two or three "
-                  "references to a kind that has"},
+    {"draw body",
+     "6: 'body' cannot be drawn: it has neither 'position' nor two or three "
+     "references to a kind that has"},
     {"csv positoin", "5: 'positoin' is no property; did you mean 'position'?"},
 };
 INSTANTIATE_TEST_SUITE_P(Lines, SceneLineErrorTest, ::testing::ValuesIn(kWrong));
 
 const Wrong kWrongDrawing[] = {
     {"draw body raduis 1", "11: 'raduis' is no option of 'draw body'; did you mean 'radius'?"},
-    {"draw body width 1", "11: 'width' is no option of 'draw body'; there are colour, radius, "
-                          "unlit"},
+    {"draw body width 1",
+     "11: 'width' is no option of 'draw body'; there are colour, radius, "
+     "unlit"},
     {"draw body radius -1", "18: expected a radius of at least 0"},
     {"draw body 3 radius 1", "11: body has 3 rows; they count from 0"},
     {"draw body colour #12345", "18: found '#12345'; expected a colour such as #3498db"},
@@ -322,7 +342,8 @@ const Wrong kWrongDrawing[] = {
 class SceneDrawingErrorTest : public ::testing::TestWithParam<Wrong> {};
 TEST_P(SceneDrawingErrorTest, NamesPlaceFoundAndExpected) {
   EXPECT_EQ(ErrorOf("scene 1\ndt 1\nrows body 3\nposition all (0 0 0)\nrows spring 1\n"
-                    "endpoints (0 1)\nlength 1\n" + std::string(GetParam().line)),
+                    "endpoints (0 1)\nlength 1\n" +
+                    std::string(GetParam().line)),
             std::string("s:8:") + GetParam().error);
 }
 INSTANTIATE_TEST_SUITE_P(Lines, SceneDrawingErrorTest, ::testing::ValuesIn(kWrongDrawing));

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The C interface of the Vesper physics engine: what a client calls.
  *
  * The engine knows no physics. It holds named, typed, unit-checked property arrays that belong to
@@ -43,7 +44,7 @@ typedef struct vesper_provided_property {
   uint64_t value_count;
   const uint32_t* indices;
   uint64_t object_count;
-  uint64_t version; /**< Another number after values were edited in place; see touch. */
+  uint64_t version;   /**< Another number after values were edited in place; see touch. */
   vesper_field field; /**< Instead of arrays, for a FIELD property. */
 } vesper_provided_property;
 
@@ -64,12 +65,12 @@ typedef struct vesper_provider_callbacks {
 /** How an engine is made. Start with `vesper_engine_config_init`. */
 typedef struct vesper_engine_config {
   uint32_t struct_size;
-  uint32_t threads;         /**< For laws that run at the same time, and for `parallel_for`; the
-                                 caller's included, idle ones sleep; default 1. */
-  uint32_t validate;        /**< 1: laws run on guarded copies and are held to their declaration. */
-  uint32_t probe_timeout_ms;/**< For the throw-away probe of a library; default 5000. */
-  const char* law_path;     /**< Folders searched for bare law names, separated by ':'. */
-  const char* probe_path;   /**< The `vesper-probe` program; null: beside the engine library. */
+  uint32_t threads;  /**< For laws that run at the same time, and for `parallel_for`; the
+                          caller's included, idle ones sleep; default 1. */
+  uint32_t validate; /**< 1: laws run on guarded copies and are held to their declaration. */
+  uint32_t probe_timeout_ms; /**< For the throw-away probe of a library; default 5000. */
+  const char* law_path;      /**< Folders searched for bare law names, separated by ':'. */
+  const char* probe_path;    /**< The `vesper-probe` program; null: beside the engine library. */
   /** Receives log lines of engine and laws, on the calling thread; null: discarded. */
   void (*log)(void* user, uint32_t level, const char* message);
   void* log_user;
@@ -107,10 +108,10 @@ typedef struct vesper_law_info {
  *  prototype's. Since 1.1. */
 typedef struct vesper_ledger_entry {
   uint32_t struct_size;
-  uint32_t has_potential_energy; /**< 1: the two fields below say something; else they are 0. */
-  double momentum[3];            /**< Given to bodies [kg*m/s]. */
-  double angular_momentum[3];    /**< About the origin [kg*m^2/s]. */
-  double energy;                 /**< Kinetic [J]: the work of a force law. */
+  uint32_t has_potential_energy;   /**< 1: the two fields below say something; else they are 0. */
+  double momentum[3];              /**< Given to bodies [kg*m/s]. */
+  double angular_momentum[3];      /**< About the origin [kg*m^2/s]. */
+  double energy;                   /**< Kinetic [J]: the work of a force law. */
   double initial_potential_energy; /**< [J], when the ledger first saw the law's arrays. */
   double potential_energy;         /**< [J], of the present state. */
 } vesper_ledger_entry;
@@ -210,9 +211,9 @@ VESPER_API vesper_status vesper_provider_set_field(vesper_provider* provider, co
 VESPER_API vesper_status vesper_provider_remove_physical_property(
     vesper_provider* provider, const char* name, vesper_error* error) VESPER_NOEXCEPT;
 /** Fills `out` (whose struct_size the caller has set) with the property as it is bound. */
-VESPER_API vesper_status vesper_provider_find_physical_property(
-    const vesper_provider* provider, const char* name, vesper_property* out,
-    vesper_error* error) VESPER_NOEXCEPT;
+VESPER_API vesper_status
+vesper_provider_find_physical_property(const vesper_provider* provider, const char* name,
+                                       vesper_property* out, vesper_error* error) VESPER_NOEXCEPT;
 /** Says that values were edited in place: raises versions, re-checks references, re-expands shared
  *  values, and lets laws rebuild what they cache. Not needed for what laws read afresh each step,
  *  unless the property is a reference or indexed, or `config.deferred` is 1. `names` null: all. */
@@ -224,8 +225,7 @@ VESPER_API vesper_status vesper_provider_touch(vesper_provider* provider, const 
  *  ELF file is complete, copies it to a private file named by its content, opens the copy in a
  *  throw-away probe process, then here, and checks its tables. */
 VESPER_API vesper_status vesper_library_prepare(const vesper_engine_config* config,
-                                                const char* library,
-                                                vesper_prepared_library** out,
+                                                const char* library, vesper_prepared_library** out,
                                                 vesper_error* error) VESPER_NOEXCEPT;
 /** Closes a prepared library that no engine took. Null is fine. */
 VESPER_API void vesper_library_discard(vesper_prepared_library* prepared) VESPER_NOEXCEPT;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The contract of a law library.
  *
  * A law library is a shared object that exports exactly one symbol, `vesper_law_library_entry`.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The C++20 layer for authors of physics laws; a law library needs nothing else.
  *
  * A law is a class template over the real type. Its members are the properties and parameters it
@@ -120,17 +121,19 @@ class Step {
   void ParallelFor(uint64_t count, uint64_t grain, Body&& body) const;
 
   /** Writes a line to the engine's log (VESPER_LOG_...). Not from within ParallelFor. */
-  void Log(uint32_t level, const char* message) const {
-    host_.log(host_.context, level, message);
-  }
+  void Log(uint32_t level, const char* message) const { host_.log(host_.context, level, message); }
 
  private:
   template <class Law>
   friend class detail::Instance;
 
   Step(const vesper_step& step, const vesper_host& host)
-      : stage(step.stage), stage_count(step.stage_count), dt(step.dt), time(step.time),
-        index(step.index), host_(host) {}
+      : stage(step.stage),
+        stage_count(step.stage_count),
+        dt(step.dt),
+        time(step.time),
+        index(step.index),
+        host_(host) {}
 
   const vesper_host& host_;
 };

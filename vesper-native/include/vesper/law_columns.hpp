@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a law declares its properties with: units, the types of rows, columns and fields. Part of
 // vesper/law.hpp, which laws include.
 #ifndef VESPER_LAW_COLUMNS_HPP_
@@ -122,7 +123,11 @@ class Column {
    *  whenever anybody else wrote the array. */
   uint64_t version() const { return version_; }
   /** False if the prototype lacks this optional property or the client gave no array for it. */
-  bool present() const requires((flags & VESPER_USE_OPTIONAL) != 0) { return data_ != nullptr; }
+  bool present() const
+    requires((flags & VESPER_USE_OPTIONAL) != 0)
+  {
+    return data_ != nullptr;
+  }
 
  private:
   template <class Law>
@@ -130,8 +135,15 @@ class Column {
 
   constexpr vesper_property_use Use() const {
     using Type = detail::RowType<Row>;
-    return {sizeof(vesper_property_use), Type::kScalar, name_, kind_, Type::kComponents, access,
-            unit_, flags, 0};
+    return {sizeof(vesper_property_use),
+            Type::kScalar,
+            name_,
+            kind_,
+            Type::kComponents,
+            access,
+            unit_,
+            flags,
+            0};
   }
   void Set(const vesper_property& property) {
     data_ = static_cast<Element*>(property.data);
@@ -213,7 +225,11 @@ class FieldOf {
     field_->evaluate(field_->user, count, at, out);
   }
   /** False if the prototype lacks this optional field or nobody gave one. */
-  bool present() const requires(flags == VESPER_USE_OPTIONAL) { return field_ != nullptr; }
+  bool present() const
+    requires(flags == VESPER_USE_OPTIONAL)
+  {
+    return field_ != nullptr;
+  }
 
  private:
   template <class Law>
@@ -223,8 +239,15 @@ class FieldOf {
   static_assert(kComponents == 1 || kComponents == 3, "a field's value is a real or a Vec3");
 
   constexpr vesper_property_use Use() const {
-    return {sizeof(vesper_property_use), VESPER_FIELD, name_, kind_, kComponents, kAccess, unit_,
-            flags, 0};
+    return {sizeof(vesper_property_use),
+            VESPER_FIELD,
+            name_,
+            kind_,
+            kComponents,
+            kAccess,
+            unit_,
+            flags,
+            0};
   }
   void Set(const vesper_property& property) {
     field_ = static_cast<const vesper_field*>(property.data);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Rows and columns of a law as Eigen maps, so that small-vector maths reads like the equation:
  *
  *     const auto r = VectorAt(position, i) - centre;
@@ -19,7 +20,8 @@
 #define VESPER_LAW_EIGEN_HPP_
 
 #if defined(EIGEN_WORLD_VERSION) && !defined(EIGEN_DONT_VECTORIZE)
-#error "include vesper/law_eigen.hpp before any header of Eigen: it switches off \
+#error \
+    "include vesper/law_eigen.hpp before any header of Eigen: it switches off \
 what makes bits depend on the CPU"
 #endif
 

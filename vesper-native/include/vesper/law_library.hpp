@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // From a class template to the tables and callbacks of vesper/law.h. Part of vesper/law.hpp, which
 // laws include.
 #ifndef VESPER_LAW_LIBRARY_HPP_
@@ -126,7 +127,8 @@ class Instance {
   }
 
   static vesper_status PotentialEnergy(vesper_law* law, double* out, vesper_error* error) noexcept
-      requires requires(Law& l) { l.PotentialEnergy(); } {
+    requires requires(Law& l) { l.PotentialEnergy(); }
+  {
     return Guard(error, [&] { *out = From(law).law_.PotentialEnergy(); });
   }
 
@@ -207,7 +209,8 @@ class Instance {
 
     std::array<vesper_property_use, std::tuple_size_v<Properties>> uses_;
     std::array<vesper_parameter_desc,
-               std::tuple_size_v<decltype(ParametersOf(std::declval<Law&>()))>> parameters_;
+               std::tuple_size_v<decltype(ParametersOf(std::declval<Law&>()))>>
+        parameters_;
   };
 
  private:
@@ -237,9 +240,7 @@ class Library {
       library_.open = [](const vesper_host*, vesper_suite** out, vesper_error* error) noexcept {
         return Guard(error, [&] { *out = reinterpret_cast<vesper_suite*>(new Suite()); });
       };
-      library_.close = [](vesper_suite* suite) noexcept {
-        delete reinterpret_cast<Suite*>(suite);
-      };
+      library_.close = [](vesper_suite* suite) noexcept { delete reinterpret_cast<Suite*>(suite); };
     }
   }
   Library(const Library&) = delete;
@@ -266,14 +267,14 @@ class Library {
 
 /** Makes the library: VESPER_LAW_LIBRARY("name", Law, MoreLaws...), once, in one source file, at
  *  global scope. The name is that of the file, libvesper_law_NAME.so. */
-#define VESPER_LAW_LIBRARY(name, ...)                                                \
+#define VESPER_LAW_LIBRARY(name, ...)                                                 \
   extern "C" VESPER_LAW_EXPORT const vesper_law_library* vesper_law_library_entry() { \
-    try {                                                                            \
-      static const ::vesper::detail::Library<__VA_ARGS__> library(name);             \
-      return library.get();                                                          \
-    } catch (...) {                                                                  \
+    try {                                                                             \
+      static const ::vesper::detail::Library<__VA_ARGS__> library(name);              \
+      return library.get();                                                           \
+    } catch (...) {                                                                   \
       return nullptr; /* a constructor threw: the engine refuses the library */       \
-    }                                                                                \
+    }                                                                                 \
   }
 
 #endif  // VESPER_LAW_LIBRARY_HPP_

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Types that the engine, its clients and the laws share.
  *
  * The C layer is the contract: fixed-width integers, no enum types, no bools and no bit fields in
@@ -56,19 +57,22 @@ typedef uint32_t vesper_scalar_type;
 /** What a law does to a property, or (as a set of bits) the most that any law may do to it. */
 typedef uint32_t vesper_access;
 #define VESPER_READ 1u
-#define VESPER_WRITE 2u       /**< Every row is written before the law returns; not read. */
+#define VESPER_WRITE 2u /**< Every row is written before the law returns; not read. */
 #define VESPER_READ_WRITE 3u
-#define VESPER_ACCUMULATE 4u  /**< Added to; the engine zeroes it and sums over laws. FORCE only. */
-#define VESPER_SCRATCH 8u     /**< No property of the client: memory that the engine keeps for the
-                                   law, `components` values for each row of the kind, zero at
-                                   first. The law reads and writes it in `advance` only. */
+#define VESPER_ACCUMULATE                                                \
+  4u /**< Added to; the engine zeroes it and sums over laws. FORCE only. \
+      */
+#define VESPER_SCRATCH                                                    \
+  8u /**< No property of the client: memory that the engine keeps for the \
+          law, `components` values for each row of the kind, zero at      \
+          first. The law reads and writes it in `advance` only. */
 
 /** When a law runs within a step. Order of execution: phase, then order of loading. */
 typedef uint32_t vesper_phase;
-#define VESPER_PHASE_FORCE 1u      /**< Accumulates forces and torques. */
-#define VESPER_PHASE_INTEGRATE 2u  /**< Moves the state by dt. */
-#define VESPER_PHASE_CONSTRAIN 3u  /**< Corrects the moved state. */
-#define VESPER_PHASE_OBSERVE 4u    /**< Reads the result of the step. */
+#define VESPER_PHASE_FORCE 1u     /**< Accumulates forces and torques. */
+#define VESPER_PHASE_INTEGRATE 2u /**< Moves the state by dt. */
+#define VESPER_PHASE_CONSTRAIN 3u /**< Corrects the moved state. */
+#define VESPER_PHASE_OBSERVE 4u   /**< Reads the result of the step. */
 
 /** "No such row, law or library" in a `vesper_error`. */
 #define VESPER_NO_ROW UINT64_MAX

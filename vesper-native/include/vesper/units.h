@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Units of the standard prototypes, as constant initialisers of `vesper_unit`.
  *
  * Exponents in the order metre, kilogram, second, ampere, kelvin, mole, candela. Angles are

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The C++20 layer for clients of the Vesper physics engine: header-only over engine.h.
  *
  *     vesper::PhysicsEngine engine("si-f64", {.law_path = "laws"});
@@ -113,10 +114,10 @@ inline const char* NameOf(vesper_scalar_type type) {
 
 /** A flat array of values that outlives the call: an lvalue container or a span. */
 template <class Range>
-concept Values = std::ranges::contiguous_range<Range> && std::ranges::sized_range<Range> &&
-                 std::ranges::borrowed_range<Range> &&
-                 ScalarTypeOf<std::ranges::range_value_t<Range>>() != 0 &&
-                 !std::is_const_v<std::remove_reference_t<std::ranges::range_reference_t<Range>>>;
+concept Values =
+    std::ranges::contiguous_range<Range> && std::ranges::sized_range<Range> &&
+    std::ranges::borrowed_range<Range> && ScalarTypeOf<std::ranges::range_value_t<Range>>() != 0 &&
+    !std::is_const_v<std::remove_reference_t<std::ranges::range_reference_t<Range>>>;
 
 }  // namespace detail
 
@@ -269,8 +270,8 @@ class PhysicalPropertyProvider {
     using Value = std::ranges::range_value_t<Values>;
     const uint64_t rows = RowsOf(name, detail::ScalarTypeOf<Value>(), std::ranges::size(values));
     vesper_error error{};
-    detail::Check(function(provider_, name.c_str(), std::ranges::data(values), rows,
-                           indices.data(), indices.data() ? indices.size() : rows, &error),
+    detail::Check(function(provider_, name.c_str(), std::ranges::data(values), rows, indices.data(),
+                           indices.data() ? indices.size() : rows, &error),
                   error);
   }
 
@@ -402,10 +403,10 @@ class PhysicsEngine {
     const auto values = View(parameters);
     vesper_library_id id = VESPER_NO_LIBRARY;
     vesper_error error{};
-    detail::Check(vesper_engine_load_prepared(engine_.get(), prepared.prepared_.get(),
-                                              values.data(), static_cast<uint32_t>(values.size()),
-                                              &id, &error),
-                  error);
+    detail::Check(
+        vesper_engine_load_prepared(engine_.get(), prepared.prepared_.get(), values.data(),
+                                    static_cast<uint32_t>(values.size()), &id, &error),
+        error);
     static_cast<void>(prepared.prepared_.release());
     return id;
   }
@@ -420,8 +421,7 @@ class PhysicsEngine {
     for (uint32_t i = 0;; ++i) {
       vesper_law_info info{};
       info.struct_size = sizeof info;
-      const vesper_status status =
-          vesper_engine_law_info(engine_.get(), library, i, &info, &error);
+      const vesper_status status = vesper_engine_law_info(engine_.get(), library, i, &info, &error);
       if (status == VESPER_NOT_FOUND && i > 0) return laws;
       detail::Check(status, error);
       laws.push_back(info);
@@ -534,8 +534,8 @@ class PhysicsEngine {
   std::string LawName(const vesper_error& blame) const {
     vesper_law_info info{};
     info.struct_size = sizeof info;
-    const vesper_status status = vesper_engine_law_info(engine_.get(), blame.library_id,
-                                                        blame.law_index, &info, nullptr);
+    const vesper_status status =
+        vesper_engine_law_info(engine_.get(), blame.library_id, blame.law_index, &info, nullptr);
     return status == VESPER_OK ? info.name : "";
   }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a law claims: conservation, symmetry, and forces that derive from an energy.
 #include <cmath>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "vesper/kit/column.hpp"
 
 #include <algorithm>
@@ -12,10 +13,14 @@ namespace vesper {
 template <class Action>
 auto AnyColumn::Visit(vesper_scalar_type type, Action&& action) {
   switch (type) {
-    case VESPER_F32: return action(float{});
-    case VESPER_F64: return action(double{});
-    case VESPER_I32: return action(int32_t{});
-    case VESPER_U32: return action(uint32_t{});
+    case VESPER_F32:
+      return action(float{});
+    case VESPER_F64:
+      return action(double{});
+    case VESPER_I32:
+      return action(int32_t{});
+    case VESPER_U32:
+      return action(uint32_t{});
   }
   throw std::logic_error("no such scalar type");
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Order of convergence of an integrator, on a body that a spring pulls to the origin.
 #include <cmath>
 #include <cstdio>
@@ -7,10 +8,10 @@
 namespace vesper {
 namespace {
 
-constexpr double kMass = 2;        // [kg]
-constexpr double kStiffness = 8;   // [N/m]
-constexpr double kDuration = 1.3;  // [s], no particular phase
-constexpr double kFrequency = 2;   // sqrt(kStiffness / kMass) [rad/s]
+constexpr double kMass = 2;                  // [kg]
+constexpr double kStiffness = 8;             // [N/m]
+constexpr double kDuration = 1.3;            // [s], no particular phase
+constexpr double kFrequency = 2;             // sqrt(kStiffness / kMass) [rad/s]
 const Vec3<double> kStart{1, -0.5, 0.25};    // [m]
 const Vec3<double> kStartSpeed{0.2, 1, -1};  // [m/s]
 

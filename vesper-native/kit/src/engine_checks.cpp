@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A library in an engine: loading, rows, threads, parameters, bad input, time.
 #include <algorithm>
 #include <cstdio>
@@ -87,9 +88,8 @@ std::string CheckThreads(const Subject& of) {
     engine.Advance(kDt, 2);
     for (const AnyColumn& column : one.columns()) {
       const std::string name = column.descriptor().name;
-      Expect(many[name].bytes() == column.bytes(), "'" + name + "' has other bits on " +
-                                                       std::to_string(threads) +
-                                                       " threads than on 1");
+      Expect(many[name].bytes() == column.bytes(),
+             "'" + name + "' has other bits on " + std::to_string(threads) + " threads than on 1");
     }
     Expect(engine.StateHash() == reference.StateHash(), "the state hash differs");
   }

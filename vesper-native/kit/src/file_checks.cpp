@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a library is as a file, and what it says about itself.
 #include <regex>
 #include <span>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A law on arrays that end at memory nobody may touch.
 #include <sys/mman.h>
 #include <unistd.h>
@@ -36,9 +37,7 @@ class GuardedArray {
   GuardedArray& operator=(const GuardedArray&) = delete;
 
   void* data() const { return data_; }
-  bool Holds(const void* address) const {
-    return address >= base_ && address < base_ + mapped_;
-  }
+  bool Holds(const void* address) const { return address >= base_ && address < base_ + mapped_; }
   std::string Describe(const void* address) const {
     const std::string name = "'" + name_ + "'";
     if (address < data_) return "reads or writes before the first row of " + name;
@@ -62,7 +61,7 @@ void OnFault(int, siginfo_t* info, void*) {
 }
 
 void CatchFaults() {
-  struct sigaction action {};
+  struct sigaction action{};
   action.sa_sigaction = OnFault;
   action.sa_flags = SA_SIGINFO;
   sigaction(SIGSEGV, &action, nullptr);
@@ -77,8 +76,7 @@ void RunGuarded(const vesper_law_library& library, const vesper_law_desc& desc, 
   std::vector<std::unique_ptr<GuardedArray>> arrays;
   for (vesper_property& property : properties) {
     if (property.scalar_type == VESPER_FIELD) continue;
-    arrays.push_back(
-        std::make_unique<GuardedArray>(world[property.name], property.access, side));
+    arrays.push_back(std::make_unique<GuardedArray>(world[property.name], property.access, side));
     property.data = arrays.back()->data();
   }
   if (sigsetjmp(before_fault, 1) != 0) {

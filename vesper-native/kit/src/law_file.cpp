@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "vesper/kit/law_file.hpp"
 
 #include <dlfcn.h>
@@ -195,8 +196,7 @@ void BareLaw::Bind() const {
 
 void BareLaw::Step(const Time& time, const std::function<void(uint32_t)>& evaluate) const {
   const double start = static_cast<double>(time.index) * time.dt;
-  vesper_step step{sizeof step, 0, std::max(desc_.stages, 1u), 0, time.dt, start,
-                   time.index};
+  vesper_step step{sizeof step, 0, std::max(desc_.stages, 1u), 0, time.dt, start, time.index};
   if (desc_.phase == VESPER_PHASE_INTEGRATE && desc_.first_stage == 0) Advance(step);
   for (step.stage = 1; step.stage <= step.stage_count; ++step.stage) {
     evaluate(step.stage);

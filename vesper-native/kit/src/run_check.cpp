@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -52,8 +53,8 @@ void LimitItself(std::chrono::seconds limit) {
 
 CheckOutcome FromEnd(int status, std::chrono::seconds limit) {
   if (!WIFSIGNALED(status)) {
-    return {Verdict::kFail, "the law ended the process with exit code " +
-                                std::to_string(WEXITSTATUS(status))};
+    return {Verdict::kFail,
+            "the law ended the process with exit code " + std::to_string(WEXITSTATUS(status))};
   }
   if (WTERMSIG(status) == SIGALRM) {
     return {Verdict::kFail, "not done after " + std::to_string(limit.count()) + " s"};

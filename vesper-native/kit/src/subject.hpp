@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One library in one precision, as the checks look at it.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "vesper/kit/world.hpp"
 
 #include <algorithm>
@@ -66,8 +67,8 @@ std::vector<vesper_property_descriptor> DescriptorsFor(
     };
     if (std::ranges::any_of(all, named)) continue;
     all.push_back({sizeof(vesper_property_descriptor), VESPER_FIELD, field.name, "world",
-                   field.components, VESPER_READ, field.unit, nullptr, nullptr, field.doc, 0,
-                   0, 0});
+                   field.components, VESPER_READ, field.unit, nullptr, nullptr, field.doc, 0, 0,
+                   0});
   }
   std::ranges::stable_partition(all, std::not_fn(IsScratch));
   return all;
@@ -79,8 +80,8 @@ World::World(vesper_scalar_type real_type, const std::vector<const vesper_law_de
              std::span<const vesper_field_desc> brings, uint64_t rows, uint32_t seed)
     : prototype_(PrototypeOf(real_type)), descriptors_(DescriptorsFor(prototype_, laws, brings)) {
   prototype_.properties = descriptors_.data();
-  prototype_.property_count = static_cast<uint32_t>(
-      std::ranges::count_if(descriptors_, std::not_fn(IsScratch)));
+  prototype_.property_count =
+      static_cast<uint32_t>(std::ranges::count_if(descriptors_, std::not_fn(IsScratch)));
   for (const vesper_field_desc& field : brings) brought_.insert(field.name);
   std::mt19937 random(seed);
   const auto draw = [&](double low, double high) {
@@ -168,9 +169,9 @@ void World::Rotate(const Quaternion& by) {
   }
   AnyColumn& orientation = (*this)[kOrientation];
   for (uint64_t row = 0; row < orientation.rows(); ++row) {
-    const Quaternion before{{orientation.Get(4 * row), orientation.Get(4 * row + 1),
-                             orientation.Get(4 * row + 2)},
-                            orientation.Get(4 * row + 3)};
+    const Quaternion before{
+        {orientation.Get(4 * row), orientation.Get(4 * row + 1), orientation.Get(4 * row + 2)},
+        orientation.Get(4 * row + 3)};
     const Quaternion after = by * before;
     orientation.Set(4 * row, after.v.x);
     orientation.Set(4 * row + 1, after.v.y);
@@ -188,7 +189,7 @@ std::vector<vesper_property> World::PropertiesFor(const vesper_law_desc& law) {
 
 vesper_property World::PropertyFor(const vesper_property_use& use) {
   vesper_property property{sizeof property, use.scalar_type, use.name, use.kind, use.components,
-                           use.access, nullptr, 0, 0};
+                           use.access,      nullptr,         0,        0};
   for (AnalyticField& field : fields_) {
     if (field.descriptor().name != std::string(use.name)) continue;
     property.data = const_cast<vesper_field*>(&field.function());

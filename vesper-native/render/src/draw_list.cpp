@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "draw_list.hpp"
 
 #include <Eigen/Geometry>
@@ -19,10 +20,14 @@ float Reach(const Mesh& mesh) {
 
 float Radius(Shape shape, const Vector3f& size, float mesh_reach) {
   switch (shape) {
-    case Shape::kSphere: return size.maxCoeff() / 2;
-    case Shape::kBox: return size.norm() / 2;
-    case Shape::kPlane: return std::hypot(size.x(), size.z()) / 2;
-    case Shape::kMesh: return size.maxCoeff() * mesh_reach;
+    case Shape::kSphere:
+      return size.maxCoeff() / 2;
+    case Shape::kBox:
+      return size.norm() / 2;
+    case Shape::kPlane:
+      return std::hypot(size.x(), size.z()) / 2;
+    case Shape::kMesh:
+      return size.maxCoeff() * mesh_reach;
   }
   return 0;
 }
@@ -65,8 +70,10 @@ Extent Measure(const Scene& scene) {
       const Ball ball{instance.position - scene.camera.target,
                       Radius(batch.shape, instance.size, reach)};
       if (batch.shape == Shape::kPlane) {
-        if (instance.flags & kFade) extent.fades = true;
-        else extent.planes.push_back(ball);
+        if (instance.flags & kFade)
+          extent.fades = true;
+        else
+          extent.planes.push_back(ball);
         continue;
       }
       extent.items.push_back(ball);
@@ -91,14 +98,13 @@ void Sort(const Scene& scene, const View& view, DrawList& list) {
   for (auto& [key, records] : list) records.clear();
   for (const InstanceBatch& batch : scene.batches) {
     const auto key = [&batch](uint32_t detail) {
-      return DrawKey{{batch.shape, detail}, batch.material, batch.first_triangle,
-                     batch.triangle_count};
+      return DrawKey{
+          {batch.shape, detail}, batch.material, batch.first_triangle, batch.triangle_count};
     };
     std::array<std::vector<InstanceRecord>*, kFinestSphere + 1> spheres{};
     std::vector<InstanceRecord>* const others =
-        batch.shape == Shape::kSphere
-            ? nullptr
-            : &list[key(batch.shape == Shape::kMesh ? batch.mesh : 0)];
+        batch.shape == Shape::kSphere ? nullptr
+                                      : &list[key(batch.shape == Shape::kMesh ? batch.mesh : 0)];
     for (const Instance& instance : batch.instances) {
       if (!(instance.size.maxCoeff() > 0)) continue;
       const InstanceRecord record = ToRecord(instance, batch.shape, view.origin());

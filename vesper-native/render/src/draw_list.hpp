@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The instances of a picture, sorted by the mesh that shows them and ready for the graphics memory.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "gl.hpp"
 
 #include <cstdio>
@@ -5,8 +6,8 @@
 namespace vesper::render {
 
 Gl::Gl(const OsMesaContext& context) {
-#define VESPER_RENDER_GL_FIND(TYPE, Name)                                                     \
-  Name = reinterpret_cast<PFNGL##TYPE##PROC>(context.Find("gl" #Name));                       \
+#define VESPER_RENDER_GL_FIND(TYPE, Name)                               \
+  Name = reinterpret_cast<PFNGL##TYPE##PROC>(context.Find("gl" #Name)); \
   if (Name == nullptr) throw GraphicsError("the graphics library has no function gl" #Name);
   VESPER_RENDER_GL_FUNCTIONS(VESPER_RENDER_GL_FIND)
 #undef VESPER_RENDER_GL_FIND

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The OpenGL 3.3 functions in use, as one table, and owners of GL objects.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // vesper-render: pictures of scenes, off-screen. See SCENE.md for what it reads and writes.
 
 #include <unistd.h>
@@ -45,11 +46,11 @@ std::string Quote(const std::string& text) {
 
 int PrintInfo() {
   const GraphicsInfo info = Renderer(16).Info();
-  std::printf("{\"version\": \"%s\", \"stream\": %u, \"vendor\": %s, \"renderer\": %s, "
-              "\"gl\": %s, \"maxSamples\": %d, \"maxSide\": %d}\n",
-              VESPER_RENDER_VERSION, kStreamVersion, Quote(info.vendor).c_str(),
-              Quote(info.renderer).c_str(), Quote(info.version).c_str(), info.max_samples,
-              info.max_side);
+  std::printf(
+      "{\"version\": \"%s\", \"stream\": %u, \"vendor\": %s, \"renderer\": %s, "
+      "\"gl\": %s, \"maxSamples\": %d, \"maxSide\": %d}\n",
+      VESPER_RENDER_VERSION, kStreamVersion, Quote(info.vendor).c_str(),
+      Quote(info.renderer).c_str(), Quote(info.version).c_str(), info.max_samples, info.max_side);
   return kExitOk;
 }
 

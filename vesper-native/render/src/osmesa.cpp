@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "osmesa.hpp"
 
 #include <GL/osmesa.h>
@@ -18,8 +19,10 @@ Library LoadLibrary() {
     if (void* library = dlopen(name, RTLD_NOW | RTLD_LOCAL)) return Library(library);
     reasons += std::string("\n  ") + dlerror();
   }
-  throw GraphicsError("the off-screen graphics library OSMesa could not be loaded; install it "
-                      "(Debian: apt-get install libosmesa6). Tried:" + reasons);
+  throw GraphicsError(
+      "the off-screen graphics library OSMesa could not be loaded; install it "
+      "(Debian: apt-get install libosmesa6). Tried:" +
+      reasons);
 }
 
 template <class Function>
@@ -47,14 +50,20 @@ OsMesaContext::OsMesaContext() : state_(std::make_unique<State>()) {
   const auto create =
       Resolve<decltype(&OSMesaCreateContextAttribs)>(library, "OSMesaCreateContextAttribs");
   const auto make_current = Resolve<decltype(&OSMesaMakeCurrent)>(library, "OSMesaMakeCurrent");
-  const int attributes[] = {OSMESA_FORMAT, OSMESA_RGBA,
-                            OSMESA_PROFILE, OSMESA_CORE_PROFILE,
-                            OSMESA_CONTEXT_MAJOR_VERSION, 3,
-                            OSMESA_CONTEXT_MINOR_VERSION, 3, 0};
+  const int attributes[] = {OSMESA_FORMAT,
+                            OSMESA_RGBA,
+                            OSMESA_PROFILE,
+                            OSMESA_CORE_PROFILE,
+                            OSMESA_CONTEXT_MAJOR_VERSION,
+                            3,
+                            OSMESA_CONTEXT_MINOR_VERSION,
+                            3,
+                            0};
   state_->context = create(attributes, nullptr);
   if (state_->context == nullptr) {
-    throw GraphicsError("the OSMesa library offers no OpenGL 3.3 core context; a Mesa built with "
-                        "the llvmpipe or softpipe driver is needed");
+    throw GraphicsError(
+        "the OSMesa library offers no OpenGL 3.3 core context; a Mesa built with "
+        "the llvmpipe or softpipe driver is needed");
   }
   if (!make_current(state_->context, state_->window.data(), GL_UNSIGNED_BYTE, 16, 16)) {
     state_->destroy(state_->context);

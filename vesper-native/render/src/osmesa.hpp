@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // An off-screen OpenGL 3.3 core context on the CPU, from the OSMesa library found at run time.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "renderer.hpp"
 
 #include <algorithm>
@@ -141,8 +142,9 @@ void Renderer::Attach(const GlObject& framebuffer, const GlObject& colour,
     gl_.FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth->id());
   }
   if (gl_.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
-    throw GraphicsError("the graphics library offers no sRGB picture of this size and number of "
-                        "samples; ask for a smaller one or for 0 samples");
+    throw GraphicsError(
+        "the graphics library offers no sRGB picture of this size and number of "
+        "samples; ask for a smaller one or for 0 samples");
   }
 }
 
@@ -174,8 +176,11 @@ void Renderer::PrepareSenseTarget(const Image& image) {
     return;
   }
   sense_target_.reset();
-  SenseTarget target{image.width, image.height, MakeStorage(image, 0, GL_R32UI),
-                     MakeStorage(image, 0, GL_R32F), MakeStorage(image, 0, GL_DEPTH_COMPONENT32F),
+  SenseTarget target{image.width,
+                     image.height,
+                     MakeStorage(image, 0, GL_R32UI),
+                     MakeStorage(image, 0, GL_R32F),
+                     MakeStorage(image, 0, GL_DEPTH_COMPONENT32F),
                      MakeFramebuffer(gl_)};
   gl_.Check("making room for what is sensed");
   Attach(target.framebuffer, target.item, &target.depth);
@@ -229,8 +234,12 @@ void Renderer::PrepareMeshes(const Scene& scene, const View& view) {
       case Shape::kSphere:
         meshes_[key] = Upload(UnitSphere(static_cast<int>(key.detail)), true);
         break;
-      case Shape::kBox: meshes_[key] = Upload(UnitBox(), true); break;
-      case Shape::kPlane: meshes_[key] = Upload(UnitPlane(), false); break;
+      case Shape::kBox:
+        meshes_[key] = Upload(UnitBox(), true);
+        break;
+      case Shape::kPlane:
+        meshes_[key] = Upload(UnitPlane(), false);
+        break;
       case Shape::kMesh: {
         if (key.detail == kLooseTriangles) {
           meshes_[key] = Upload(ToTriangles(scene.triangles, view.origin()), false);
@@ -276,8 +285,7 @@ void Renderer::UploadInstances() {
   }
   constexpr size_t kBytes = sizeof(InstanceRecord);
   gl_.BindBuffer(GL_ARRAY_BUFFER, instance_buffer_.id());
-  gl_.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(count * kBytes), nullptr,
-                 GL_STREAM_DRAW);
+  gl_.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(count * kBytes), nullptr, GL_STREAM_DRAW);
   for (const Draw& draw : draws_) {
     gl_.BufferSubData(GL_ARRAY_BUFFER, static_cast<GLintptr>(draw.first * kBytes),
                       static_cast<GLsizeiptr>(draw.count * kBytes), list_.at(draw.key).data());
@@ -448,8 +456,8 @@ void Renderer::DrawSurfaces(const Scene& scene, const View& view, const Eigen::M
       const Material& material =
           draw.key.material == 0 ? plain : scene.materials.at(draw.key.material);
       const bool textured = material.texture != 0;
-      const Program& wanted = SurfaceProgram(
-          {plane, textured && shape == Shape::kSphere, textured, shadow != nullptr});
+      const Program& wanted =
+          SurfaceProgram({plane, textured && shape == Shape::kSphere, textured, shadow != nullptr});
       if (program != &wanted) {
         program = &wanted;
         program->Use();
@@ -486,8 +494,10 @@ void Renderer::DrawLines(const Scene& scene, const View& view, const Program& pr
                            Offset(offsetof(LineVertex, item)));
   for (GLuint at = 0; at <= 10; ++at) {
     gl_.VertexAttribDivisor(at, 0);
-    if (at <= 2) gl_.EnableVertexAttribArray(at);
-    else gl_.DisableVertexAttribArray(at);
+    if (at <= 2)
+      gl_.EnableVertexAttribArray(at);
+    else
+      gl_.DisableVertexAttribArray(at);
   }
   gl_.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, line_indices_.id());
   gl_.DrawElements(GL_TRIANGLES, static_cast<GLsizei>(lines * 6), GL_UNSIGNED_INT, nullptr);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What one picture shows, as decoded from the scene stream (SCENE.md) and checked: a renderer may
 // rely on every rule that is written there.
 #pragma once
@@ -43,8 +44,8 @@ struct Mesh {
   std::vector<Vector3f> normals;  ///< as many as positions, or none; 0: a flat triangle
   std::vector<std::array<float, 2>> coordinates;  ///< as many as positions, or none
   std::vector<Colour> colours;                    ///< as many as positions, or none: white
-  std::vector<uint32_t> indices;  ///< three per triangle
-  uint64_t revision = 0;          ///< differs between all meshes that ever had an id
+  std::vector<uint32_t> indices;                  ///< three per triangle
+  uint64_t revision = 0;  ///< differs between all meshes that ever had an id
 };
 
 struct Texture {
@@ -70,8 +71,8 @@ struct Instance {
 
 struct InstanceBatch {
   Shape shape;
-  uint32_t mesh;      ///< id, for Shape::kMesh
-  uint32_t material;  ///< id, or 0 for the default
+  uint32_t mesh;                            ///< id, for Shape::kMesh
+  uint32_t material;                        ///< id, or 0 for the default
   uint32_t first_triangle, triangle_count;  ///< the part of a mesh that is shown; count 0: all
   std::vector<Instance> instances;
 };

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "scene_stream.hpp"
 
 #include <algorithm>
@@ -25,17 +26,28 @@ constexpr float kMaxMagnitude = 1e15F;
 
 const char* Name(MessageType type) {
   switch (type) {
-    case MessageType::kHello: return "HELLO";
-    case MessageType::kImage: return "IMAGE";
-    case MessageType::kCamera: return "CAMERA";
-    case MessageType::kEnvironment: return "ENVIRONMENT";
-    case MessageType::kMesh: return "MESH";
-    case MessageType::kInstances: return "INSTANCES";
-    case MessageType::kSegments: return "SEGMENTS";
-    case MessageType::kRender: return "RENDER";
-    case MessageType::kTexture: return "TEXTURE";
-    case MessageType::kMaterial: return "MATERIAL";
-    case MessageType::kTriangles: return "TRIANGLES";
+    case MessageType::kHello:
+      return "HELLO";
+    case MessageType::kImage:
+      return "IMAGE";
+    case MessageType::kCamera:
+      return "CAMERA";
+    case MessageType::kEnvironment:
+      return "ENVIRONMENT";
+    case MessageType::kMesh:
+      return "MESH";
+    case MessageType::kInstances:
+      return "INSTANCES";
+    case MessageType::kSegments:
+      return "SEGMENTS";
+    case MessageType::kRender:
+      return "RENDER";
+    case MessageType::kTexture:
+      return "TEXTURE";
+    case MessageType::kMaterial:
+      return "MATERIAL";
+    case MessageType::kTriangles:
+      return "TRIANGLES";
   }
   return nullptr;
 }
@@ -381,19 +393,27 @@ Request SceneDecoder::Decode(MessageType type, std::span<const std::byte> payloa
       greeted_ = true;
       request.kind = Request::Kind::kHello;
       break;
-    case MessageType::kImage: scene_.image = ReadImage(in); break;
+    case MessageType::kImage:
+      scene_.image = ReadImage(in);
+      break;
     case MessageType::kCamera:
       scene_.camera = ReadCamera(in);
       has_camera_ = true;
       break;
-    case MessageType::kEnvironment: scene_.environment = ReadEnvironment(in); break;
+    case MessageType::kEnvironment:
+      scene_.environment = ReadEnvironment(in);
+      break;
     case MessageType::kMesh: {
       const auto id = in.One<uint32_t>("mesh id");
       KeepMesh(id, ReadMesh(in));
       break;
     }
-    case MessageType::kInstances: AddBatch(ReadInstances(in)); break;
-    case MessageType::kSegments: ReadSegments(in, scene_.segments); break;
+    case MessageType::kInstances:
+      AddBatch(ReadInstances(in));
+      break;
+    case MessageType::kSegments:
+      ReadSegments(in, scene_.segments);
+      break;
     case MessageType::kTexture: {
       const auto id = in.One<uint32_t>("texture id");
       KeepTexture(id, ReadTexture(in));
@@ -404,7 +424,9 @@ Request SceneDecoder::Decode(MessageType type, std::span<const std::byte> payloa
       AddMaterial(id, ReadMaterial(in));
       break;
     }
-    case MessageType::kTriangles: ReadTriangles(in, scene_.triangles); break;
+    case MessageType::kTriangles:
+      ReadTriangles(in, scene_.triangles);
+      break;
     case MessageType::kRender:
       if (!has_camera_) in.Refuse("no CAMERA came before it");
       request = ReadRender(in, scene_.camera.orthographic);
@@ -486,8 +508,7 @@ void SceneDecoder::AddBatch(InstanceBatch batch) {
   }
   instance_count_ += batch.instances.size();
   if (instance_count_ > kMaxItems) {
-    throw MalformedStream("INSTANCES: more than " + std::to_string(kMaxItems) +
-                          " in one picture");
+    throw MalformedStream("INSTANCES: more than " + std::to_string(kMaxItems) + " in one picture");
   }
   scene_.batches.push_back(std::move(batch));
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The scene stream of SCENE.md: layout of messages and answers, and the decoder, which needs no
 // graphics.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "session.hpp"
 
 #include <unistd.h>
@@ -49,8 +50,8 @@ bool Session::ReadMessage(MessageHeader& header) {
     const size_t have = payload_.size(), more = std::min(kGrowth, header.length - have);
     payload_.resize(have + more);
     if (ReadFully(payload_.data() + have, more) < more) {
-      throw MalformedStream("the input ends inside a message of " +
-                            std::to_string(header.length) + " bytes");
+      throw MalformedStream("the input ends inside a message of " + std::to_string(header.length) +
+                            " bytes");
     }
   }
   return true;
@@ -61,8 +62,10 @@ size_t Session::ReadFully(void* to, size_t bytes) {
   while (done < bytes) {
     const ssize_t got = read(input_, static_cast<char*>(to) + done, bytes - done);
     if (got == 0) break;
-    if (got > 0) done += static_cast<size_t>(got);
-    else if (errno != EINTR) throw std::system_error(errno, std::generic_category(), "input");
+    if (got > 0)
+      done += static_cast<size_t>(got);
+    else if (errno != EINTR)
+      throw std::system_error(errno, std::generic_category(), "input");
   }
   return done;
 }
@@ -120,8 +123,10 @@ void Session::Answer(Status status, uint32_t microseconds, const void* payload, 
   const auto write_fully = [this](const void* from, size_t count) {
     for (size_t done = 0; done < count;) {
       const ssize_t put = write(output_, static_cast<const char*>(from) + done, count - done);
-      if (put >= 0) done += static_cast<size_t>(put);
-      else if (errno != EINTR) throw std::system_error(errno, std::generic_category(), "output");
+      if (put >= 0)
+        done += static_cast<size_t>(put);
+      else if (errno != EINTR)
+        throw std::system_error(errno, std::generic_category(), "output");
     }
   };
   write_fully(&header, sizeof header);

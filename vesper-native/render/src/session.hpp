@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One conversation in the scene stream (SCENE.md) over two file descriptors.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // GLSL sources. Linear colours in, sRGB encoding is left to
 // the framebuffer. Positions are relative to the camera's target.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "shapes.hpp"
 
 #include <algorithm>
@@ -148,8 +149,11 @@ TriangleMesh ToTriangles(std::span<const Triangle> triangles, const Vector3f& or
     const Vector3f normal = FlatNormal(a, b, c);
     for (size_t corner = 0; corner < 3; ++corner) {
       mesh.indices.push_back(static_cast<uint32_t>(mesh.vertices.size()));
-      mesh.vertices.push_back({triangle.corners[corner] - origin, normal, {0, 0},
-                               ToLinear(triangle.colours[corner]), triangle.item});
+      mesh.vertices.push_back({triangle.corners[corner] - origin,
+                               normal,
+                               {0, 0},
+                               ToLinear(triangle.colours[corner]),
+                               triangle.item});
     }
   }
   return mesh;

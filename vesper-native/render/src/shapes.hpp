@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The unit shapes as triangles: spheres of diameter 1 in several fineness, a cube and a square.
 #pragma once
 

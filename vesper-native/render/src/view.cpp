@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "view.hpp"
 
 #include <Eigen/Geometry>
@@ -120,15 +121,17 @@ void ExpandSegments(std::span<const Segment> segments, const View& view, const I
     const float from_depth = view.Depth(from), to_depth = view.Depth(to);
     if (from_depth < view.near() && to_depth < view.near()) continue;
     const float cut = (view.near() - from_depth) / (to_depth - from_depth);
-    if (from_depth < view.near()) from += cut * (to - from);
-    else if (to_depth < view.near()) to = from + cut * (to - from);
+    if (from_depth < view.near())
+      from += cut * (to - from);
+    else if (to_depth < view.near())
+      to = from + cut * (to - from);
 
     const Vector4f a = view.clip() * from.homogeneous(), b = view.clip() * to.homogeneous();
     const Eigen::Vector2f along =
         (b.head<2>() / b.w() - a.head<2>() / a.w()).cwiseProduct(half_image);
     if (!(along.norm() > 1e-6F)) continue;
-    const Eigen::Vector2f side = Eigen::Vector2f(-along.y(), along.x()).normalized() *
-                                 (segment.width / 2);
+    const Eigen::Vector2f side =
+        Eigen::Vector2f(-along.y(), along.x()).normalized() * (segment.width / 2);
     const Eigen::Vector2f offset = side.cwiseQuotient(half_image);
     for (const Vector4f* end : {&a, &b}) {
       for (const float sign : {-1.0F, 1.0F}) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Where things of the world land in the picture. All positions here are relative to the camera's
 // target: f32 is then finest where one looks, however far from the world's origin that is.
 #pragma once
@@ -35,10 +36,10 @@ class View {
  public:
   View(const Camera& camera, const Image& image, const Extent& extent);
 
-  const Vector3f& origin() const { return origin_; }    ///< the target, in the world
-  const Vector3f& forward() const { return forward_; }  ///< unit vector
-  const Matrix4f& clip() const { return clip_; }        ///< clip coordinates of a position
-  float near() const { return near_; }                  ///< depth of the near plane [m]
+  const Vector3f& origin() const { return origin_; }      ///< the target, in the world
+  const Vector3f& forward() const { return forward_; }    ///< unit vector
+  const Matrix4f& clip() const { return clip_; }          ///< clip coordinates of a position
+  float near() const { return near_; }                    ///< depth of the near plane [m]
   float target_height() const { return target_height_; }  ///< of the view at the target [m]
   /// Distance [m] from the target at which fading begins; it is over at kFadeEnd times that.
   float fade_radius() const { return fade_radius_; }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What materials, textures and coloured triangles show.
 #include <gtest/gtest.h>
 
@@ -68,10 +69,10 @@ TEST_F(MaterialTest, TextureRunsAroundASphereWithoutASeam) {
 TEST_F(MaterialTest, PartsOfAMeshHaveMaterialsOfTheirOwn) {
   const std::vector<Vec3> square{{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
   const Item item = Unlit({}, {1, 1, 1}, kWhite);
-  const Picture picture = Draw({Front(), Mesh(7, square, {{0, 1, 2}, {0, 2, 3}}),
-                                Material(1, kRed, 1, 0), Material(2, kBlue, 1, 0),
-                                Instances(4, {item}, 7, {1, 0, 1}),
-                                Instances(4, {item}, 7, {2, 1, 1})});
+  const Picture picture =
+      Draw({Front(), Mesh(7, square, {{0, 1, 2}, {0, 2, 3}}), Material(1, kRed, 1, 0),
+            Material(2, kBlue, 1, 0), Instances(4, {item}, 7, {1, 0, 1}),
+            Instances(4, {item}, 7, {2, 1, 1})});
   EXPECT_EQ(picture.At(250, 200), kRed);
   EXPECT_EQ(picture.At(150, 100), kBlue);
 }
@@ -90,10 +91,9 @@ TEST_F(MaterialTest, MeshesWearTexturesWhereTheirCoordinatesSay) {
 }
 
 TEST_F(MaterialTest, ColoursOfItemMaterialAndTextureMultiplyInLinearLight) {
-  const Picture picture =
-      Draw({Front(), Texture(1, 1, 1, {{255, 188, 255, 255}}),
-            Material(1, {188, 255, 255, 255}, 1, 0, 1),
-            Instances(2, {Unlit({}, {2, 2, 2}, {188, 188, 0, 255})}, 0, {1})});
+  const Picture picture = Draw({Front(), Texture(1, 1, 1, {{255, 188, 255, 255}}),
+                                Material(1, {188, 255, 255, 255}, 1, 0, 1),
+                                Instances(2, {Unlit({}, {2, 2, 2}, {188, 188, 0, 255})}, 0, {1})});
   const Rgba shown = picture.At(200, 150);  // 188 is half the light of 255
   EXPECT_NEAR(shown[0], 137, 2);
   EXPECT_NEAR(shown[1], 137, 2);
@@ -170,7 +170,8 @@ TEST_F(MaterialTest, TrianglesWithoutANormalAreFlat) {
     for (const Vec3& normal : normals) mesh.Put(normal);
     mesh.Put(std::array<uint32_t, 3>{0, 1, 2});
     return Draw({Front(), Environment(kBlack, kBlack, {0, 0, 1}, 0.6F, 0.3F), mesh,
-                 Instances(4, {{{}, {1, 1, 1}, kRed, 0}}, 7)}).At(200, 150);
+                 Instances(4, {{{}, {1, 1, 1}, kRed, 0}}, 7)})
+        .At(200, 150);
   };
   const Vec3 ahead{0, 0, 1}, aside{1, 0, 0}, none{0, 0, 0};
   EXPECT_EQ(seen({none, none, none}), seen({ahead, ahead, ahead}));

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What pictures show, compared with where geometry and optics put it.
 #include <gtest/gtest.h>
 
@@ -48,8 +49,8 @@ TEST_F(PictureTest, SphereOfEverySizeIsRound) {
 TEST_F(PictureTest, BoxFaceHasItsProjectedCorners) {
   // The near face of a 4 x 2 x 2 box at depth 9: (+-2, +-1) / 9 against tan(fov / 2) in 150 px.
   const float fov = 0.7F;
-  const Picture picture = Draw({Perspective({0, 0, 10}, {0, 0, 0}, fov),
-                                Instances(2, {Unlit({}, {4, 2, 2}, kGreen)})});
+  const Picture picture =
+      Draw({Perspective({0, 0, 10}, {0, 0, 0}, fov), Instances(2, {Unlit({}, {4, 2, 2}, kGreen)})});
   const float scale = 150 / std::tan(fov / 2) / 9;
   const Eigen::Vector4f expected(200 - 2 * scale, 150 - scale, 200 + 2 * scale, 150 + scale);
   const Eigen::Vector4f found = BoxAround(picture.Of(kGreen)).cast<float>();
@@ -92,9 +93,9 @@ TEST_F(PictureTest, NearerItemsHideFartherOnesInAnyOrder) {
 
 TEST_F(PictureTest, DepthStaysFineOnAPlaneThatReachesFarAway) {
   // A red sheet 5 mm above a blue ground of 2 km, seen from 30 m.
-  const Picture picture = Draw({Perspective({0, 15, 26}, {0, 0, 0}, 0.5F),
-                                Instances(3, {Unlit({}, {2000, 0, 2000}, kBlue),
-                                              Unlit({0, 0.005F, 0}, {8, 0, 8}, kRed)})});
+  const Picture picture = Draw(
+      {Perspective({0, 15, 26}, {0, 0, 0}, 0.5F),
+       Instances(3, {Unlit({}, {2000, 0, 2000}, kBlue), Unlit({0, 0.005F, 0}, {8, 0, 8}, kRed)})});
   const Eigen::Vector4i box = BoxAround(picture.Of(kRed));
   for (int y = box[1] + 2; y < box[3] - 2; ++y) EXPECT_EQ(picture.At(200, y), kRed) << y;
 }
@@ -124,8 +125,8 @@ TEST_F(PictureTest, LineRunsBetweenTheProjectionsOfItsEnds) {
 
 TEST_F(PictureTest, LineThatPassesTheEyeIsCutInFrontOfIt) {
   // From far ahead to behind the eye, below it: shows in the lower half only.
-  const Picture picture = Draw({Perspective({0, 1, 0}, {0, 1, -10}, 1),
-                                Segments({{{0, 0, -50}, {0, 0, 20}, kWhite}}, 4)});
+  const Picture picture = Draw(
+      {Perspective({0, 1, 0}, {0, 1, -10}, 1), Segments({{{0, 0, -50}, {0, 0, 20}, kWhite}}, 4)});
   const auto covered = picture.Of(kWhite);
   const Eigen::Vector4i box = BoxAround(covered);
   EXPECT_NEAR(box[1], 150 + 150 / std::tan(0.5F) / 50, 2);
@@ -143,9 +144,9 @@ TEST_F(PictureTest, ItemsHideLines) {
 
 TEST_F(PictureTest, UnlitItemsShowTheirExactColour) {
   for (const Rgba colour : {Rgba{1, 2, 3, 255}, Rgba{93, 173, 226, 255}, Rgba{128, 64, 250, 0}}) {
-    const Picture picture = Draw({Orthographic({0, 0, 9}, {0, 0, 0}, 3),
-                                  Instances(2, {Unlit({}, {2, 2, 2}, colour)}),
-                                  Segments({{{-2, 1.2F, 0}, {2, 1.2F, 0}, colour}}, 8)});
+    const Picture picture =
+        Draw({Orthographic({0, 0, 9}, {0, 0, 0}, 3), Instances(2, {Unlit({}, {2, 2, 2}, colour)}),
+              Segments({{{-2, 1.2F, 0}, {2, 1.2F, 0}, colour}}, 8)});
     const Rgba box = picture.At(200, 150), line = picture.At(200, 30);
     for (int i = 0; i < 3; ++i) {
       EXPECT_NEAR(box[i], colour[i], 1);
@@ -155,8 +156,8 @@ TEST_F(PictureTest, UnlitItemsShowTheirExactColour) {
 }
 
 float ToSrgb(float linear) {
-  return 255 * (linear <= 0.0031308F ? 12.92F * linear
-                                     : 1.055F * std::pow(linear, 1 / 2.4F) - 0.055F);
+  return 255 *
+         (linear <= 0.0031308F ? 12.92F * linear : 1.055F * std::pow(linear, 1 / 2.4F) - 0.055F);
 }
 
 TEST_F(PictureTest, LitPlaneFollowsLambertsLaw) {
@@ -195,12 +196,12 @@ TEST_F(PictureTest, ShadowFallsWhereTheLightIsHidden) {
 }
 
 TEST_F(PictureTest, UnlitItemsCastNoShadow) {
-  const Picture picture = Draw({Image(400, 300, 0, 1),
-                                Orthographic({0, 50, 0}, {0, 0, 0}, 6, {0, 0, -1}),
-                                Environment(kBlack, kBlack, {-1, 1, 0}, 0.6F, 0.3F),
-                                Instances(3, {{{}, {20, 0, 20}, kWhite, 0}}),
-                                Instances(1, {Unlit({0, 2, 0}, {1, 1, 1}, kRed),
-                                              {{-1, 2, 0}, {0.5F, 0.5F, 0.5F}, kGreen, 0}})});
+  const Picture picture =
+      Draw({Image(400, 300, 0, 1), Orthographic({0, 50, 0}, {0, 0, 0}, 6, {0, 0, -1}),
+            Environment(kBlack, kBlack, {-1, 1, 0}, 0.6F, 0.3F),
+            Instances(3, {{{}, {20, 0, 20}, kWhite, 0}}),
+            Instances(1, {Unlit({0, 2, 0}, {1, 1, 1}, kRed),
+                          {{-1, 2, 0}, {0.5F, 0.5F, 0.5F}, kGreen, 0}})});
   EXPECT_EQ(picture.At(300, 150), picture.At(300, 280));
   EXPECT_NE(picture.At(250, 150), picture.At(300, 280));
 }
@@ -215,8 +216,8 @@ TEST_F(PictureTest, MultisamplingBlendsEdgesInLinearLight) {
 }
 
 TEST_F(PictureTest, BackgroundRunsFromTopToBottom) {
-  const Picture picture = Draw({Environment(kRed, kBlue, {0, 1, 0}, 0.5F, 0.25F),
-                                Orthographic({0, 0, 9}, {0, 0, 0}, 3)});
+  const Picture picture = Draw(
+      {Environment(kRed, kBlue, {0, 1, 0}, 0.5F, 0.25F), Orthographic({0, 0, 9}, {0, 0, 0}, 3)});
   EXPECT_GT(picture.At(200, 0)[0], 250);
   EXPECT_GT(picture.At(200, 299)[2], 250);
   EXPECT_NEAR(picture.At(200, 150)[0], ToSrgb(0.5F), 2);
@@ -303,9 +304,9 @@ TEST_F(PictureTest, ItemsFarFromTheOriginOfTheWorldKeepTheirShape) {
 }
 
 TEST_F(PictureTest, ItemsWithoutAnySizeAreNotSeen) {
-  const Picture picture = Draw({Orthographic({0, 0, 9}, {0, 0, 0}, 3),
-                                Instances(1, {Unlit({}, {0, 0, 0}, kRed)}),
-                                Segments({{{0, 0, 0}, {0, 0, 0}, kRed}}, 9)});
+  const Picture picture =
+      Draw({Orthographic({0, 0, 9}, {0, 0, 0}, 3), Instances(1, {Unlit({}, {0, 0, 0}, kRed)}),
+            Segments({{{0, 0, 0}, {0, 0, 0}, kRed}}, 9)});
   EXPECT_TRUE(picture.Of(kRed).empty());
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A vesper-render process to talk to.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The command line of vesper-render.
 #include <gtest/gtest.h>
 
@@ -32,9 +33,13 @@ TEST(Program, InfoIsJsonWithTheGraphicsLibrary) {
 }
 
 TEST(Program, BadArgumentsAreRefusedWithTheUsage) {
-  const std::vector<std::vector<std::string>> bad{
-      {"--sample"}, {"--samples"}, {"--samples", "17"}, {"--samples", "-1"}, {"--samples", "4x"},
-      {"--info", "--help"}, {"scene"}};
+  const std::vector<std::vector<std::string>> bad{{"--sample"},
+                                                  {"--samples"},
+                                                  {"--samples", "17"},
+                                                  {"--samples", "-1"},
+                                                  {"--samples", "4x"},
+                                                  {"--info", "--help"},
+                                                  {"scene"}};
   for (const auto& arguments : bad) {
     const Outcome outcome = RunProgram(arguments, "");
     EXPECT_EQ(outcome.exit_code, kExitUsage) << arguments[0];

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "scene_stream.hpp"
 
 #include <gtest/gtest.h>
@@ -196,11 +197,15 @@ TEST(SceneStream, DamagedMessagesAreRefusedOrWithinTheRules) {
   const uint32_t seed = 20260411;
   RecordProperty("seed", std::to_string(seed));
   std::mt19937 random(seed);
-  const std::vector<Message> whole{
-      Hello(), Image(64, 48, 4, 1), Camera(), Environment({}, {}, {0, 1, 0}, 1, 0.5F),
-      Mesh(1, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}),
-      Instances(4, {Item{}, Item{}}, 1), Instances(1, {Item{}, Item{}, Item{}}),
-      Segments({{{0, 0, 0}, {1, 0, 0}}}, 2), RenderToAnswer()};
+  const std::vector<Message> whole{Hello(),
+                                   Image(64, 48, 4, 1),
+                                   Camera(),
+                                   Environment({}, {}, {0, 1, 0}, 1, 0.5F),
+                                   Mesh(1, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}),
+                                   Instances(4, {Item{}, Item{}}, 1),
+                                   Instances(1, {Item{}, Item{}, Item{}}),
+                                   Segments({{{0, 0, 0}, {1, 0, 0}}}, 2),
+                                   RenderToAnswer()};
   int refused = 0;
   constexpr int kRounds = 20'000;
   for (int round = 0; round < kRounds; ++round) {
@@ -212,8 +217,10 @@ TEST(SceneStream, DamagedMessagesAreRefusedOrWithinTheRules) {
         if (i == victim) {
           for (uint32_t hits = 1 + random() % 3; hits > 0 && !payload.empty(); --hits) {
             const size_t at = random() % payload.size();
-            if (random() % 4 == 0) payload.resize(at);
-            else payload[at] = static_cast<char>(random());
+            if (random() % 4 == 0)
+              payload.resize(at);
+            else
+              payload[at] = static_cast<char>(random());
           }
         }
         // A copy of exactly this size, so that the address sanitizer sees a byte too far.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which item each pixel shows, and how deep it is: against closed forms and rays of our own.
 #include <Eigen/Geometry>
 #include <cmath>
@@ -20,9 +21,10 @@ uint32_t Count(const Seen& seen, uint32_t item) {
 
 TEST_F(SenseTest, ABallOnTheAxisIsADiscOfItsAngularSizeAsDeepAsItsSurface) {
   const float fov = 0.8F, distance = 5, radius = 0.7F;
-  const Seen seen = Sense({Perspective({0, 0, distance}, {0, 0, 0}, fov),
-                           Instances(1, {Item{{0, 0, 0}, {2 * radius, 2 * radius, 2 * radius}, kRed,
-                                              0, {0, 0, 0, 1}, 77}})});
+  const Seen seen = Sense(
+      {Perspective({0, 0, distance}, {0, 0, 0}, fov),
+       Instances(
+           1, {Item{{0, 0, 0}, {2 * radius, 2 * radius, 2 * radius}, kRed, 0, {0, 0, 0, 1}, 77}})});
   ASSERT_EQ(seen.width, kWidth);
   ASSERT_EQ(seen.height, kHeight);
   const float angle = std::asin(radius / distance);
@@ -41,10 +43,9 @@ TEST_F(SenseTest, DepthIsAlongTheViewAndNotAlongTheRay) {
 }
 
 TEST_F(SenseTest, LinesAndLooseTrianglesAreItemsToo) {
-  const Seen seen = Sense({Perspective({0, 0, 5}, {0, 0, 0}, 0.8F),
-                           Segments({{{-2, 1, 0}, {2, 1, 0}, kWhite, 5}}, 3),
-                           Triangles({{{Vec3{-1, -1, 0}, Vec3{1, -1, 0}, Vec3{0, 0, 0}},
-                                       {kRed, kRed, kRed}, 6}})});
+  const Seen seen = Sense(
+      {Perspective({0, 0, 5}, {0, 0, 0}, 0.8F), Segments({{{-2, 1, 0}, {2, 1, 0}, kWhite, 5}}, 3),
+       Triangles({{{Vec3{-1, -1, 0}, Vec3{1, -1, 0}, Vec3{0, 0, 0}}, {kRed, kRed, kRed}, 6}})});
   EXPECT_NEAR(Count(seen, 5), 3 * kWidth, kWidth);
   const double pixels_per_metre = kHeight / (2 * 5 * std::tan(0.4));
   EXPECT_NEAR(Count(seen, 6), pixels_per_metre * pixels_per_metre, 100);
@@ -98,8 +99,8 @@ TEST_F(SenseTest, RandomBoxesAreSeenWhereRaysHitThem) {
     for (uint32_t y = 0; y < kHeight; ++y) {
       for (uint32_t x = 0; x < kWidth; ++x) {
         const float step = 2 * std::tan(fov / 2) / kHeight;
-        const Vector3f ray((x + 0.5F - kWidth / 2.0F) * step,
-                           (y + 0.5F - kHeight / 2.0F) * step, -1);
+        const Vector3f ray((x + 0.5F - kWidth / 2.0F) * step, (y + 0.5F - kHeight / 2.0F) * step,
+                           -1);
         float nearest = 1e30F;
         const size_t at = size_t{y} * kWidth + x;
         for (uint32_t i = 0; i < boxes.size(); ++i) {

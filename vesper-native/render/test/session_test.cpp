@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Whole conversations with the program, sound and damaged.
 #include <fcntl.h>
 #include <gtest/gtest.h>

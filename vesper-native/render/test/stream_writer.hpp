@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Writes the scene stream of SCENE.md, independently of the decoder under test.
 #pragma once
 

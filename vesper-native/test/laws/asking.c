@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Asks for one property, as USE_… say, and does nothing with it. */
 #include "test_law.h"
 

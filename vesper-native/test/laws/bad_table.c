@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* A table that breaks the rule of law.h that DEFECT names. */
 #define USE_COUNT 2
 #include "test_law.h"
@@ -52,37 +53,70 @@ static vesper_law_library library = {
 
 const vesper_law_library* vesper_law_library_entry(void) {
   switch (DEFECT) {
-    case NO_NAME: laws[0].name = NULL; break;
-    case DUPLICATE_LAW: laws[1].name = "first"; break;
-    case UNKNOWN_PHASE: laws[0].phase = 9; break;
-    case INTEGRATOR_WITHOUT_STAGES: laws[0].phase = VESPER_PHASE_INTEGRATE; break;
-    case FORCE_WITH_STAGES: laws[0].stages = 1; break;
-    case ACCUMULATE_WHEN_CONSTRAINING: uses[1].access = VESPER_ACCUMULATE; break;
-    case DUPLICATE_USE: uses[1].name = "mass"; break;
-    case DEFAULT_OUT_OF_RANGE: parameters[0].default_value = 3; break;
-    case OPEN_WITHOUT_CLOSE: library.open = Open; break;
-    case NO_ADVANCE: laws[0].advance = NULL; break;
-    case BAD_VERSION: laws[0].version = "1.0"; break;
-    case SHORT_STRUCT: laws[0].struct_size = 8; break;
-    case NO_LAWS: library.law_count = 0; break;
+    case NO_NAME:
+      laws[0].name = NULL;
+      break;
+    case DUPLICATE_LAW:
+      laws[1].name = "first";
+      break;
+    case UNKNOWN_PHASE:
+      laws[0].phase = 9;
+      break;
+    case INTEGRATOR_WITHOUT_STAGES:
+      laws[0].phase = VESPER_PHASE_INTEGRATE;
+      break;
+    case FORCE_WITH_STAGES:
+      laws[0].stages = 1;
+      break;
+    case ACCUMULATE_WHEN_CONSTRAINING:
+      uses[1].access = VESPER_ACCUMULATE;
+      break;
+    case DUPLICATE_USE:
+      uses[1].name = "mass";
+      break;
+    case DEFAULT_OUT_OF_RANGE:
+      parameters[0].default_value = 3;
+      break;
+    case OPEN_WITHOUT_CLOSE:
+      library.open = Open;
+      break;
+    case NO_ADVANCE:
+      laws[0].advance = NULL;
+      break;
+    case BAD_VERSION:
+      laws[0].version = "1.0";
+      break;
+    case SHORT_STRUCT:
+      laws[0].struct_size = 8;
+      break;
+    case NO_LAWS:
+      library.law_count = 0;
+      break;
     case FIELD_WITHOUT_FUNCTION:
       library.field_count = 1;
       library.fields = fields;
       break;
-    case DEFERRED_WITHOUT_SYNCHRONIZE: uses[1].flags = VESPER_USE_DEFERRED; break;
+    case DEFERRED_WITHOUT_SYNCHRONIZE:
+      uses[1].flags = VESPER_USE_DEFERRED;
+      break;
     case WEIGHTS_OF_NOTHING:
       laws[0].phase = VESPER_PHASE_INTEGRATE;
       laws[0].stages = 1;
       laws[0].force_weights = weights;
       break;
-    case UNKNOWN_CLAIM: laws[0].claims = 1u << 30; break;
-    case FORCE_WITH_FIRST_STAGE: laws[0].first_stage = 1; break;
+    case UNKNOWN_CLAIM:
+      laws[0].claims = 1u << 30;
+      break;
+    case FORCE_WITH_FIRST_STAGE:
+      laws[0].first_stage = 1;
+      break;
     case FIRST_STAGE_BEYOND_ONE:
       laws[0].phase = VESPER_PHASE_INTEGRATE;
       laws[0].stages = 4;
       laws[0].first_stage = 2;
       break;
-    default: break;
+    default:
+      break;
   }
   return &library;
 }

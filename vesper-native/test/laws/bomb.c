@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Goes off while it is loaded, asked, read or unloaded, as BOMB says. */
 #include <signal.h>
 #include <unistd.h>
@@ -45,8 +46,7 @@ static vesper_status Act(vesper_law* law, const vesper_step* step, vesper_error*
   return VESPER_OK;
 }
 
-static const vesper_property_use kUses[] = {
-    REAL_USE("mass", 1, VESPER_READ, VESPER_UNIT_KILOGRAM)};
+static const vesper_property_use kUses[] = {REAL_USE("mass", 1, VESPER_READ, VESPER_UNIT_KILOGRAM)};
 static const vesper_law_desc kLaws[] = {
     LAW("bomb", VESPER_PHASE_OBSERVE, 0, kUses, USE_COUNT, NULL, 0, Create, Bind, Act)};
 static vesper_law_library library = {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Takes away a tenth of every velocity, after all have moved. */
 #include "test_law.h"
 
@@ -11,6 +12,6 @@ static vesper_status Act(vesper_law* law, const vesper_step* step, vesper_error*
 
 static const vesper_property_use kUses[] = {
     REAL_USE("velocity", 3, VESPER_READ_WRITE, VESPER_UNIT_METRE_PER_SECOND)};
-static const vesper_law_desc kLaws[] = {LAW("brake", VESPER_PHASE_CONSTRAIN, 0, kUses, USE_COUNT,
-                                            NULL, 0, Create, Bind, Act)};
+static const vesper_law_desc kLaws[] = {
+    LAW("brake", VESPER_PHASE_CONSTRAIN, 0, kUses, USE_COUNT, NULL, 0, Create, Bind, Act)};
 LIBRARY("brake", kLaws, NULL, NULL)

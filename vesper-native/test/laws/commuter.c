@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Thinks in km, km/h and kN. Speeds up every other body, pushes all, and notes where they are. */
 #define USE_COUNT 4
 #define PARAMETER_COUNT 1

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Reads fields through law.hpp, place by place: a vector and a number that may be missing.
 #include "vesper/law.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Semi-implicit Euler; mass 0 means immovable. NAME and STAGES vary. */
 #define USE_COUNT 4
 #include "test_law.h"

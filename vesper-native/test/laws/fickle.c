@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Says something else about itself as soon as it is loaded. */
 #define USE_COUNT 1
 #include "test_law.h"
@@ -13,8 +14,8 @@ static vesper_status ChangeMind(const vesper_host* host, vesper_suite* suite,
                                 const double* parameters, vesper_law** out, vesper_error* error);
 
 static vesper_property_use uses[] = {REAL_USE("mass", 1, VESPER_READ, VESPER_UNIT_KILOGRAM)};
-static vesper_law_desc laws[] = {LAW("fickle", VESPER_PHASE_OBSERVE, 0, uses, USE_COUNT, NULL, 0,
-                                     ChangeMind, Bind, Act)};
+static vesper_law_desc laws[] = {
+    LAW("fickle", VESPER_PHASE_OBSERVE, 0, uses, USE_COUNT, NULL, 0, ChangeMind, Bind, Act)};
 
 static vesper_status ChangeMind(const vesper_host* host, vesper_suite* suite,
                                 const double* parameters, vesper_law** out, vesper_error* error) {

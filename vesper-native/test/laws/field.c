@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* A force that depends on position in a way that rounds, computed through parallel_for. NAME and
  * GRAIN vary. */
 #define USE_COUNT 2

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Ranges of which number `held` ends only when all others did; fails if they never do. */
 #define _POSIX_C_SOURCE 200809L
 #define PARAMETER_COUNT 2

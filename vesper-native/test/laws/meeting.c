@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Laws that meet if they run at the same time: each writes a byte to the pipe `tell` and waits
  * `patience` seconds for one from the pipe `hear`; fails if none comes. NAME, PROPERTY, ACCESS,
  * UNIT and PHASE vary. The library's second law does the same over pipes of its own. */
@@ -28,8 +29,7 @@ static const vesper_property_use kUses[] = {REAL_USE(PROPERTY, 3, ACCESS, UNIT)}
 static const vesper_property_use kNoUses[] = {
     REAL_USE("mass", 1, VESPER_READ, VESPER_UNIT_KILOGRAM)};
 static const vesper_parameter_desc kParameters[] = {
-    PARAMETER("tell", VESPER_UNIT_ONE, 0, 0, 1e6),
-    PARAMETER("hear", VESPER_UNIT_ONE, 0, 0, 1e6),
+    PARAMETER("tell", VESPER_UNIT_ONE, 0, 0, 1e6), PARAMETER("hear", VESPER_UNIT_ONE, 0, 0, 1e6),
     PARAMETER("patience", VESPER_UNIT_SECOND, 0, 0, 60)};
 static const vesper_law_desc kLaws[] = {
     LAW("first", PHASE, 0, kUses, USE_COUNT, kParameters, PARAMETER_COUNT, Create, Bind, Act),

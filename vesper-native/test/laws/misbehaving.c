@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Breaks the rule that its parameter `mode` names, at the row that `row` names. */
 #define USE_COUNT 3
 #define PARAMETER_COUNT 2
@@ -13,8 +14,7 @@ static void ChangeFloatingPointModes(void) { fesetround(FE_UPWARD); }
 #endif
 
 static vesper_status CreateOrFail(const vesper_host* host, vesper_suite* suite,
-                                  const double* parameters, vesper_law** out,
-                                  vesper_error* error) {
+                                  const double* parameters, vesper_law** out, vesper_error* error) {
   if (parameters[0] == FAIL_IN_CREATE) return Fail(error, VESPER_LAW_FAILED, "no device");
   if (parameters[0] == NO_LAW_FROM_CREATE) return VESPER_OK;
   return Create(host, suite, parameters, out, error);
@@ -40,19 +40,34 @@ static vesper_status Act(vesper_law* law, const vesper_step* step, vesper_error*
     for (int c = 0; c < 3; ++c) acceleration[3 * i + c] = 1;
   }
   switch (mode) {
-    case WRITE_NAN: position[3 * row + 1] = NAN; break;
-    case WRITE_INFINITY: position[3 * row + 2] = -HUGE_VAL; break;
-    case WRITE_READ_COLUMN: mass[row] += 1; break;
-    case WRITE_PAST_END: position[3 * rows] = 1; break;
-    case WRITE_BEFORE_START: position[-1] = 1; break;
-    case CHANGE_MODES: ChangeFloatingPointModes(); break;
-    case FAIL_WITH_MESSAGE: return Fail(error, VESPER_LAW_FAILED, "diverged\nat once");
-    case FAIL_WITHOUT_MESSAGE: return VESPER_NOT_FOUND;
+    case WRITE_NAN:
+      position[3 * row + 1] = NAN;
+      break;
+    case WRITE_INFINITY:
+      position[3 * row + 2] = -HUGE_VAL;
+      break;
+    case WRITE_READ_COLUMN:
+      mass[row] += 1;
+      break;
+    case WRITE_PAST_END:
+      position[3 * rows] = 1;
+      break;
+    case WRITE_BEFORE_START:
+      position[-1] = 1;
+      break;
+    case CHANGE_MODES:
+      ChangeFloatingPointModes();
+      break;
+    case FAIL_WITH_MESSAGE:
+      return Fail(error, VESPER_LAW_FAILED, "diverged\nat once");
+    case FAIL_WITHOUT_MESSAGE:
+      return VESPER_NOT_FOUND;
     case FAIL_WITH_ROW:
       error->row = row;
       strcpy(error->property, "position");
       return Fail(error, VESPER_LAW_FAILED, "too fast");
-    default: break;
+    default:
+      break;
   }
   return VESPER_OK;
 }

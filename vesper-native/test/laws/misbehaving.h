@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Values of the parameter `mode` of the law `misbehaving`. */
 #ifndef MISBEHAVING_H_
 #define MISBEHAVING_H_

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Two laws in tables as contract 1.MINOR would lay them out: 0 has less than today's, 9 has 16
  * bytes more, which are zero unless ASKS says that the law wants what they stand for. */
 #define USE_COUNT 2
@@ -30,13 +31,12 @@ static void Fill(uint64_t* library_memory) {
       REAL_USE("mass", 1, VESPER_READ, VESPER_UNIT_KILOGRAM),
       REAL_USE("velocity", 3, VESPER_READ_WRITE, VESPER_UNIT_METRE_PER_SECOND)};
   const vesper_parameter_desc parameter = PARAMETER("gain", VESPER_UNIT_METRE_PER_SECOND, 1, 0, 9);
-  const vesper_law_desc law[] = {
-      LAW("early", VESPER_PHASE_CONSTRAIN, 0, (void*)uses, USE_COUNT, (void*)parameters, 1, Create,
-          Bind, Act),
-      LAW("late", VESPER_PHASE_OBSERVE, 0, (void*)uses, USE_COUNT, (void*)parameters, 1, Create,
-          Bind, Act)};
-  const vesper_law_library library = {sizeof library, (1u << 16) | MINOR, NAME, 2, 0, (void*)laws,
-                                      NULL, NULL, 0, 0, NULL};
+  const vesper_law_desc law[] = {LAW("early", VESPER_PHASE_CONSTRAIN, 0, (void*)uses, USE_COUNT,
+                                     (void*)parameters, 1, Create, Bind, Act),
+                                 LAW("late", VESPER_PHASE_OBSERVE, 0, (void*)uses, USE_COUNT,
+                                     (void*)parameters, 1, Create, Bind, Act)};
+  const vesper_law_library library = {
+      sizeof library, (1u << 16) | MINOR, NAME, 2, 0, (void*)laws, NULL, NULL, 0, 0, NULL};
   const uint32_t law_size = SIZE(vesper_law_desc, 112);
   memset(laws, 0xff, sizeof laws); /* what follows a table is not its own */
   for (int i = 0; i < 2; ++i) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Adds the force (force, 0, 0) to every body, in two halves. NAME and FORCE vary. */
 #define PARAMETER_COUNT 1
 #include "test_law.h"

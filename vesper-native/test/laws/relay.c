@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Sets TO to FROM plus 1, says so in the log, and fails if its parameter says so. NAME, FROM, TO
  * and their units vary. */
 #define USE_COUNT 2

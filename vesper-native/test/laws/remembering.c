@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Counts in SCRATCH how often each body was advanced, times (row's mass), and shows the count as
  * its acceleration; fails where "failAt" steps were done. */
 #define USE_COUNT 4

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Ranges that wait for each other until `seats` of them run at once; fails if they never do. */
 #define _POSIX_C_SOURCE 200809L
 #define PARAMETER_COUNT 1
@@ -40,8 +41,7 @@ static vesper_status Act(vesper_law* law, const vesper_step* step, vesper_error*
 
 static const vesper_property_use kUses[] = {
     REAL_USE("externalForce", 3, VESPER_ACCUMULATE, VESPER_UNIT_NEWTON)};
-static const vesper_parameter_desc kParameters[] = {
-    PARAMETER("seats", VESPER_UNIT_ONE, 1, 1, 256)};
+static const vesper_parameter_desc kParameters[] = {PARAMETER("seats", VESPER_UNIT_ONE, 1, 1, 256)};
 static const vesper_law_desc kLaws[] = {LAW("rendezvous", VESPER_PHASE_FORCE, 0, kUses, USE_COUNT,
                                             kParameters, PARAMETER_COUNT, Create, Bind, Act)};
 LIBRARY("rendezvous", kLaws, NULL, NULL)

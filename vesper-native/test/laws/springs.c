@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Pulls the ends of every spring together with force hookeConstant: enough to see whose rows and
  * whose values a law is given. Logs each bind. */
 #define USE_COUNT 3

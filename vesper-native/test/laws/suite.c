@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Two laws that share a counter of calls; their lives are logged. Law `second` fails to be made if
  * its parameter says so. */
 #define PARAMETER_COUNT 1
@@ -25,8 +26,7 @@ static void Close(vesper_suite* suite) {
 }
 
 static vesper_status CreateLogged(const vesper_host* host, vesper_suite* suite,
-                                  const double* parameters, vesper_law** out,
-                                  vesper_error* error) {
+                                  const double* parameters, vesper_law** out, vesper_error* error) {
   if (parameters[0] == 1) return Fail(error, VESPER_LAW_FAILED, "asked to fail");
   host->log(host->context, VESPER_LOG_INFO, "create");
   return Create(host, suite, parameters, out, error);
@@ -44,13 +44,30 @@ static vesper_status Act(vesper_law* law, const vesper_step* step, vesper_error*
   return VESPER_OK;
 }
 
-static const vesper_property_use kUses[] = {
-    REAL_USE("mass", 1, VESPER_READ, VESPER_UNIT_KILOGRAM)};
-static const vesper_parameter_desc kParameters[] = {
-    PARAMETER("fail", VESPER_UNIT_ONE, 0, 0, 1)};
-#define SUITE_LAW(name)                                                                     \
-  {sizeof(vesper_law_desc), VESPER_F64, name, "1.0.0", "Counts.", VESPER_PHASE_OBSERVE, 0,  \
-   USE_COUNT, PARAMETER_COUNT, kUses, kParameters, 0, 0, CreateLogged, Bind, Act,           \
-   DestroyLogged, NULL, NULL, NULL, 0, 0}
+static const vesper_property_use kUses[] = {REAL_USE("mass", 1, VESPER_READ, VESPER_UNIT_KILOGRAM)};
+static const vesper_parameter_desc kParameters[] = {PARAMETER("fail", VESPER_UNIT_ONE, 0, 0, 1)};
+#define SUITE_LAW(name)     \
+  {sizeof(vesper_law_desc), \
+   VESPER_F64,              \
+   name,                    \
+   "1.0.0",                 \
+   "Counts.",               \
+   VESPER_PHASE_OBSERVE,    \
+   0,                       \
+   USE_COUNT,               \
+   PARAMETER_COUNT,         \
+   kUses,                   \
+   kParameters,             \
+   0,                       \
+   0,                       \
+   CreateLogged,            \
+   Bind,                    \
+   Act,                     \
+   DestroyLogged,           \
+   NULL,                    \
+   NULL,                    \
+   NULL,                    \
+   0,                       \
+   0}
 static const vesper_law_desc kLaws[] = {SUITE_LAW("first"), SUITE_LAW("second")};
 LIBRARY("suite", kLaws, Open, Close)

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* What all test laws have in common: a law keeps its host, its parameters and its bound arrays.
  *
  * A law file defines USE_COUNT, PARAMETER_COUNT and a function `Act`, then lists its tables. Names
@@ -60,14 +61,42 @@ static inline void Destroy(vesper_law* law) { free(law); }
 #define PARAMETER(name, unit, value, minimum, maximum) \
   {sizeof(vesper_parameter_desc), 0, name, "A parameter.", unit, value, minimum, maximum}
 #define LAW(name, phase, stages, uses, use_count, parameters, parameter_count, create, bind, act) \
-  {sizeof(vesper_law_desc), VESPER_F64, name, "1.0.0", "A test law.", phase, stages, use_count,    \
-   parameter_count, uses, parameters, 0, 0, create, bind, act, Destroy, NULL, NULL, NULL, 0, 0}
-#define LIBRARY(name, laws, open, close)                                                        \
-  const vesper_law_library* vesper_law_library_entry(void) {                                    \
-    static const vesper_law_library library = {                                                 \
-        sizeof library, VESPER_ABI_VERSION, name, sizeof laws / sizeof *laws, 0, laws, open,    \
-        close, 0, 0, NULL};                                                                     \
-    return &library;                                                                            \
+  {sizeof(vesper_law_desc),                                                                       \
+   VESPER_F64,                                                                                    \
+   name,                                                                                          \
+   "1.0.0",                                                                                       \
+   "A test law.",                                                                                 \
+   phase,                                                                                         \
+   stages,                                                                                        \
+   use_count,                                                                                     \
+   parameter_count,                                                                               \
+   uses,                                                                                          \
+   parameters,                                                                                    \
+   0,                                                                                             \
+   0,                                                                                             \
+   create,                                                                                        \
+   bind,                                                                                          \
+   act,                                                                                           \
+   Destroy,                                                                                       \
+   NULL,                                                                                          \
+   NULL,                                                                                          \
+   NULL,                                                                                          \
+   0,                                                                                             \
+   0}
+#define LIBRARY(name, laws, open, close)                                   \
+  const vesper_law_library* vesper_law_library_entry(void) {               \
+    static const vesper_law_library library = {sizeof library,             \
+                                               VESPER_ABI_VERSION,         \
+                                               name,                       \
+                                               sizeof laws / sizeof *laws, \
+                                               0,                          \
+                                               laws,                       \
+                                               open,                       \
+                                               close,                      \
+                                               0,                          \
+                                               0,                          \
+                                               NULL};                      \
+    return &library;                                                       \
   }
 
 #endif /* TEST_LAW_H_ */

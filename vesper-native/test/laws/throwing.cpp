@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Lets an exception out of `advance`, which no law may.
 #include <stdexcept>
 
@@ -21,12 +22,30 @@ vesper_status Advance(vesper_law*, const vesper_step*, vesper_error*) {
 
 void Destroy(vesper_law* law) { delete law; }
 
-constexpr vesper_law_desc kLaw = {sizeof(vesper_law_desc), 0, "throwing", "1.0.0", "A test law.",
-                                  VESPER_PHASE_OBSERVE, 0, 0, 0, nullptr, nullptr, 0, 0, Create,
-                                  Bind, Advance, Destroy, nullptr, nullptr, nullptr, 0, 0};
+constexpr vesper_law_desc kLaw = {sizeof(vesper_law_desc),
+                                  0,
+                                  "throwing",
+                                  "1.0.0",
+                                  "A test law.",
+                                  VESPER_PHASE_OBSERVE,
+                                  0,
+                                  0,
+                                  0,
+                                  nullptr,
+                                  nullptr,
+                                  0,
+                                  0,
+                                  Create,
+                                  Bind,
+                                  Advance,
+                                  Destroy,
+                                  nullptr,
+                                  nullptr,
+                                  nullptr,
+                                  0,
+                                  0};
 constexpr vesper_law_library kLibrary = {
-    sizeof kLibrary, VESPER_ABI_VERSION, "throwing", 1, 0, &kLaw, nullptr, nullptr,
-    0, 0, nullptr};
+    sizeof kLibrary, VESPER_ABI_VERSION, "throwing", 1, 0, &kLaw, nullptr, nullptr, 0, 0, nullptr};
 
 }  // namespace
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Appends a digit to orientation.x whenever it runs: a record of the order. NAME, PHASE,
  * STAGES and DIGIT vary; an integrator appends DIGIT plus the stage, from FIRST_STAGE on if
  * that is defined. */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* A spring to the origin and semi-implicit Euler, which keep position, velocity and force in a
  * suite of their own: DEFERRED. NAME, FLAGS (0: on the arrays themselves, the same sums), LAW_FROM
  * and LAW_TO (which of the two laws there are) and the unit of length vary. */
@@ -132,21 +133,46 @@ static const vesper_property_use kMoveUses[] = {
     VALUES_USE("velocity", VESPER_READ_WRITE, VESPER_UNIT_METRE_PER_SECOND)};
 static const vesper_parameter_desc kParameters[] = {
     PARAMETER("stiffness", VESPER_UNIT_NEWTON_PER_METRE, 2, 0, 1e6),
-    PARAMETER("talk", VESPER_UNIT_ONE, 0, 0, 1),
-    PARAMETER("cheat", VESPER_UNIT_ONE, 0, 0, 1),
-    PARAMETER("skip", VESPER_UNIT_ONE, 0, 0, 1),
-    PARAMETER("spoil", VESPER_UNIT_ONE, 0, 0, 1)};
-#define VAULT_LAW(name, phase, stages, uses, act, energy)                                     \
-  {sizeof(vesper_law_desc), VESPER_F64, name, "1.0.0", "Keeps copies.", phase, stages,        \
-   USE_COUNT, PARAMETER_COUNT, uses, kParameters, 0, 0, Create, BindCopies, act, Destroy,       \
-   energy, Synchronize, NULL, 0, 0}
+    PARAMETER("talk", VESPER_UNIT_ONE, 0, 0, 1), PARAMETER("cheat", VESPER_UNIT_ONE, 0, 0, 1),
+    PARAMETER("skip", VESPER_UNIT_ONE, 0, 0, 1), PARAMETER("spoil", VESPER_UNIT_ONE, 0, 0, 1)};
+#define VAULT_LAW(name, phase, stages, uses, act, energy) \
+  {sizeof(vesper_law_desc),                               \
+   VESPER_F64,                                            \
+   name,                                                  \
+   "1.0.0",                                               \
+   "Keeps copies.",                                       \
+   phase,                                                 \
+   stages,                                                \
+   USE_COUNT,                                             \
+   PARAMETER_COUNT,                                       \
+   uses,                                                  \
+   kParameters,                                           \
+   0,                                                     \
+   0,                                                     \
+   Create,                                                \
+   BindCopies,                                            \
+   act,                                                   \
+   Destroy,                                               \
+   energy,                                                \
+   Synchronize,                                           \
+   NULL,                                                  \
+   0,                                                     \
+   0}
 static const vesper_law_desc kBoth[] = {
     VAULT_LAW("pull", VESPER_PHASE_FORCE, 0, kPullUses, Pull, Energy),
     VAULT_LAW("move", VESPER_PHASE_INTEGRATE, 1, kMoveUses, Move, NULL)};
 
 const vesper_law_library* vesper_law_library_entry(void) {
-  static const vesper_law_library library = {
-      sizeof library, VESPER_ABI_VERSION, NAME, LAW_TO - LAW_FROM, 0, kBoth + LAW_FROM, Open, Close,
-      0, 0, NULL};
+  static const vesper_law_library library = {sizeof library,
+                                             VESPER_ABI_VERSION,
+                                             NAME,
+                                             LAW_TO - LAW_FROM,
+                                             0,
+                                             kBoth + LAW_FROM,
+                                             Open,
+                                             Close,
+                                             0,
+                                             0,
+                                             NULL};
   return &library;
 }

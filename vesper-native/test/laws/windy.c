@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Carries every body with the field `wind`, which it reads all at once. */
 #define USE_COUNT 3
 #include "test_law.h"

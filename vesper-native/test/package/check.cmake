@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # cmake -DVESPER_BUILD=… -DWORK=… -DINSTALL=ON|OFF -P check.cmake
 #
 # Builds a law and a client outside the source tree against the build tree or an installation, and

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Loads the law whose file is given; exit code 0 if it acts.
 #include <cstdio>
 
@@ -13,9 +14,9 @@ int main(int, char** argv) {
   vesper_status status =
       vesper_engine_create(&config, vesper_prototype_standard("si-f64"), &engine, &error);
   if (status == VESPER_OK) {
-    status = vesper_provider_add_physical_property(vesper_engine_property_provider(engine),
-                                                   "acceleration", acceleration, 1, nullptr, 1,
-                                                   &error);
+    status =
+        vesper_provider_add_physical_property(vesper_engine_property_provider(engine),
+                                              "acceleration", acceleration, 1, nullptr, 1, &error);
   }
   if (status == VESPER_OK) {
     status = vesper_engine_load_physics_law(engine, argv[1], nullptr, 0, &id, &error);

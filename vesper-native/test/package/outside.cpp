@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A law as small as can be: sets every acceleration to 2 m/s^2.
 #include "vesper/law.h"
 
@@ -29,13 +30,28 @@ void Destroy(vesper_law* law) { delete law; }
 constexpr vesper_property_use kUses[] = {{sizeof(vesper_property_use), VESPER_F64, "acceleration",
                                           "body", 3, VESPER_WRITE,
                                           VESPER_UNIT_METRE_PER_SECOND_SQUARED, 0, 0}};
-constexpr vesper_law_desc kLaws[] = {{sizeof(vesper_law_desc), VESPER_F64, "outside", "1.0.0",
-                                      "Sets accelerations.", VESPER_PHASE_OBSERVE, 0, 1, 0, kUses,
-                                      nullptr, 0, 0, Create, Bind, Advance, Destroy, nullptr,
-                                      nullptr, nullptr}};
+constexpr vesper_law_desc kLaws[] = {{sizeof(vesper_law_desc),
+                                      VESPER_F64,
+                                      "outside",
+                                      "1.0.0",
+                                      "Sets accelerations.",
+                                      VESPER_PHASE_OBSERVE,
+                                      0,
+                                      1,
+                                      0,
+                                      kUses,
+                                      nullptr,
+                                      0,
+                                      0,
+                                      Create,
+                                      Bind,
+                                      Advance,
+                                      Destroy,
+                                      nullptr,
+                                      nullptr,
+                                      nullptr}};
 constexpr vesper_law_library kLibrary = {
-    sizeof kLibrary, VESPER_ABI_VERSION, "outside", 1, 0, kLaws, nullptr, nullptr,
-    0, 0, nullptr};
+    sizeof kLibrary, VESPER_ABI_VERSION, "outside", 1, 0, kLaws, nullptr, nullptr, 0, 0, nullptr};
 
 }  // namespace
 

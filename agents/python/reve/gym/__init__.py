@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Worlds to learn in: `Environment` for Gymnasium, `reve.gym.parallel.ParallelEnvironment` for
 PettingZoo.
 

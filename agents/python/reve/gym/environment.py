@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """One agent, as Gymnasium has it."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Several agents at once, as PettingZoo has it."""
 
 from __future__ import annotations

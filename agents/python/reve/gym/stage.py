@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A world, and the agents that learn in it."""
 
 from __future__ import annotations
@@ -59,7 +60,10 @@ class Stage:
         try:
             for name, task in tasks.items():
                 self._agents[name] = connect(
-                    *address, name=name, body=task.body, world=world,
+                    *address,
+                    name=name,
+                    body=task.body,
+                    world=world,
                     time=LockStep(frames, _DEADLINE),
                 )
             self._camera = camera if render_mode is not None else None

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What an agent is to learn."""
 
 from __future__ import annotations

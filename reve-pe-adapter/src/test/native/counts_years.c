@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Remembers how many steps each body has seen, and shows it as its speed along X. */
 #include "test_law.h"
 

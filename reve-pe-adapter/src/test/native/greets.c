@@ -1,8 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Writes a line to the log in each step. */
 #include "test_law.h"
 
-static const vesper_property_use kUses[] = {
-    TEST_USE("mass", 1, VESPER_READ, VESPER_UNIT_KILOGRAM)};
+static const vesper_property_use kUses[] = {TEST_USE("mass", 1, VESPER_READ, VESPER_UNIT_KILOGRAM)};
 
 static vesper_status Advance(vesper_law* law, const vesper_step* step, vesper_error* error) {
   (void)step, (void)error;

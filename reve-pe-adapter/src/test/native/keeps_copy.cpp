@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Pushes all bodies along x on a copy of their positions, as a law on a device does, and shows how
 // often it took the column and how often it was asked to write it.
 #include <algorithm>

@@ -1,8 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
 /* A law built for contract 2.0. */
 #include "test_law.h"
 
-static const vesper_property_use kUses[] = {
-    TEST_USE("mass", 1, VESPER_READ, VESPER_UNIT_KILOGRAM)};
+static const vesper_property_use kUses[] = {TEST_USE("mass", 1, VESPER_READ, VESPER_UNIT_KILOGRAM)};
 
 static vesper_status Advance(vesper_law* law, const vesper_step* step, vesper_error* error) {
   (void)law, (void)step, (void)error;

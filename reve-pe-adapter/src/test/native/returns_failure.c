@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Pushes all bodies, then returns a failure that names a row, from step `from_step` on. */
 #include <string.h>
 

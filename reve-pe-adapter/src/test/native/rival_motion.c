@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* A second integrator of velocity, which cannot live beside newton_motion. Stops all bodies. */
 #include "test_law.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Pushes every body along X with a constant force. */
 #include "test_law.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Behaves until step `from_step`, then spoils all positions and writes NaN to the last velocity. */
 #include <math.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What every law library promises, as checks made from its own declaration.
 #pragma once
 

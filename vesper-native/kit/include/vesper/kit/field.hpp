@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What stands for any field: a smooth function that moves and turns with its world.
 #pragma once
 

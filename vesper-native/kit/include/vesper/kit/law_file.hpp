@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A law library as a file, and as code called without an engine.
 #pragma once
 

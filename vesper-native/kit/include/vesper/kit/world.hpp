@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A random world with a column or a field for every property of a standard prototype and of a law,
 // for laws of any kind.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core;
 
 /** Where the random inputs of tests come from. */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe;
 
 import java.util.List;
@@ -14,9 +15,15 @@ import java.util.List;
  * @param initialPotentialEnergy when the ledger first saw the law's arrays [J]
  * @param potentialEnergy of the present state [J]
  */
-public record LedgerLine(String name, boolean law, List<Double> momentum,
-                         List<Double> angularMomentum, double energy, boolean hasPotentialEnergy,
-                         double initialPotentialEnergy, double potentialEnergy) {
+public record LedgerLine(
+        String name,
+        boolean law,
+        List<Double> momentum,
+        List<Double> angularMomentum,
+        double energy,
+        boolean hasPotentialEnergy,
+        double initialPotentialEnergy,
+        double potentialEnergy) {
     /** Copies the lists. */
     public LedgerLine {
         momentum = List.copyOf(momentum);

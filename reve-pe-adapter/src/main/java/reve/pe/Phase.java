@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe;
 
 /** When a law runs within a step. Order of execution: phase, then order of loading. */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe;
 
 import java.util.Set;
@@ -10,8 +11,14 @@ import java.util.Set;
  * @param rowCount rows that laws see
  * @param version raised when the client touched or rebound the property
  */
-public record PhysicalProperty(String name, String kind, ScalarType type, int components,
-                               Set<Access> lawAccess, long rowCount, long version) {
+public record PhysicalProperty(
+        String name,
+        String kind,
+        ScalarType type,
+        int components,
+        Set<Access> lawAccess,
+        long rowCount,
+        long version) {
     /** Copies the access set. */
     public PhysicalProperty {
         lawAccess = Set.copyOf(lawAccess);

@@ -1,7 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe;
 
-import java.lang.foreign.MemorySegment;
 import org.jspecify.annotations.Nullable;
+
+import java.lang.foreign.MemorySegment;
 
 /**
  * Lends a client's arrays to an engine. Arrays are native memory and borrowed: they stay alive and
@@ -17,8 +19,12 @@ public interface PhysicalPropertyProvider {
      *     (objectCount): row i is value indices[i], and the property is read-only to laws
      * @throws IllegalArgumentException if a segment is not native or too small
      */
-    void addPhysicalProperty(String name, MemorySegment data, long valueCount,
-                             @Nullable MemorySegment indices, long objectCount);
+    void addPhysicalProperty(
+            String name,
+            MemorySegment data,
+            long valueCount,
+            @Nullable MemorySegment indices,
+            long objectCount);
 
     /** Registers an array with one value per row. */
     default void addPhysicalProperty(String name, MemorySegment data, long objectCount) {
@@ -29,8 +35,12 @@ public interface PhysicalPropertyProvider {
      * The arrays grew, shrank or moved; arguments as for add. All properties of a kind must agree
      * on objectCount again by the next advance.
      */
-    void rebindPhysicalProperty(String name, MemorySegment data, long valueCount,
-                                @Nullable MemorySegment indices, long objectCount);
+    void rebindPhysicalProperty(
+            String name,
+            MemorySegment data,
+            long valueCount,
+            @Nullable MemorySegment indices,
+            long objectCount);
 
     /** Rebinds an array with one value per row. */
     default void rebindPhysicalProperty(String name, MemorySegment data, long objectCount) {

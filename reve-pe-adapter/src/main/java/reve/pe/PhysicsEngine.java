@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe;
 
 import java.io.IOException;
@@ -8,9 +9,9 @@ import java.util.Map;
 
 /**
  * Holds named property arrays that belong to the client and applies laws to them, each an
- * independently compiled library. Thread-compatible: one call at a time, from any thread
- * ({@code prepare} excepted). Every method throws {@link PhysicsException} for what the engine
- * refuses and {@link IllegalStateException} once it is closed.
+ * independently compiled library. Thread-compatible: one call at a time, from any thread ({@code
+ * prepare} excepted). Every method throws {@link PhysicsException} for what the engine refuses and
+ * {@link IllegalStateException} once it is closed.
  */
 public interface PhysicsEngine extends AutoCloseable {
     /** The engine's property provider; lives as long as the engine. */
@@ -41,8 +42,9 @@ public interface PhysicsEngine extends AutoCloseable {
                 Files.delete(copy);
             }
         } catch (IOException e) {
-            throw new PhysicsException(Status.LIBRARY_LOAD_FAILED,
-                "a law library could not be written to a temporary file to be opened: " + e);
+            throw new PhysicsException(
+                    Status.LIBRARY_LOAD_FAILED,
+                    "a law library could not be written to a temporary file to be opened: " + e);
         }
     }
 
@@ -122,8 +124,8 @@ public interface PhysicsEngine extends AutoCloseable {
     void setLedger(boolean on);
 
     /**
-     * The open ledger as of the last advance that succeeded: the laws in the order of
-     * {@link #laws}, then client, ground, unloaded and total.
+     * The open ledger as of the last advance that succeeded: the laws in the order of {@link
+     * #laws}, then client, ground, unloaded and total.
      */
     List<LedgerLine> ledger();
 

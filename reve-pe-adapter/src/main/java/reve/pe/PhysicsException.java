@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe;
 
 import java.util.OptionalLong;
@@ -23,8 +24,14 @@ public final class PhysicsException extends RuntimeException {
      * @param property the property concerned, or empty
      * @param row row of that property, or -1
      */
-    public PhysicsException(Status status, int libraryId, String library, String law,
-                            String property, long row, String message) {
+    public PhysicsException(
+            Status status,
+            int libraryId,
+            String library,
+            String law,
+            String property,
+            long row,
+            String message) {
         super(message);
         this.status = status;
         this.libraryId = libraryId;

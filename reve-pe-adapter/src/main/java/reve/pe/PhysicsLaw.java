@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe;
 
 import java.util.List;
@@ -13,9 +14,18 @@ import java.util.List;
  * @param calls of the law since it was loaded
  * @param nanoseconds spent in these calls, wall clock; for people, never for the world
  */
-public record PhysicsLaw(int libraryId, String library, String name, String version, String doc,
-                         Phase phase, int stages, List<PropertyUse> uses,
-                         List<LawParameter> parameters, long calls, long nanoseconds) {
+public record PhysicsLaw(
+        int libraryId,
+        String library,
+        String name,
+        String version,
+        String doc,
+        Phase phase,
+        int stages,
+        List<PropertyUse> uses,
+        List<LawParameter> parameters,
+        long calls,
+        long nanoseconds) {
     /** Copies the lists. */
     public PhysicsLaw {
         uses = List.copyOf(uses);

@@ -1,8 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe;
+
+import org.jspecify.annotations.Nullable;
 
 import java.util.Objects;
 import java.util.Set;
-import org.jspecify.annotations.Nullable;
 
 /**
  * Declares one property of a prototype.
@@ -18,25 +20,49 @@ import org.jspecify.annotations.Nullable;
  *     read; negative infinity for any
  * @param doc one line, may be empty
  */
-public record PropertyDescriptor(String name, String kind, ScalarType type, int components,
-                                 Set<Access> lawAccess, SiUnit unit, @Nullable String refersTo,
-                                 @Nullable String initialFrom, double minimum, String doc) {
+public record PropertyDescriptor(
+        String name,
+        String kind,
+        ScalarType type,
+        int components,
+        Set<Access> lawAccess,
+        SiUnit unit,
+        @Nullable String refersTo,
+        @Nullable String initialFrom,
+        double minimum,
+        String doc) {
     /** Copies the access set; refuses fewer than one component. */
     public PropertyDescriptor {
         Objects.requireNonNull(name, "name");
         Objects.requireNonNull(kind, "kind");
         if (components < 1) {
-            throw new IllegalArgumentException("property '" + name + "': " + components
-                + " components, expected at least 1");
+            throw new IllegalArgumentException(
+                    "property '" + name + "': " + components + " components, expected at least 1");
         }
         lawAccess = Set.copyOf(lawAccess);
     }
 
     /** A property whose values may be any that its type holds. */
-    public PropertyDescriptor(String name, String kind, ScalarType type, int components,
-                              Set<Access> lawAccess, SiUnit unit, @Nullable String refersTo,
-                              @Nullable String initialFrom, String doc) {
-        this(name, kind, type, components, lawAccess, unit, refersTo, initialFrom,
-            Double.NEGATIVE_INFINITY, doc);
+    public PropertyDescriptor(
+            String name,
+            String kind,
+            ScalarType type,
+            int components,
+            Set<Access> lawAccess,
+            SiUnit unit,
+            @Nullable String refersTo,
+            @Nullable String initialFrom,
+            String doc) {
+        this(
+                name,
+                kind,
+                type,
+                components,
+                lawAccess,
+                unit,
+                refersTo,
+                initialFrom,
+                Double.NEGATIVE_INFINITY,
+                doc);
     }
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe;
 
 import java.util.Set;
@@ -8,8 +9,14 @@ import java.util.Set;
  * @param components values per row
  * @param optional true if the law also runs without the property
  */
-public record PropertyUse(String name, String kind, ScalarType type, int components,
-                          Set<Access> access, SiUnit unit, boolean optional) {
+public record PropertyUse(
+        String name,
+        String kind,
+        ScalarType type,
+        int components,
+        Set<Access> access,
+        SiUnit unit,
+        boolean optional) {
     /** Copies the access set. */
     public PropertyUse {
         access = Set.copyOf(access);

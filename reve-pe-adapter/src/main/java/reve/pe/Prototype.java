@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe;
 
 import java.util.List;
@@ -10,8 +11,8 @@ import java.util.Optional;
  * @param realType F32 or F64: which variant of each law is used
  * @param timeUnit unit of {@code dt}
  */
-public record Prototype(String name, ScalarType realType, SiUnit timeUnit,
-                        List<PropertyDescriptor> properties) {
+public record Prototype(
+        String name, ScalarType realType, SiUnit timeUnit, List<PropertyDescriptor> properties) {
     /** Copies the list. */
     public Prototype {
         properties = List.copyOf(properties);

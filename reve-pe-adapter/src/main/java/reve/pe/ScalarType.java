@@ -1,8 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe;
 
 /** Element type of a property's column, or {@link #FIELD}. */
 public enum ScalarType {
-    F32(Float.BYTES), F64(Double.BYTES), I32(Integer.BYTES), U32(Integer.BYTES),
+    F32(Float.BYTES),
+    F64(Double.BYTES),
+    I32(Integer.BYTES),
+    U32(Integer.BYTES),
     /** No column but a function of position, which a law library brings. */
     FIELD(0);
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe;
 
 import java.util.Arrays;
@@ -10,8 +11,16 @@ import java.util.Arrays;
  * @param scale size of the unit in SI, finite and above 0
  * @param symbol at most 15 bytes of UTF-8 reach the engine
  */
-public record SiUnit(byte metre, byte kilogram, byte second, byte ampere, byte kelvin, byte mole,
-                     byte candela, double scale, String symbol) {
+public record SiUnit(
+        byte metre,
+        byte kilogram,
+        byte second,
+        byte ampere,
+        byte kelvin,
+        byte mole,
+        byte candela,
+        double scale,
+        String symbol) {
     /** The second: the usual time unit of a prototype. */
     public static final SiUnit SECOND = of(new byte[] {0, 0, 1, 0, 0, 0, 0}, 1.0, "s");
 
@@ -19,18 +28,34 @@ public record SiUnit(byte metre, byte kilogram, byte second, byte ampere, byte k
     public SiUnit {
         if (!(scale > 0) || Double.isInfinite(scale)) {
             throw new IllegalArgumentException(
-                "unit '" + symbol + "': scale is " + scale + ", expected a finite number above 0");
+                    "unit '"
+                            + symbol
+                            + "': scale is "
+                            + scale
+                            + ", expected a finite number above 0");
         }
     }
 
     /** Exponents in the order m, kg, s, A, K, mol, cd; exactly 7. */
     public static SiUnit of(byte[] exponents, double scale, String symbol) {
         if (exponents.length != 7) {
-            throw new IllegalArgumentException("unit '" + symbol + "': " + exponents.length
-                + " exponents, expected 7 (m, kg, s, A, K, mol, cd)");
+            throw new IllegalArgumentException(
+                    "unit '"
+                            + symbol
+                            + "': "
+                            + exponents.length
+                            + " exponents, expected 7 (m, kg, s, A, K, mol, cd)");
         }
-        return new SiUnit(exponents[0], exponents[1], exponents[2], exponents[3], exponents[4],
-            exponents[5], exponents[6], scale, symbol);
+        return new SiUnit(
+                exponents[0],
+                exponents[1],
+                exponents[2],
+                exponents[3],
+                exponents[4],
+                exponents[5],
+                exponents[6],
+                scale,
+                symbol);
     }
 
     /** Exponents in the order m, kg, s, A, K, mol, cd; a new array. */
@@ -41,8 +66,9 @@ public record SiUnit(byte metre, byte kilogram, byte second, byte ampere, byte k
     /** True for units that measure the same in the same size, whatever they are called. */
     @Override
     public boolean equals(Object other) {
-        return other instanceof SiUnit unit && unit.scale == scale
-            && Arrays.equals(unit.exponents(), exponents());
+        return other instanceof SiUnit unit
+                && unit.scale == scale
+                && Arrays.equals(unit.exponents(), exponents());
     }
 
     @Override

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe;
 
 import static com.tngtech.archunit.core.domain.JavaCall.Predicates.target;
@@ -5,21 +6,29 @@ import static com.tngtech.archunit.core.domain.JavaClass.Predicates.assignableTo
 import static com.tngtech.archunit.core.domain.properties.HasName.Predicates.name;
 import static com.tngtech.archunit.core.domain.properties.HasOwner.Predicates.With.owner;
 import static com.tngtech.archunit.lang.syntax.ArchRuleDefinition.noClasses;
+
 import static org.assertj.core.api.Assertions.assertThat;
 
 import com.tngtech.archunit.core.domain.JavaClasses;
 import com.tngtech.archunit.core.importer.ClassFileImporter;
+
+import org.junit.jupiter.api.Test;
+
 import java.lang.foreign.Linker;
 import java.lang.foreign.MemorySegment;
 import java.lang.foreign.SymbolLookup;
-import org.junit.jupiter.api.Test;
 
 class ArchitectureTest {
     private static final String[] NATIVE_PACKAGES = {"reve.pe.vesper", "reve.pe.posix"};
 
     /** What lies where the engine interface lies: this project without its tests. */
-    private final JavaClasses classes = new ClassFileImporter()
-        .importUrl(PhysicsEngine.class.getProtectionDomain().getCodeSource().getLocation());
+    private final JavaClasses classes =
+            new ClassFileImporter()
+                    .importUrl(
+                            PhysicsEngine.class
+                                    .getProtectionDomain()
+                                    .getCodeSource()
+                                    .getLocation());
 
     @Test
     void theClassesUnderTestAreFound() {
@@ -31,28 +40,44 @@ class ArchitectureTest {
 
     @Test
     void theEnginesAndTheirBindingsKnowNothingOfReve() {
-        noClasses().that().resideOutsideOfPackage("reve.pe.adapter..")
-            .should().dependOnClassesThat()
-            .resideInAnyPackage("reve.core..", "reve.worlds..", "reve.pe.adapter..")
-            .check(classes);
+        noClasses()
+                .that()
+                .resideOutsideOfPackage("reve.pe.adapter..")
+                .should()
+                .dependOnClassesThat()
+                .resideInAnyPackage("reve.core..", "reve.worlds..", "reve.pe.adapter..")
+                .check(classes);
     }
 
     @Test
     void whatAnEngineIsNamesNoEngine() {
-        noClasses().that().resideInAnyPackage("reve.pe", "reve.pe.adapter")
-            .should().dependOnClassesThat().resideInAPackage("reve.pe.vesper").check(classes);
+        noClasses()
+                .that()
+                .resideInAnyPackage("reve.pe", "reve.pe.adapter")
+                .should()
+                .dependOnClassesThat()
+                .resideInAPackage("reve.pe.vesper")
+                .check(classes);
     }
 
     @Test
     void nativeFunctionsAreCalledInOnePackagePerLibrary() {
-        noClasses().that().resideOutsideOfPackages(NATIVE_PACKAGES)
-            .should().dependOnClassesThat().belongToAnyOf(Linker.class, SymbolLookup.class)
-            .check(classes);
-        for (String restricted : new String[] {"reinterpret", "ofAddress"}) {
-            noClasses().that().resideOutsideOfPackages(NATIVE_PACKAGES)
-                .should().callMethodWhere(target(name(restricted))
-                    .and(target(owner(assignableTo(MemorySegment.class)))))
+        noClasses()
+                .that()
+                .resideOutsideOfPackages(NATIVE_PACKAGES)
+                .should()
+                .dependOnClassesThat()
+                .belongToAnyOf(Linker.class, SymbolLookup.class)
                 .check(classes);
+        for (String restricted : new String[] {"reinterpret", "ofAddress"}) {
+            noClasses()
+                    .that()
+                    .resideOutsideOfPackages(NATIVE_PACKAGES)
+                    .should()
+                    .callMethodWhere(
+                            target(name(restricted))
+                                    .and(target(owner(assignableTo(MemorySegment.class)))))
+                    .check(classes);
         }
     }
 }

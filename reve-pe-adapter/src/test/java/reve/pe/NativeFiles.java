@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe;
 
 import java.nio.file.Path;
@@ -7,8 +8,7 @@ import java.util.List;
 public final class NativeFiles {
     private static final Path FOLDER = Path.of(System.getProperty("reve.native.path"));
 
-    private NativeFiles() {
-    }
+    private NativeFiles() {}
 
     /** The project's laws, and the test laws of this project. */
     public static List<Path> lawPath() {

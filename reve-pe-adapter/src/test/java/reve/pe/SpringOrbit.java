@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe;
 
 /**
@@ -7,28 +8,33 @@ package reve.pe;
 public final class SpringOrbit {
     /** [kg], (2). */
     public static final double[] MASS = {1000, 1};
+
     /** [m], (2 x 3). */
     public static final double[] POSITION = {-10, 5, 0, 10, 5, 0};
+
     /** [m/s], (2 x 3). */
     public static final double[] VELOCITY = {0, 3, 0, 0, 0, 0};
+
     /** [N/m]. */
     public static final double HOOKE_CONSTANT = 100;
+
     /** Rest length [m]. */
     public static final double LENGTH = 20;
+
     /** Laws, in the order of loading. */
     public static final String[] LAWS = {"hooke_spring", "newton_motion"};
+
     /** Step [s]. */
     public static final double DT = 1.0 / 240;
+
     /** Steps in the 5 s that the invariants are stated for. */
     public static final int STEPS = 1200;
 
-    private SpringOrbit() {
-    }
+    private SpringOrbit() {}
 
     /** What is known of a state without integrating it. */
-    public record Invariants(double[] momentum, double energyAroundCentre, double distance,
-                             double turnedDegrees) {
-    }
+    public record Invariants(
+            double[] momentum, double energyAroundCentre, double distance, double turnedDegrees) {}
 
     /** Position [m] and velocity [m/s] of the two bodies, (2 x 3) each. */
     public static Invariants invariants(double[] position, double[] velocity) {
@@ -44,8 +50,10 @@ public final class SpringOrbit {
         double distance = Math.hypot(Math.hypot(apart[0], apart[1]), apart[2]);
         double reducedMass = MASS[0] * MASS[1] / (MASS[0] + MASS[1]);
         double stretch = distance - LENGTH;
-        return new Invariants(momentum,
-            0.5 * reducedMass * relativeSpeedSquared + 0.5 * HOOKE_CONSTANT * stretch * stretch,
-            distance, Math.abs(Math.toDegrees(Math.atan2(apart[1], apart[0]))));
+        return new Invariants(
+                momentum,
+                0.5 * reducedMass * relativeSpeedSquared + 0.5 * HOOKE_CONSTANT * stretch * stretch,
+                distance,
+                Math.abs(Math.toDegrees(Math.atan2(apart[1], apart[0]))));
     }
 }

@@ -1,12 +1,6 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds;
 
-import java.io.FileDescriptor;
-import java.io.FileOutputStream;
-import java.io.OutputStream;
-import java.io.PrintWriter;
-import java.nio.file.Path;
-import java.util.List;
-import java.util.stream.Stream;
 import picocli.CommandLine;
 import picocli.CommandLine.Command;
 import picocli.CommandLine.IVersionProvider;
@@ -15,6 +9,7 @@ import picocli.CommandLine.ParameterException;
 import picocli.CommandLine.ScopeType;
 import picocli.CommandLine.TypeConversionException;
 import picocli.CommandLine.UnmatchedArgumentException;
+
 import reve.pe.PhysicsException;
 import reve.worlds.cli.CheckCommand;
 import reve.worlds.cli.ControlCommand;
@@ -28,14 +23,23 @@ import reve.worlds.cli.SnapshotCommand;
 import reve.worlds.cli.StoreCommand;
 import reve.worlds.cli.TokenCommand;
 
+import java.io.FileDescriptor;
+import java.io.FileOutputStream;
+import java.io.OutputStream;
+import java.io.PrintWriter;
+import java.nio.file.Path;
+import java.util.List;
+import java.util.stream.Stream;
+
 /**
  * The {@code ./reve} command line: parses arguments, picks a command, turns failures into exit
  * codes.
  */
 @Command(
         name = "./reve",
-        description = "Virtual worlds whose laws of nature can be dropped in, swapped and removed "
-                + "while they run.",
+        description =
+                "Virtual worlds whose laws of nature can be dropped in, swapped and removed "
+                        + "while they run.",
         mixinStandardHelpOptions = true,
         versionProvider = Main.Version.class,
         scope = ScopeType.INHERIT,
@@ -60,20 +64,22 @@ import reve.worlds.cli.TokenCommand;
 public final class Main {
 
     /** The commands that the shell script of a checkout runs itself. */
-    private static final List<String> LAUNCHER = List.of(
-            "",
-            "The launcher itself also knows:",
-            "  build      Builds what changed and stops.",
-            "  test       Builds, then runs the tests of the project, or of rooms of it.",
-            "  format     Formats the sources, or checks that they are formatted.",
-            "  install    Makes a folder that runs without this checkout.",
-            "  doctor     Says which shared libraries of the system are missing.");
+    private static final List<String> LAUNCHER =
+            List.of(
+                    "",
+                    "The launcher itself also knows:",
+                    "  build      Builds what changed and stops.",
+                    "  test       Builds, then runs the tests of the project, or of rooms of it.",
+                    "  format     Formats the sources, or checks that they are formatted.",
+                    "  install    Makes a folder that runs without this checkout.",
+                    "  doctor     Says which shared libraries of the system are missing.");
 
     /** The commands that the shell script of an installed folder runs itself. */
-    private static final List<String> INSTALLED = List.of(
-            "",
-            "The launcher itself also knows:",
-            "  doctor     Says which shared libraries of the system are missing.");
+    private static final List<String> INSTALLED =
+            List.of(
+                    "",
+                    "The launcher itself also knows:",
+                    "  doctor     Says which shared libraries of the system are missing.");
 
     private Main() {}
 
@@ -95,8 +101,8 @@ public final class Main {
         line.setErr(new LinePrinter(System.err));
         UsageMessageSpec usage = line.getCommandSpec().usageMessage();
         List<String> launcher = name.equals(Product.CHECKOUT_COMMAND) ? LAUNCHER : INSTALLED;
-        usage.footer(Stream.concat(launcher.stream(), Stream.of(usage.footer()))
-                .toArray(String[]::new));
+        usage.footer(
+                Stream.concat(launcher.stream(), Stream.of(usage.footer())).toArray(String[]::new));
         line.registerConverter(Path.class, Main::path);
         line.setParameterExceptionHandler(Main::explainUsage);
         line.setExecutionExceptionHandler(Main::explain);
@@ -128,13 +134,14 @@ public final class Main {
     }
 
     /** One message for people, no stack trace: what they can do about it stands in the message. */
-    private static int explain(Exception failure, CommandLine line,
-            CommandLine.ParseResult parsed) {
+    private static int explain(
+            Exception failure, CommandLine line, CommandLine.ParseResult parsed) {
         PrintWriter err = line.getErr();
         int code = ExitCode.of(failure);
         String message = failure.getMessage() == null ? failure.toString() : failure.getMessage();
         LinePrinter.message(err, "reve: " + message);
-        if (code == ExitCode.FAILURE && !(failure instanceof PhysicsException)
+        if (code == ExitCode.FAILURE
+                && !(failure instanceof PhysicsException)
                 && Boolean.getBoolean("reve.debug")) {
             failure.printStackTrace(err);
         }
@@ -147,8 +154,7 @@ public final class Main {
         @Override
         public String[] getVersion() {
             return new String[] {
-                "REVE x Vesper " + Product.version(),
-                "Java ${java.version}, ${os.name} ${os.arch}",
+                "REVE x Vesper " + Product.version(), "Java ${java.version}, ${os.name} ${os.arch}",
             };
         }
     }

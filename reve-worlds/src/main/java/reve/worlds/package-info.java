@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /** The application: entry point and version. */
 @NullMarked
 package reve.worlds;

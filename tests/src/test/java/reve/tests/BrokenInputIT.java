@@ -1,6 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.tests;
 
 import static org.assertj.core.api.Assertions.assertThat;
+
+import org.junit.jupiter.api.Tag;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+
+import reve.tests.Server.Events;
+
+import tools.jackson.databind.JsonNode;
+import tools.jackson.databind.json.JsonMapper;
 
 import java.io.IOException;
 import java.io.InputStream;
@@ -12,12 +22,6 @@ import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.List;
 import java.util.Random;
-import org.junit.jupiter.api.Tag;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.api.io.TempDir;
-import reve.tests.Server.Events;
-import tools.jackson.databind.JsonNode;
-import tools.jackson.databind.json.JsonMapper;
 
 /**
  * Rubbish in the laws folder and on the port of a running server: one message each, nothing else.
@@ -27,8 +31,7 @@ class BrokenInputIT {
     private static final String WORLD = Project.WORLDS.resolve("spring-orbit").toString();
     private static final String SECONDS = "12";
 
-    @TempDir
-    private Path folder;
+    @TempDir private Path folder;
 
     @Test
     void rubbishGetsOneMessageEachAndCostsTheWorldNothing() throws Exception {
@@ -38,8 +41,18 @@ class BrokenInputIT {
         compile("no_law.c", ready.resolve("no_law.so"));
         compile("other_abi.c", ready.resolve("other_abi.so"));
         compile("nan_writer.cpp", ready.resolve("nan_writer.so"));
-        try (Server server = Server.start(folder, "serve", WORLD, "--port", "0", "--laws",
-                laws.toString(), "--seconds", SECONDS, "--json")) {
+        try (Server server =
+                Server.start(
+                        folder,
+                        "serve",
+                        WORLD,
+                        "--port",
+                        "0",
+                        "--laws",
+                        laws.toString(),
+                        "--seconds",
+                        SECONDS,
+                        "--json")) {
             Events events = server.events();
             int port = events.await("ready", line -> true).get("agentPort").asInt();
             for (String file : List.of("text.so", "no_law.so", "other_abi.so", "nan_writer.so")) {
@@ -50,19 +63,23 @@ class BrokenInputIT {
             assertThat(fault(events, "text.so")).contains("not an ELF file");
             assertThat(fault(events, "no_law.so")).contains("vesper_law_library_entry");
             assertThat(fault(events, "other_abi.so")).contains("7.3").contains("1.1");
-            JsonNode nan = events.await("fault",
-                    line -> line.path("library").asString("").equals("nan_writer"));
+            JsonNode nan =
+                    events.await(
+                            "fault",
+                            line -> line.path("library").asString("").equals("nan_writer"));
             assertThat(nan.path("law").asString()).isEqualTo("nan_writer");
             assertThat(nan.path("property").asString()).isEqualTo("velocity");
             assertThat(nan.path("item").asString()).isEqualTo("blue");
             assertThat(nan.path("message").asString()).contains("velocity").contains("row 1");
 
             JsonNode end = events.await("end", line -> true);
-            assertThat(end.get("faults").size()).as("one message each: " + end.get("faults"))
+            assertThat(end.get("faults").size())
+                    .as("one message each: " + end.get("faults"))
                     .isEqualTo(4);
             assertThat(end.at("/profile/redoneFrames").asInt()).isEqualTo(1);
             assertThat(server.exitCode()).isZero();
-            assertThat(end.get("stateHash")).as("state of a world that nobody disturbed")
+            assertThat(end.get("stateHash"))
+                    .as("state of a world that nobody disturbed")
                     .isEqualTo(undisturbed());
         }
     }
@@ -74,7 +91,8 @@ class BrokenInputIT {
 
     private static String fault(Events events, String file) throws Exception {
         return events.await("fault", line -> line.path("file").asString("").equals(file))
-                .get("message").asString();
+                .get("message")
+                .asString();
     }
 
     /** Each line is answered with an error or a bye that has a code, and others can still join. */
@@ -82,10 +100,13 @@ class BrokenInputIT {
         long seed = System.nanoTime();
         System.out.println("garbage seed " + seed);
         Random random = new Random(seed);
-        List<byte[]> lines = new ArrayList<>(List.of(
-                bytes("GET / HTTP/1.1\r\n"),
-                bytes("{\"t\":\"hello\",\"protocol\":99,\"name\":\"x\"}\n"),
-                bytes("{\"t\":\"act\",\"id\":1,\"item\":\"red\",\"action\":\"paint\"}\n")));
+        List<byte[]> lines =
+                new ArrayList<>(
+                        List.of(
+                                bytes("GET / HTTP/1.1\r\n"),
+                                bytes("{\"t\":\"hello\",\"protocol\":99,\"name\":\"x\"}\n"),
+                                bytes(
+                                        "{\"t\":\"act\",\"id\":1,\"item\":\"red\",\"action\":\"paint\"}\n")));
         byte[] noise = new byte[300];
         random.nextBytes(noise);
         noise[299] = '\n';
@@ -108,9 +129,9 @@ class BrokenInputIT {
         }
     }
 
-        private static byte[] bytes(String line) {
-            return line.getBytes(StandardCharsets.UTF_8);
-        }
+    private static byte[] bytes(String line) {
+        return line.getBytes(StandardCharsets.UTF_8);
+    }
 
     private void compile(String source, Path library) throws Exception {
         Path file = folder.resolve(source);
@@ -119,10 +140,20 @@ class BrokenInputIT {
         }
         Path built = folder.resolve("built.so");
         boolean cpp = source.endsWith(".cpp");
-        Process compiler = new ProcessBuilder(cpp ? "g++" : "gcc", cpp ? "-std=c++20" : "-std=c11",
-                "-shared", "-fPIC", "-O1", "-fvisibility=hidden",
-                "-I" + Project.ROOT.resolve("vesper-native/include"),
-                file.toString(), "-o", built.toString()).redirectErrorStream(true).start();
+        Process compiler =
+                new ProcessBuilder(
+                                cpp ? "g++" : "gcc",
+                                cpp ? "-std=c++20" : "-std=c11",
+                                "-shared",
+                                "-fPIC",
+                                "-O1",
+                                "-fvisibility=hidden",
+                                "-I" + Project.ROOT.resolve("vesper-native/include"),
+                                file.toString(),
+                                "-o",
+                                built.toString())
+                        .redirectErrorStream(true)
+                        .start();
         String said = new String(compiler.getInputStream().readAllBytes(), StandardCharsets.UTF_8);
         assertThat(compiler.waitFor()).as(said).isZero();
         Files.move(built, library);

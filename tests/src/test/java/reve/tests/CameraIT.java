@@ -1,21 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.tests;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.within;
+
+import org.junit.jupiter.api.Tag;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+
+import reve.agent.AgentClient;
+import reve.agent.Encoding;
+import reve.agent.Image;
+import reve.agent.Join;
+import reve.agent.LockStep;
 
 import java.nio.ByteBuffer;
 import java.nio.file.Files;
 import java.nio.file.Path;
 import java.time.Duration;
 import java.util.Map;
-import org.junit.jupiter.api.Tag;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.api.io.TempDir;
-import reve.agent.AgentClient;
-import reve.agent.Encoding;
-import reve.agent.Image;
-import reve.agent.Join;
-import reve.agent.LockStep;
 
 /** What an agent sees through the camera of its body, drawn by the real renderer. */
 @Tag("slow")
@@ -23,31 +26,33 @@ class CameraIT {
     private static final int SIDE = 101;
     private static final double FIELD = Math.toRadians(60);
 
-    @TempDir
-    private Path folder;
+    @TempDir private Path folder;
 
     /**
-     * The robot looks along +z: at a ball, in front of a wall that is out of range,
-     * with a cube behind it.
+     * The robot looks along +z: at a ball, in front of a wall that is out of range, with a cube
+     * behind it.
      */
     private String world() throws Exception {
-        return Files.writeString(folder.resolve("world.yaml"), """
-                reve: 1
-                name: gallery
-                laws: [newton_motion]
-                agents: {bodies: [robot]}
-                items:
-                  - name: robot
-                    physical: {shape: sphere, radius: 0.5}
-                    physics: {mass: 1 kg, velocity: [0, 0, 0.6]}
-                    sensors:
-                      eye: {camera: {size: [101, 101], layers: [colour, depth, items]}, fieldOfView: 60 deg, range: 10 m}
-                  - {name: ball, physical: {shape: sphere, radius: 0.5, colour: "#ff0000", location: [0, 0, 4]}}
-                  - {name: post, physical: {shape: box, size: [0.4, 9, 0.4], location: [1.5, 0, 5]}}
-                  - {name: wall, physical: {shape: box, size: [90, 90, 1], location: [0, 0, 30]}}
-                  - {name: hidden, physical: {shape: box, size: [0.2, 0.2, 0.2], location: [0, 0, 8]}}
-                  - {name: behind, physical: {shape: box, size: [1, 1, 1], location: [0, 0, -4]}}
-                """).toString();
+        return Files.writeString(
+                        folder.resolve("world.yaml"),
+                        """
+                        reve: 1
+                        name: gallery
+                        laws: [newton_motion]
+                        agents: {bodies: [robot]}
+                        items:
+                          - name: robot
+                            physical: {shape: sphere, radius: 0.5}
+                            physics: {mass: 1 kg, velocity: [0, 0, 0.6]}
+                            sensors:
+                              eye: {camera: {size: [101, 101], layers: [colour, depth, items]}, fieldOfView: 60 deg, range: 10 m}
+                          - {name: ball, physical: {shape: sphere, radius: 0.5, colour: "#ff0000", location: [0, 0, 4]}}
+                          - {name: post, physical: {shape: box, size: [0.4, 9, 0.4], location: [1.5, 0, 5]}}
+                          - {name: wall, physical: {shape: box, size: [90, 90, 1], location: [0, 0, 30]}}
+                          - {name: hidden, physical: {shape: box, size: [0.2, 0.2, 0.2], location: [0, 0, 8]}}
+                          - {name: behind, physical: {shape: box, size: [1, 1, 1], location: [0, 0, -4]}}
+                        """)
+                .toString();
     }
 
     private Server serve() throws Exception {
@@ -55,9 +60,12 @@ class CameraIT {
     }
 
     private static AgentClient join(Server server, Encoding encoding) throws Exception {
-        return AgentClient.connect("127.0.0.1", Integer.parseInt(server.port()),
-                Join.as("ada").withEncoding(encoding).withLockStep(
-                        LockStep.every(1).withDeadline(Duration.ofSeconds(10))));
+        return AgentClient.connect(
+                "127.0.0.1",
+                Integer.parseInt(server.port()),
+                Join.as("ada")
+                        .withEncoding(encoding)
+                        .withLockStep(LockStep.every(1).withDeadline(Duration.ofSeconds(10))));
     }
 
     private static float depth(Image image, int x, int y) {
@@ -66,7 +74,8 @@ class CameraIT {
 
     @Test
     void aPictureShowsWhatIsBeforeTheCameraWithItsDistanceAndItsName() throws Exception {
-        try (Server server = serve(); AgentClient ada = join(server, Encoding.MESSAGEPACK)) {
+        try (Server server = serve();
+                AgentClient ada = join(server, Encoding.MESSAGEPACK)) {
             Image image = ada.look("eye");
             assertThat(image.names()).containsExactlyInAnyOrder("ball", "post");
             assertThat(image.find(SIDE / 2, SIDE / 2)).contains("ball");
@@ -97,9 +106,13 @@ class CameraIT {
 
     /** What the robot sees in the world as it began. */
     private Image atTheBeginning(Encoding encoding) throws Exception {
-        try (Server server = serve(); AgentClient ada = join(server, encoding);
-                AgentClient boss = AgentClient.connect("127.0.0.1",
-                        Integer.parseInt(server.port()), Join.as("boss").withRole("control"))) {
+        try (Server server = serve();
+                AgentClient ada = join(server, encoding);
+                AgentClient boss =
+                        AgentClient.connect(
+                                "127.0.0.1",
+                                Integer.parseInt(server.port()),
+                                Join.as("boss").withRole("control"))) {
             assertThat(boss.command("rewind", Map.of()).accepted()).isTrue();
             return ada.look("eye");
         }
@@ -119,12 +132,19 @@ class CameraIT {
 
     @Test
     void aRendererThatDiesCostsNobodyAnything() throws Exception {
-        try (Server server = serve(); AgentClient ada = join(server, Encoding.MESSAGEPACK)) {
+        try (Server server = serve();
+                AgentClient ada = join(server, Encoding.MESSAGEPACK)) {
             Image before = ada.look("eye");
-            var renderers = server.process().descendants()
-                    .filter(process ->
-                            process.info().command().orElse("").endsWith("vesper-render"))
-                    .toList();
+            var renderers =
+                    server.process()
+                            .descendants()
+                            .filter(
+                                    process ->
+                                            process.info()
+                                                    .command()
+                                                    .orElse("")
+                                                    .endsWith("vesper-render"))
+                            .toList();
             assertThat(renderers).hasSize(1);
             renderers.forEach(ProcessHandle::destroyForcibly);
             Image after = ada.look("eye");

@@ -1,32 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.tests;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.withinPercentage;
 
-import java.io.IOException;
-import java.nio.file.Files;
-import java.nio.file.Path;
 import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
+
 import reve.tests.Reve.Outcome;
+
 import tools.jackson.databind.JsonNode;
 import tools.jackson.databind.json.JsonMapper;
+
+import java.io.IOException;
+import java.nio.file.Files;
+import java.nio.file.Path;
 
 /** The commands as a stranger meets them: output, messages, exit codes. */
 @Tag("slow")
 class CommandLineIT {
     private static final String SPRING_ORBIT = Project.WORLDS.resolve("spring-orbit").toString();
 
-    @TempDir
-    private Path folder;
+    @TempDir private Path folder;
 
     @Test
     void helpNamesEveryCommandAndExitCode() throws Exception {
         Outcome help = Reve.run("--help");
         assertThat(help.code()).isZero();
-        assertThat(help.out()).contains(
-                "serve", "run", "snapshot", "check", "demo", "build", "test", "Exit codes");
+        assertThat(help.out())
+                .contains(
+                        "serve", "run", "snapshot", "check", "demo", "build", "test", "Exit codes");
         for (String command : new String[] {"serve", "run", "snapshot", "check", "demo"}) {
             assertThat(Reve.run(command, "--help").code()).as(command).isZero();
         }
@@ -37,7 +41,9 @@ class CommandLineIT {
         Outcome unknown = Reve.run("snapshots");
         assertThat(unknown.code()).isEqualTo(2);
         assertThat(unknown.err())
-                .contains("snapshots").contains("Did you mean").contains("snapshot")
+                .contains("snapshots")
+                .contains("Did you mean")
+                .contains("snapshot")
                 .endsWith("`./reve --help` says more\n");
         assertThat(unknown.err().lines()).hasSizeLessThanOrEqualTo(4);
         assertThat(Reve.run("run", SPRING_ORBIT, "--seconds", "-1").code()).isEqualTo(2);
@@ -47,13 +53,19 @@ class CommandLineIT {
         Outcome waiting = Reve.run("serve", SPRING_ORBIT, "--waiting", "never");
         assertThat(waiting.code()).isEqualTo(2);
         assertThat(waiting.err()).contains("--waiting is 'never', expected off or 0.001 to 86400");
-        Outcome size = Reve.run("snapshot", SPRING_ORBIT, "--out",
-                folder.resolve("x.png").toString(), "--size", "huge");
+        Outcome size =
+                Reve.run(
+                        "snapshot",
+                        SPRING_ORBIT,
+                        "--out",
+                        folder.resolve("x.png").toString(),
+                        "--size",
+                        "huge");
         assertThat(size.code()).isEqualTo(2);
         assertThat(size.err().lines()).hasSize(2);
         assertThat(size.err()).contains("'huge' is no size", "`./reve snapshot --help` says more");
-        Outcome jpeg = Reve.run("snapshot", SPRING_ORBIT, "--out",
-                folder.resolve("x.jpg").toString());
+        Outcome jpeg =
+                Reve.run("snapshot", SPRING_ORBIT, "--out", folder.resolve("x.jpg").toString());
         assertThat(jpeg.code()).isEqualTo(2);
         assertThat(jpeg.err()).contains("x.jpg: pictures are PNG");
         assertThat(folder.resolve("x.jpg")).doesNotExist();
@@ -92,8 +104,16 @@ class CommandLineIT {
     }
 
     private static Outcome serveWith(String option, Path folder) throws Exception {
-        return Reve.run("serve", SPRING_ORBIT, "--port", "0", "--fast", "--seconds", "0.1",
-                option, folder.toString());
+        return Reve.run(
+                "serve",
+                SPRING_ORBIT,
+                "--port",
+                "0",
+                "--fast",
+                "--seconds",
+                "0.1",
+                option,
+                folder.toString());
     }
 
     @Test
@@ -101,7 +121,8 @@ class CommandLineIT {
         JsonNode first = json(Reve.run("run", SPRING_ORBIT, "--seconds", "1", "--json"));
         JsonNode second = json(Reve.run("run", SPRING_ORBIT, "--seconds", "1", "--json"));
         assertThat(first.get("frames").asLong()).isEqualTo(60);
-        assertThat(first.get("stateHash").asString()).matches("[0-9a-f]{16}")
+        assertThat(first.get("stateHash").asString())
+                .matches("[0-9a-f]{16}")
                 .isEqualTo(second.get("stateHash").asString());
         assertThat(first.get("faults").size()).isZero();
     }
@@ -110,37 +131,60 @@ class CommandLineIT {
     void profileShowsEachPartPerBody() throws Exception {
         Outcome profile = Reve.run("run", SPRING_ORBIT, "--seconds", "1", "--profile");
         assertThat(profile.code()).isZero();
-        assertThat(profile.out()).contains("ns/body", "PHYSICS advance", "PHYSICS rollback copy",
-                "DERIVE", "PUBLISH snapshot copy", "PUBLISH readers", "rest");
+        assertThat(profile.out())
+                .contains(
+                        "ns/body",
+                        "PHYSICS advance",
+                        "PHYSICS rollback copy",
+                        "DERIVE",
+                        "PUBLISH snapshot copy",
+                        "PUBLISH readers",
+                        "rest");
     }
 
     @Test
     void ledgerSaysWhatEachLawGave() throws Exception {
-        Outcome outcome =
-                Reve.run("run", SPRING_ORBIT, "--seconds", "1", "--ledger", "--json");
+        Outcome outcome = Reve.run("run", SPRING_ORBIT, "--seconds", "1", "--ledger", "--json");
         JsonNode ledger = json(outcome).get("ledger");
-        assertThat(ledger.valueStream()
-                .map(line -> line.path("law").asString(line.path("line").asString())))
+        assertThat(
+                        ledger.valueStream()
+                                .map(
+                                        line ->
+                                                line.path("law")
+                                                        .asString(line.path("line").asString())))
                 .containsExactly("hooke_spring", "newton_motion", "total");
         JsonNode spring = ledger.get(0);
         JsonNode total = ledger.get(2);
         assertThat(spring.get("momentum").valueStream().mapToDouble(JsonNode::asDouble))
-                .as("the two ends are pulled alike").allMatch(p -> Math.abs(p) < 1e-9);
+                .as("the two ends are pulled alike")
+                .allMatch(p -> Math.abs(p) < 1e-9);
         assertThat(spring.get("potentialEnergy").has("present")).isTrue();
         assertThat(total.get("energy").asDouble())
-                .as("the spring does all the work").isNotZero()
+                .as("the spring does all the work")
+                .isNotZero()
                 .isCloseTo(spring.get("energy").asDouble(), withinPercentage(1e-6));
         Outcome table = Reve.run("run", SPRING_ORBIT, "--seconds", "1", "--ledger");
-        assertThat(table.out().lines().filter(line -> line.startsWith("  "))
-                .map(line -> line.strip().split(" ")[0]))
+        assertThat(
+                        table.out()
+                                .lines()
+                                .filter(line -> line.startsWith("  "))
+                                .map(line -> line.strip().split(" ")[0]))
                 .containsExactly("ledger", "hooke_spring", "newton_motion", "total");
     }
 
     @Test
     void snapshotWritesThePictureItNames() throws Exception {
         Path picture = folder.resolve("orbit.png");
-        Outcome outcome = Reve.run("snapshot", SPRING_ORBIT, "--at", "1", "--out",
-                picture.toString(), "--size", "320x200");
+        Outcome outcome =
+                Reve.run(
+                        "snapshot",
+                        SPRING_ORBIT,
+                        "--at",
+                        "1",
+                        "--out",
+                        picture.toString(),
+                        "--size",
+                        "320x200");
         assertThat(outcome.err()).isEmpty();
         assertThat(outcome.out().strip()).isEqualTo(picture.toString());
         var image = javax.imageio.ImageIO.read(picture.toFile());
@@ -153,16 +197,32 @@ class CommandLineIT {
     @Test
     void everyPictureOfAFastServerIsTaken() throws Exception {
         Path pictures = folder.resolve("pictures");
-        Outcome outcome = Reve.run("serve", SPRING_ORBIT, "--port", "0", "--fast", "--seconds",
-                "6", "--json", "--snapshots", pictures.toString(),
-                "--snapshot-at", "0,1,2,3,4,5,5.1");
+        Outcome outcome =
+                Reve.run(
+                        "serve",
+                        SPRING_ORBIT,
+                        "--port",
+                        "0",
+                        "--fast",
+                        "--seconds",
+                        "6",
+                        "--json",
+                        "--snapshots",
+                        pictures.toString(),
+                        "--snapshot-at",
+                        "0,1,2,3,4,5,5.1");
         assertThat(outcome.code()).isZero();
         assertThat(outcome.out()).doesNotContain("snapshot-failed");
         try (var files = Files.list(pictures)) {
-            assertThat(files.map(file -> file.getFileName().toString()).sorted()).containsExactly(
-                    "spring-orbit-000000.png", "spring-orbit-000060.png", "spring-orbit-000120.png",
-                    "spring-orbit-000180.png", "spring-orbit-000240.png", "spring-orbit-000300.png",
-                    "spring-orbit-000306.png");
+            assertThat(files.map(file -> file.getFileName().toString()).sorted())
+                    .containsExactly(
+                            "spring-orbit-000000.png",
+                            "spring-orbit-000060.png",
+                            "spring-orbit-000120.png",
+                            "spring-orbit-000180.png",
+                            "spring-orbit-000240.png",
+                            "spring-orbit-000300.png",
+                            "spring-orbit-000306.png");
         }
     }
 
@@ -197,33 +257,44 @@ class CommandLineIT {
 
     @Test
     void checkNamesEveryProblemWithItsPlace() throws Exception {
-        Path world = write("""
-                reve: 1
-                name: broken
-                items:
-                  - name: a
-                    physical: {shape: sphere, radius: 1}
-                    physics: {mass: 1 kg, velocty: [0, 1, 0]}
-                  - name: b
-                    physics: {mass: 3 m, velocity: [0, .nan, 0]}
-                  - name: a
-                    physics: {mass: 1}
-                  - name: s
-                    kind: spring
-                    physics: {springConstant: 1, end1: a, end2: nobody}
-                """);
+        Path world =
+                write(
+                        """
+                        reve: 1
+                        name: broken
+                        items:
+                          - name: a
+                            physical: {shape: sphere, radius: 1}
+                            physics: {mass: 1 kg, velocty: [0, 1, 0]}
+                          - name: b
+                            physics: {mass: 3 m, velocity: [0, .nan, 0]}
+                          - name: a
+                            physics: {mass: 1}
+                          - name: s
+                            kind: spring
+                            physics: {springConstant: 1, end1: a, end2: nobody}
+                        """);
         Outcome outcome = Reve.run("check", world.toString());
         assertThat(outcome.code()).isEqualTo(3);
         assertThat(outcome.out()).isEmpty();
         assertThat(outcome.err().lines()).hasSize(5).allMatch(line -> line.startsWith(world + ":"));
-        assertThat(outcome.err().lines().toList()).satisfiesExactly(
-                line -> assertThat(line).contains(":6:").contains("velocty").contains("velocity"),
-                line -> assertThat(line).contains(":8:").contains("mass").contains("kg"),
-                line -> assertThat(line).contains(":8:").contains("`.nan`").contains("finite"),
-                line -> assertThat(line).contains(":9:").contains("`a`").contains("line 4"),
-                line -> assertThat(line).contains(":13:").contains("nobody"));
-        JsonNode json = new JsonMapper()
-                .readTree(Reve.run("check", "--json", world.toString()).out());
+        assertThat(outcome.err().lines().toList())
+                .satisfiesExactly(
+                        line ->
+                                assertThat(line)
+                                        .contains(":6:")
+                                        .contains("velocty")
+                                        .contains("velocity"),
+                        line -> assertThat(line).contains(":8:").contains("mass").contains("kg"),
+                        line ->
+                                assertThat(line)
+                                        .contains(":8:")
+                                        .contains("`.nan`")
+                                        .contains("finite"),
+                        line -> assertThat(line).contains(":9:").contains("`a`").contains("line 4"),
+                        line -> assertThat(line).contains(":13:").contains("nobody"));
+        JsonNode json =
+                new JsonMapper().readTree(Reve.run("check", "--json", world.toString()).out());
         assertThat(json.get("valid").asBoolean()).isFalse();
         assertThat(json.get("problems").size()).isEqualTo(5);
         assertThat(json.at("/problems/0/line").asInt()).isEqualTo(6);
@@ -231,12 +302,14 @@ class CommandLineIT {
 
     @Test
     void aLawThatDoesNotExistIsExitCode4() throws Exception {
-        Path world = write("""
-                reve: 1
-                name: lawless
-                laws: [newton_motoin]
-                items: []
-                """);
+        Path world =
+                write(
+                        """
+                        reve: 1
+                        name: lawless
+                        laws: [newton_motoin]
+                        items: []
+                        """);
         Outcome outcome = Reve.run("check", world.toString());
         assertThat(outcome.code()).isEqualTo(4);
         assertThat(outcome.err()).startsWith(world + ":3:8: ").contains("newton_motoin");
@@ -244,22 +317,30 @@ class CommandLineIT {
 
     @Test
     void allLawsThatDoNotLoadAreToldAtOnce() throws Exception {
-        Path world = write("""
-                reve: 1
-                name: lawless
-                laws:
-                  - newton_motoin
-                  - gravity_field
-                  - {name: barnes_hut_gravitation, parameters: {brightness: 3}}
-                """);
+        Path world =
+                write(
+                        """
+                        reve: 1
+                        name: lawless
+                        laws:
+                          - newton_motoin
+                          - gravity_field
+                          - {name: barnes_hut_gravitation, parameters: {brightness: 3}}
+                        """);
         Outcome outcome = Reve.run("check", world.toString());
         assertThat(outcome.code()).isEqualTo(4);
-        assertThat(outcome.err().lines().toList()).satisfiesExactly(
-                line -> assertThat(line).startsWith(world + ":4:5: ").contains("newton_motoin"),
-                line -> assertThat(line).startsWith("  " + world + ":6:49: ")
-                        .contains("brightness"));
-        JsonNode json = new JsonMapper()
-                .readTree(Reve.run("check", "--json", world.toString()).out());
+        assertThat(outcome.err().lines().toList())
+                .satisfiesExactly(
+                        line ->
+                                assertThat(line)
+                                        .startsWith(world + ":4:5: ")
+                                        .contains("newton_motoin"),
+                        line ->
+                                assertThat(line)
+                                        .startsWith("  " + world + ":6:49: ")
+                                        .contains("brightness"));
+        JsonNode json =
+                new JsonMapper().readTree(Reve.run("check", "--json", world.toString()).out());
         assertThat(json.get("problems").size()).isEqualTo(2);
     }
 
@@ -292,8 +373,8 @@ class CommandLineIT {
 
     @Test
     void aTakenPortIsExitCode5() throws Exception {
-        try (var taken = new java.net.ServerSocket(0, 1,
-                java.net.InetAddress.getLoopbackAddress())) {
+        try (var taken =
+                new java.net.ServerSocket(0, 1, java.net.InetAddress.getLoopbackAddress())) {
             String port = Integer.toString(taken.getLocalPort());
             Outcome outcome = Reve.run("serve", SPRING_ORBIT, "--port", port);
             assertThat(outcome.code()).isEqualTo(5);

@@ -1,14 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.tests;
 
 import static org.assertj.core.api.Assertions.assertThat;
+
+import org.junit.jupiter.api.Tag;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
 
 import java.io.IOException;
 import java.net.InetAddress;
 import java.net.ServerSocket;
 import java.nio.file.Path;
-import org.junit.jupiter.api.Tag;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.api.io.TempDir;
 
 /** {@code ./reve control} and a server with two worlds, as processes. */
 @Tag("slow")
@@ -16,10 +18,17 @@ class ControlCommandIT {
 
     @Test
     void aRunningWorldIsPausedTakenBackSavedAndEnded(@TempDir Path folder) throws Exception {
-        try (Server server = Server.start(folder, "serve",
-                Project.WORLDS.resolve("spring-orbit").toString(),
-                Project.WORLDS.resolve("icosahedron").toString(), "--port", "0", "--json",
-                "--saves", folder.toString())) {
+        try (Server server =
+                Server.start(
+                        folder,
+                        "serve",
+                        Project.WORLDS.resolve("spring-orbit").toString(),
+                        Project.WORLDS.resolve("icosahedron").toString(),
+                        "--port",
+                        "0",
+                        "--json",
+                        "--saves",
+                        folder.toString())) {
             String port = server.port();
             assertThat(Reve.run("control", "pause", "--port", port).err())
                     .contains("no-such-world", "icosahedron");
@@ -34,8 +43,16 @@ class ControlCommandIT {
             assertThat(refused.err()).contains("no-such-image", "never");
             assertThat(control(port, "rewind", "never").code()).isEqualTo(2);
             assertThat(control(port, "shut-down").code()).isZero();
-            assertThat(Reve.run("control", "shut-down", "--port", port, "--world", "icosahedron")
-                    .code()).isZero();
+            assertThat(
+                            Reve.run(
+                                            "control",
+                                            "shut-down",
+                                            "--port",
+                                            port,
+                                            "--world",
+                                            "icosahedron")
+                                    .code())
+                    .isZero();
             assertThat(server.exitCode()).isZero();
         }
     }
@@ -43,16 +60,28 @@ class ControlCommandIT {
     @Test
     void whatNobodyCouldAnswerIsNotSaid() throws Exception {
         assertRefused(2, "'fork' is no command", "rewind", "control", "fork", "frames=3");
-        assertRefused(2, "step has no field 'frams'", "it has frames",
-                "control", "step", "frams=3");
+        assertRefused(
+                2, "step has no field 'frams'", "it has frames", "control", "step", "frams=3");
         assertRefused(2, "--port is 99999", "65535", "control", "pause", "--port", "99999");
-        assertRefused(1, "there is no such address", "nowhere.invalid",
-                "control", "pause", "--host", "nowhere.invalid");
-        assertRefused(1, "there is no file", "none.crt",
-                "control", "pause", "--tls-trust", "none.crt");
+        assertRefused(
+                1,
+                "there is no such address",
+                "nowhere.invalid",
+                "control",
+                "pause",
+                "--host",
+                "nowhere.invalid");
+        assertRefused(
+                1, "there is no file", "none.crt", "control", "pause", "--tls-trust", "none.crt");
         String port = closedPort();
-        assertRefused(1, "127.0.0.1:" + port, "does a server run there?",
-                "control", "pause", "--port", port);
+        assertRefused(
+                1,
+                "127.0.0.1:" + port,
+                "does a server run there?",
+                "control",
+                "pause",
+                "--port",
+                port);
     }
 
     private static String closedPort() throws IOException {
@@ -72,8 +101,12 @@ class ControlCommandIT {
         String[] all = new String[command.length + 5];
         all[0] = "control";
         System.arraycopy(command, 0, all, 1, command.length);
-        System.arraycopy(new String[] {"--port", port, "--world", "spring-orbit"}, 0, all,
-                command.length + 1, 4);
+        System.arraycopy(
+                new String[] {"--port", port, "--world", "spring-orbit"},
+                0,
+                all,
+                command.length + 1,
+                4);
         return Reve.run(all);
     }
 }

@@ -1,21 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.tests;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatExceptionOfType;
 import static org.assertj.core.api.Assertions.within;
 
-import java.nio.file.Files;
-import java.nio.file.Path;
-import java.util.ArrayList;
-import java.util.List;
-import java.util.Map;
-import java.util.Optional;
-import java.util.concurrent.CompletableFuture;
-import java.util.concurrent.CompletionException;
 import org.junit.jupiter.api.BeforeEach;
 import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
+
 import reve.agent.ActResult;
 import reve.agent.AgentClient;
 import reve.agent.AgentException;
@@ -36,6 +30,15 @@ import reve.worlds.server.ServerReport;
 import reve.worlds.server.Simulation;
 import reve.worlds.server.WorldPlan;
 import reve.worlds.server.WorldServer;
+
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.util.ArrayList;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.concurrent.CompletableFuture;
+import java.util.concurrent.CompletionException;
 
 /** What the role control does to a world with a real engine, over the protocol. */
 @Tag("slow")
@@ -68,56 +71,76 @@ class ControlIT {
 
     @Test
     void aLawThatIsLoadedActsFromThenOnUntilItIsUnloaded() throws Exception {
-        serve(boss -> {
-            accepted(boss, "pause", Map.of());
-            long start = accepted(boss, "rewind", Map.of());
-            double free = heightAt(boss, start + 2 * RATE);
-            start = accepted(boss, "rewind", Map.of());
-            long loaded = whileItRuns(boss, "load-law", Map.of("library", "gravity_field"));
-            heightAt(boss, start + RATE);
-            long unloaded = whileItRuns(boss, "unload-law", Map.of("library", "gravity_field"));
-            double pulled = heightAt(boss, start + 2 * RATE) - free;
-            double seconds = (unloaded - loaded) / (double) RATE;
-            double coasting = (start + 2 * RATE - unloaded + 1) / (double) RATE;
-            assertThat(pulled)
-                    .isCloseTo(GRAVITY * seconds * (0.5 * seconds + coasting), within(0.02));
-        });
-        assertThat(events).extracting(Event::type)
+        serve(
+                boss -> {
+                    accepted(boss, "pause", Map.of());
+                    long start = accepted(boss, "rewind", Map.of());
+                    double free = heightAt(boss, start + 2 * RATE);
+                    start = accepted(boss, "rewind", Map.of());
+                    long loaded = whileItRuns(boss, "load-law", Map.of("library", "gravity_field"));
+                    heightAt(boss, start + RATE);
+                    long unloaded =
+                            whileItRuns(boss, "unload-law", Map.of("library", "gravity_field"));
+                    double pulled = heightAt(boss, start + 2 * RATE) - free;
+                    double seconds = (unloaded - loaded) / (double) RATE;
+                    double coasting = (start + 2 * RATE - unloaded + 1) / (double) RATE;
+                    assertThat(pulled)
+                            .isCloseTo(
+                                    GRAVITY * seconds * (0.5 * seconds + coasting), within(0.02));
+                });
+        assertThat(events)
+                .extracting(Event::type)
                 .contains("law-loaded", "law-unloaded", "rewound");
     }
 
     @Test
     void aLawThatIsNotThereIsRefusedAndNothingElseHappens() throws Exception {
-        serve(boss -> {
-            ActResult refused = boss.command("load-law", Map.of("library", "perpetual_motion"));
-            assertThat(refused.code()).contains("law-refused");
-            assertThat(refused.reason().orElseThrow()).contains("perpetual_motion")
-                    .as("files of the server").doesNotContain("/");
-            assertThat(boss.command("load-law", Map.of("library", "../../etc/passwd")).code())
-                    .contains("law-refused");
-        });
+        serve(
+                boss -> {
+                    ActResult refused =
+                            boss.command("load-law", Map.of("library", "perpetual_motion"));
+                    assertThat(refused.code()).contains("law-refused");
+                    assertThat(refused.reason().orElseThrow())
+                            .contains("perpetual_motion")
+                            .as("files of the server")
+                            .doesNotContain("/");
+                    assertThat(
+                                    boss.command("load-law", Map.of("library", "../../etc/passwd"))
+                                            .code())
+                            .contains("law-refused");
+                });
     }
 
     @Test
     void aLookAheadAtMoreThanIsToldAtOnceIsRefused() throws Exception {
         var file = new StringBuilder("reve: 1\nname: crowd\nitems:\n");
         for (int i = 0; i < 200; i++) {
-            file.append("  - {name: item").append(i)
-                    .append(", semantic: {note: ").append("x".repeat(4000)).append("}}\n");
+            file.append("  - {name: item")
+                    .append(i)
+                    .append(", semantic: {note: ")
+                    .append("x".repeat(4000))
+                    .append("}}\n");
         }
         description = WorldFile.load(Files.writeString(folder.resolve("crowd.yaml"), file));
-        serve(boss -> assertThatExceptionOfType(AgentException.class)
-                .isThrownBy(() -> boss.foresee(1))
-                .withMessageContaining("more than is told at once").extracting(AgentException::code)
-                .isEqualTo("fork-refused"));
+        serve(
+                boss ->
+                        assertThatExceptionOfType(AgentException.class)
+                                .isThrownBy(() -> boss.foresee(1))
+                                .withMessageContaining("more than is told at once")
+                                .extracting(AgentException::code)
+                                .isEqualTo("fork-refused"));
     }
 
     @Test
     void aPictureIsTakenOfTheFrameThatItsResultNames() throws Exception {
-        long frame = serve(boss -> assertThat(accepted(boss, "picture", Map.of())).isPositive())
-                .frames();
-        Event taken = events.stream().filter(event -> event.type().equals("snapshot")).findFirst()
-                .orElseThrow();
+        long frame =
+                serve(boss -> assertThat(accepted(boss, "picture", Map.of())).isPositive())
+                        .frames();
+        Event taken =
+                events.stream()
+                        .filter(event -> event.type().equals("snapshot"))
+                        .findFirst()
+                        .orElseThrow();
         Path file = Path.of((String) taken.fields().get("file"));
         assertThat((Long) taken.fields().get("frame")).isBetween(1L, frame);
         assertThat(Files.readAllBytes(file)).startsWith(0x89, 'P', 'N', 'G');
@@ -130,21 +153,31 @@ class ControlIT {
             fresh.loop().run(2 * RATE);
             hash = fresh.physics().stateHash();
         }
-        RunReport report = serve(boss -> {
-            accepted(boss, "pause", Map.of());
-            accepted(boss, "rewind", Map.of());
-            Perception first = after(boss, RATE);
-            accepted(boss, "snapshot", Map.of("image", "second"));
-            whileItRuns(boss, "edit", Map.of("item", "blue", "property", "physics.velocity",
-                    "value", new double[] {0, 9, 0}));
-            whileItRuns(boss, "load-law", Map.of("library", "gravity_field"));
-            after(boss, 5);
-            long frame = accepted(boss, "rewind", Map.of("image", "second"));
-            Perception again = until(boss, frame);
-            assertThat(again.time()).isEqualTo(first.time());
-            assertThat(again.items()).isEqualTo(first.items());
-            after(boss, RATE);
-        });
+        RunReport report =
+                serve(
+                        boss -> {
+                            accepted(boss, "pause", Map.of());
+                            accepted(boss, "rewind", Map.of());
+                            Perception first = after(boss, RATE);
+                            accepted(boss, "snapshot", Map.of("image", "second"));
+                            whileItRuns(
+                                    boss,
+                                    "edit",
+                                    Map.of(
+                                            "item",
+                                            "blue",
+                                            "property",
+                                            "physics.velocity",
+                                            "value",
+                                            new double[] {0, 9, 0}));
+                            whileItRuns(boss, "load-law", Map.of("library", "gravity_field"));
+                            after(boss, 5);
+                            long frame = accepted(boss, "rewind", Map.of("image", "second"));
+                            Perception again = until(boss, frame);
+                            assertThat(again.time()).isEqualTo(first.time());
+                            assertThat(again.items()).isEqualTo(first.items());
+                            after(boss, RATE);
+                        });
         assertThat(report.stateHash()).isEqualTo(hash);
     }
 
@@ -170,80 +203,97 @@ class ControlIT {
         store = Optional.of(folder.resolve("world.db"));
         RunReport report = serve(this::wander);
         events = new ArrayList<>();
-        serve(boss -> { });
-        Event ready = events.stream().filter(event -> event.type().equals("ready")).findFirst()
-                .orElseThrow();
-        assertThat(ready.fields()).containsEntry("frame", report.frames())
+        serve(boss -> {});
+        Event ready =
+                events.stream()
+                        .filter(event -> event.type().equals("ready"))
+                        .findFirst()
+                        .orElseThrow();
+        assertThat(ready.fields())
+                .containsEntry("frame", report.frames())
                 .containsEntry("stateHash", "%016x".formatted(report.stateHash()));
         assertThat(events).extracting(Event::type).doesNotContain("fault");
     }
 
     @Test
     void whatIsForeseenHappensIfNobodyInterferesAndTheWorldDoesNotNotice() throws Exception {
-        serve(boss -> {
-            accepted(boss, "pause", Map.of());
-            long start = accepted(boss, "rewind", Map.of());
-            Perception foreseen = boss.foresee(2 * RATE);
-            assertThat(foreseen.frame()).isEqualTo(start + 2 * RATE);
-            assertThat(accepted(boss, "pause", Map.of())).isEqualTo(start);
-            Perception lived = after(boss, 2 * RATE);
-            assertThat(foreseen.items()).isEqualTo(lived.items());
-            assertThat(foreseen.time()).isEqualTo(lived.time());
-        });
+        serve(
+                boss -> {
+                    accepted(boss, "pause", Map.of());
+                    long start = accepted(boss, "rewind", Map.of());
+                    Perception foreseen = boss.foresee(2 * RATE);
+                    assertThat(foreseen.frame()).isEqualTo(start + 2 * RATE);
+                    assertThat(accepted(boss, "pause", Map.of())).isEqualTo(start);
+                    Perception lived = after(boss, 2 * RATE);
+                    assertThat(foreseen.items()).isEqualTo(lived.items());
+                    assertThat(foreseen.time()).isEqualTo(lived.time());
+                });
     }
 
     @Test
     void aForkIsLookedAtWhileTheWorldGoesOn() throws Exception {
-        serve(boss -> {
-            long before = boss.nextPerception().frame();
-            assertThat(boss.foresee(10 * RATE).frame()).isGreaterThanOrEqualTo(before + 10 * RATE);
-            assertThat(boss.nextPerception().frame()).isLessThan(before + 10 * RATE);
-            assertThatExceptionOfType(AgentException.class)
-                    .isThrownBy(() -> boss.foresee(1_000_001));
-        });
+        serve(
+                boss -> {
+                    long before = boss.nextPerception().frame();
+                    assertThat(boss.foresee(10 * RATE).frame())
+                            .isGreaterThanOrEqualTo(before + 10 * RATE);
+                    assertThat(boss.nextPerception().frame()).isLessThan(before + 10 * RATE);
+                    assertThatExceptionOfType(AgentException.class)
+                            .isThrownBy(() -> boss.foresee(1_000_001));
+                });
     }
 
     @Test
     void aSavedWorldGoesOnAsThisOneAndHasNoBodiesThatWereMadeForAgents() throws Exception {
-        serve(boss -> {
-            try (AgentClient ada = AgentClient.connect("127.0.0.1", port, "ada")) {
-                assertThat(ada.act("blue", "push", Map.of("impulse", List.of(0, 0, 3))).accepted())
-                        .isTrue();
-                accepted(boss, "pause", Map.of());
-                accepted(boss, "save", Map.of("file", "later"));
-                Perception lived = after(boss, RATE);
-                WorldDescription saved = WorldFile.load(folder.resolve("later.yaml"));
-                assertThat(saved.items()).noneMatch(item -> item.name().equals("ada"));
-                try (Simulation again = new Simulation(saved, Pacing.FAST)) {
-                    again.loop().run(RATE);
-                    double[] at = again.world().find("blue").orElseThrow().physical().location();
-                    var location = lived.find("blue").orElseThrow().location().orElseThrow();
-                    assertThat(at).containsExactly(location.x(), location.y(), location.z());
-                }
-            }
-        });
+        serve(
+                boss -> {
+                    try (AgentClient ada = AgentClient.connect("127.0.0.1", port, "ada")) {
+                        assertThat(
+                                        ada.act("blue", "push", Map.of("impulse", List.of(0, 0, 3)))
+                                                .accepted())
+                                .isTrue();
+                        accepted(boss, "pause", Map.of());
+                        accepted(boss, "save", Map.of("file", "later"));
+                        Perception lived = after(boss, RATE);
+                        WorldDescription saved = WorldFile.load(folder.resolve("later.yaml"));
+                        assertThat(saved.items()).noneMatch(item -> item.name().equals("ada"));
+                        try (Simulation again = new Simulation(saved, Pacing.FAST)) {
+                            again.loop().run(RATE);
+                            double[] at =
+                                    again.world().find("blue").orElseThrow().physical().location();
+                            var location =
+                                    lived.find("blue").orElseThrow().location().orElseThrow();
+                            assertThat(at)
+                                    .containsExactly(location.x(), location.y(), location.z());
+                        }
+                    }
+                });
         assertThat(events).extracting(Event::type).contains("saved");
     }
 
     @Test
     void nothingIsSavedOutsideTheFolder() throws Exception {
-        serve(boss -> {
-            for (String name : List.of("../x", "/tmp/x", "a/b", ".hidden", "x.yaml")) {
-                assertThat(boss.command("save", Map.of("file", name)).code())
-                        .contains("save-refused");
-            }
-        });
+        serve(
+                boss -> {
+                    for (String name : List.of("../x", "/tmp/x", "a/b", ".hidden", "x.yaml")) {
+                        assertThat(boss.command("save", Map.of("file", name)).code())
+                                .contains("save-refused");
+                    }
+                });
         assertThat(folder).isEmptyDirectory();
     }
 
     @Test
     void whyNothingCanBeSavedIsForWhoRunsTheServer() throws Exception {
         Files.createDirectory(folder.resolve("later.yaml"));
-        serve(boss -> {
-            ActResult refused = boss.command("save", Map.of("file", "later"));
-            assertThat(refused.code()).contains("save-refused");
-            assertThat(refused.reason().orElseThrow()).contains("later").doesNotContain("/");
-        });
+        serve(
+                boss -> {
+                    ActResult refused = boss.command("save", Map.of("file", "later"));
+                    assertThat(refused.code()).contains("save-refused");
+                    assertThat(refused.reason().orElseThrow())
+                            .contains("later")
+                            .doesNotContain("/");
+                });
     }
 
     /** Goes to and fro, with an agent that comes after what is gone back to. */
@@ -256,8 +306,16 @@ class ControlIT {
                 assertThat(ada.act("blue", "push", Map.of("impulse", List.of(0, 0, i))).accepted())
                         .isTrue();
                 accepted(boss, "rewind", Map.of("image", "early"));
-                accepted(boss, "edit", Map.of("item", "blue", "property", "physics.velocity",
-                        "value", new double[] {0, i, 0}));
+                accepted(
+                        boss,
+                        "edit",
+                        Map.of(
+                                "item",
+                                "blue",
+                                "property",
+                                "physics.velocity",
+                                "value",
+                                new double[] {0, i, 0}));
             }
             accepted(boss, "rewind", Map.of());
             assertThat(ada.act("blue", "push", Map.of("impulse", List.of(0, 0, 1))).accepted())
@@ -273,27 +331,44 @@ class ControlIT {
 
     /** Serves the world on this thread while an operator works on another. */
     private RunReport serve(Script script) throws Exception {
-        WorldPlan plan = new WorldPlan(description, Long.MAX_VALUE,
-                new Persistence(WORLD, recording.map(RecordingPlan::of), store,
-                        Optional.of(folder), 10, SqliteStore.Durability.NORMAL),
-                new Pictures(folder, List.of()));
-        try (WorldServer server = new WorldServer(List.of(plan), Pacing.REAL_TIME,
-                AgentServerConfig.onPort(0), Optional.empty(),
-                (type, fields) -> note(new Event(type, fields)))) {
+        WorldPlan plan =
+                new WorldPlan(
+                        description,
+                        Long.MAX_VALUE,
+                        new Persistence(
+                                WORLD,
+                                recording.map(RecordingPlan::of),
+                                store,
+                                Optional.of(folder),
+                                10,
+                                SqliteStore.Durability.NORMAL),
+                        new Pictures(folder, List.of()));
+        try (WorldServer server =
+                new WorldServer(
+                        List.of(plan),
+                        Pacing.REAL_TIME,
+                        AgentServerConfig.onPort(0),
+                        Optional.empty(),
+                        (type, fields) -> note(new Event(type, fields)))) {
             server.start();
             port = server.port();
-            CompletableFuture<Void> operator = CompletableFuture.runAsync(() -> {
-                try (AgentClient boss = AgentClient.connect("127.0.0.1", port,
-                        Join.as("boss").withRole("control"))) {
-                    boss.perceiveEvery(1);
-                    script.run(boss);
-                    boss.command("pause", Map.of());
-                } catch (Exception e) {
-                    throw new CompletionException(e);
-                } finally {
-                    server.stop();
-                }
-            });
+            CompletableFuture<Void> operator =
+                    CompletableFuture.runAsync(
+                            () -> {
+                                try (AgentClient boss =
+                                        AgentClient.connect(
+                                                "127.0.0.1",
+                                                port,
+                                                Join.as("boss").withRole("control"))) {
+                                    boss.perceiveEvery(1);
+                                    script.run(boss);
+                                    boss.command("pause", Map.of());
+                                } catch (Exception e) {
+                                    throw new CompletionException(e);
+                                } finally {
+                                    server.stop();
+                                }
+                            });
             ServerReport report = server.run();
             operator.join();
             return report.runs().getFirst();
@@ -334,7 +409,11 @@ class ControlIT {
     /** Of the red ball in a later frame of a paused world [m]. */
     private static double heightAt(AgentClient boss, long frame) {
         long now = accepted(boss, "pause", Map.of());
-        return after(boss, (int) (frame - now)).find("red").orElseThrow()
-                .location().orElseThrow().y();
+        return after(boss, (int) (frame - now))
+                .find("red")
+                .orElseThrow()
+                .location()
+                .orElseThrow()
+                .y();
     }
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.tests;
 
 import java.io.IOException;
@@ -12,8 +13,8 @@ import java.util.concurrent.ConcurrentHashMap;
 import java.util.concurrent.atomic.AtomicInteger;
 
 /**
- * A way to a server of this machine that breaks: every connection after some bytes, or
- * all of them at once.
+ * A way to a server of this machine that breaks: every connection after some bytes, or all of them
+ * at once.
  */
 final class Cutter implements AutoCloseable {
     private final ServerSocket listening =
@@ -82,7 +83,8 @@ final class Cutter implements AutoCloseable {
     }
 
     private void relay(Socket from, Socket to, int most) {
-        try (from; to) {
+        try (from;
+                to) {
             InputStream in = from.getInputStream();
             OutputStream out = to.getOutputStream();
             byte[] bytes = new byte[4096];

@@ -1,20 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.tests;
 
 import static org.assertj.core.api.Assertions.assertThat;
 
-import java.nio.file.Files;
-import java.nio.file.Path;
-import javax.imageio.ImageIO;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
+
 import reve.tests.Reve.Outcome;
+
 import tools.jackson.databind.JsonNode;
 import tools.jackson.databind.json.JsonMapper;
 
+import java.nio.file.Files;
+import java.nio.file.Path;
+
+import javax.imageio.ImageIO;
+
 /** {@code ./reve demo}: three processes, a law that comes and goes, two pictures. */
 class DemoIT {
-    @TempDir
-    private Path folder;
+    @TempDir private Path folder;
 
     @Test
     void everyPartOfTheMainJobHappens() throws Exception {
@@ -26,7 +30,8 @@ class DemoIT {
         assertThat(demo.at("/server/faults").size()).isZero();
         assertThat(demo.at("/server/agents/joined").asLong()).isEqualTo(2);
         assertThat(demo.at("/server/agents/cut").asLong()).isZero();
-        assertThat(demo.at("/lawLoaded/time").asDouble()).isGreaterThanOrEqualTo(2)
+        assertThat(demo.at("/lawLoaded/time").asDouble())
+                .isGreaterThanOrEqualTo(2)
                 .isLessThan(demo.at("/lawUnloaded/time").asDouble());
         for (String agent : new String[] {"pythonAgent", "javaAgent"}) {
             assertThat(demo.path(agent).path("perceptions").asLong()).as(agent).isGreaterThan(10);

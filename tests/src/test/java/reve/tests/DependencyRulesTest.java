@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.tests;
 
 import static com.tngtech.archunit.lang.syntax.ArchRuleDefinition.noClasses;
@@ -6,60 +7,84 @@ import static com.tngtech.archunit.library.dependencies.SlicesRuleDefinition.sli
 import com.tngtech.archunit.core.domain.JavaClasses;
 import com.tngtech.archunit.core.importer.ClassFileImporter;
 import com.tngtech.archunit.core.importer.ImportOption;
+
 import org.junit.jupiter.api.Test;
 
 /** The arrows of ARCHITECTURE.md, held by the class files. */
 class DependencyRulesTest {
-    private static final JavaClasses CLASSES = new ClassFileImporter()
-            .withImportOption(new ImportOption.DoNotIncludeTests())
-            .importPackages("reve");
+    private static final JavaClasses CLASSES =
+            new ClassFileImporter()
+                    .withImportOption(new ImportOption.DoNotIncludeTests())
+                    .importPackages("reve");
 
     @Test
     void coreKnowsNoEngineAndNoApplication() {
-        noClasses().that().resideInAPackage("reve.core..")
-                .should().dependOnClassesThat()
+        noClasses()
+                .that()
+                .resideInAPackage("reve.core..")
+                .should()
+                .dependOnClassesThat()
                 .resideInAnyPackage("reve.pe..", "reve.worlds..", "reve.agent..")
                 .check(CLASSES);
     }
 
     @Test
     void coreCallsNoNativeCode() {
-        noClasses().that().resideInAPackage("reve.core..")
-                .should().dependOnClassesThat().haveFullyQualifiedName("java.lang.foreign.Linker")
-                .orShould().dependOnClassesThat()
+        noClasses()
+                .that()
+                .resideInAPackage("reve.core..")
+                .should()
+                .dependOnClassesThat()
+                .haveFullyQualifiedName("java.lang.foreign.Linker")
+                .orShould()
+                .dependOnClassesThat()
                 .haveFullyQualifiedName("java.lang.foreign.SymbolLookup")
                 .check(CLASSES);
     }
 
     @Test
     void onlyTheNativePackagesOfTheAdapterCallNativeCode() {
-        noClasses().that().resideOutsideOfPackages("reve.pe.vesper..", "reve.pe.posix..")
-                .should().dependOnClassesThat().haveFullyQualifiedName("java.lang.foreign.Linker")
-                .orShould().dependOnClassesThat()
+        noClasses()
+                .that()
+                .resideOutsideOfPackages("reve.pe.vesper..", "reve.pe.posix..")
+                .should()
+                .dependOnClassesThat()
+                .haveFullyQualifiedName("java.lang.foreign.Linker")
+                .orShould()
+                .dependOnClassesThat()
                 .haveFullyQualifiedName("java.lang.foreign.SymbolLookup")
                 .check(CLASSES);
     }
 
     @Test
     void theEngineBindingKnowsNothingOfReve() {
-        noClasses().that().resideInAnyPackage("reve.pe", "reve.pe.vesper..", "reve.pe.posix..")
-                .should().dependOnClassesThat()
+        noClasses()
+                .that()
+                .resideInAnyPackage("reve.pe", "reve.pe.vesper..", "reve.pe.posix..")
+                .should()
+                .dependOnClassesThat()
                 .resideInAnyPackage("reve.core..", "reve.pe.adapter..", "reve.worlds..")
                 .check(CLASSES);
     }
 
     @Test
     void theAdapterKnowsNoApplicationAndNoParticularEngine() {
-        noClasses().that().resideInAPackage("reve.pe.adapter..")
-                .should().dependOnClassesThat()
+        noClasses()
+                .that()
+                .resideInAPackage("reve.pe.adapter..")
+                .should()
+                .dependOnClassesThat()
                 .resideInAnyPackage("reve.worlds..", "reve.pe.vesper..")
                 .check(CLASSES);
     }
 
     @Test
     void clientsKnowTheProtocolOnly() {
-        noClasses().that().resideInAPackage("reve.agent..")
-                .should().dependOnClassesThat()
+        noClasses()
+                .that()
+                .resideInAPackage("reve.agent..")
+                .should()
+                .dependOnClassesThat()
                 .resideInAnyPackage("reve.core..", "reve.pe..", "reve.worlds..")
                 .check(CLASSES);
     }

@@ -1,6 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.tests;
 
 import static org.assertj.core.api.Assertions.assertThat;
+
+import org.junit.jupiter.api.BeforeEach;
+import org.junit.jupiter.api.Tag;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+
+import reve.agent.AgentClient;
+import reve.agent.Join;
+import reve.tests.Reve.Outcome;
+
+import tools.jackson.databind.JsonNode;
 
 import java.io.IOException;
 import java.nio.file.Files;
@@ -8,25 +20,16 @@ import java.nio.file.Path;
 import java.nio.file.attribute.BasicFileAttributes;
 import java.util.ArrayList;
 import java.util.List;
-import java.util.Map;
-import org.junit.jupiter.api.BeforeEach;
-import org.junit.jupiter.api.Tag;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.api.io.TempDir;
-import reve.agent.AgentClient;
-import reve.agent.Join;
-import reve.tests.Reve.Outcome;
-import tools.jackson.databind.JsonNode;
 
 /** Real servers whose store is on a disk that fails. */
 @Tag("slow")
 class DiskFaultIT {
     private static final String WORLD = Project.WORLDS.resolve("spring-orbit").toString();
+
     /** No file may grow beyond this [KiB]: a law library fits, the frames of 300 s do not. */
     private static final int LIMIT = 2400;
 
-    @TempDir
-    private Path folder;
+    @TempDir private Path folder;
     private Path store;
 
     @BeforeEach
@@ -40,8 +43,8 @@ class DiskFaultIT {
         try (Server server = limited("--store-every", "300", "--seconds", "310")) {
             JsonNode fault = server.events().await("fault", event -> true);
             assertThat(fault.path("source").asString()).isEqualTo("store");
-            assertThat(fault.path("message").asString()).contains(store + "-frames-1",
-                    "could not be written: File too large");
+            assertThat(fault.path("message").asString())
+                    .contains(store + "-frames-1", "could not be written: File too large");
             end = server.events().await("end", event -> true);
             assertThat(end.path("frames").asLong()).isEqualTo(310 * 60);
             assertThat(server.exitCode()).isZero();
@@ -62,44 +65,79 @@ class DiskFaultIT {
         long frame = resumed.path("frame").asLong();
         assertThat(frame).isPositive();
         assertThat(fault).endsWith("loses the frames from " + (frame + 1) + " on");
-        Outcome undisturbed = Reve.run("run", WORLD, "--seconds", Double.toString(frame / 60.0),
-                "--json");
-        assertThat(undisturbed.out()).contains("\"frames\" : " + frame,
-                resumed.path("stateHash").asString());
+        Outcome undisturbed =
+                Reve.run("run", WORLD, "--seconds", Double.toString(frame / 60.0), "--json");
+        assertThat(undisturbed.out())
+                .contains("\"frames\" : " + frame, resumed.path("stateHash").asString());
     }
 
     @Test
     void aServerWhoseLastImageDoesNotFitFailsAndSaysWhatItsStoreContinuesFrom() throws Exception {
-        try (Server server = Server.start(folder, "serve", WORLD, "--port", "0", "--json",
-                "--store", store.toString())) {
+        try (Server server =
+                Server.start(
+                        folder,
+                        "serve",
+                        WORLD,
+                        "--port",
+                        "0",
+                        "--json",
+                        "--store",
+                        store.toString())) {
             server.port();
             Path frames = Path.of(store + "-frames-1");
             while (!Files.exists(frames) || Files.size(frames) < 10_000) { // the image is kept
                 Thread.onSpinWait();
             }
             String pid = String.valueOf(server.process().pid());
-            assertThat(new ProcessBuilder("prlimit", "--pid", pid, "--fsize=64").start()
-                    .waitFor()).isZero();
-            server.events().await("fault", event -> event.path("message").asString()
-                    .contains("loses the frames from"));
+            assertThat(new ProcessBuilder("prlimit", "--pid", pid, "--fsize=64").start().waitFor())
+                    .isZero();
+            server.events()
+                    .await(
+                            "fault",
+                            event ->
+                                    event.path("message")
+                                            .asString()
+                                            .contains("loses the frames from"));
             server.process().toHandle().destroy();
-            JsonNode fault = server.events().await("fault", event -> event.path("message")
-                    .asString().contains("its last image could not be written"));
+            JsonNode fault =
+                    server.events()
+                            .await(
+                                    "fault",
+                                    event ->
+                                            event.path("message")
+                                                    .asString()
+                                                    .contains(
+                                                            "its last image could not be written"));
             JsonNode end = server.events().await("end", event -> true);
             assertThat(server.exitCode()).isEqualTo(1);
             String message = fault.path("message").asString();
             assertThat(end.at("/unkept/0").asString()).isEqualTo(message);
             long resumed = resumed().path("frame").asLong();
-            assertThat(message).startsWith(store + ": ").contains("continues from frame " + resumed
-                    + ", frames " + (resumed + 1) + " to " + end.path("frames").asLong());
+            assertThat(message)
+                    .startsWith(store + ": ")
+                    .contains(
+                            "continues from frame "
+                                    + resumed
+                                    + ", frames "
+                                    + (resumed + 1)
+                                    + " to "
+                                    + end.path("frames").asLong());
         }
     }
 
     @Test
     void aRunWhoseRecordingDoesNotFitOnTheDiskFails() throws Exception {
         Path recording = folder.resolve("run.log");
-        Outcome outcome = Reve.run(limited(Reve.command("run", WORLD, "--seconds", "310",
-                "--record", recording.toString())));
+        Outcome outcome =
+                Reve.run(
+                        limited(
+                                Reve.command(
+                                        "run",
+                                        WORLD,
+                                        "--seconds",
+                                        "310",
+                                        "--record",
+                                        recording.toString())));
         assertThat(outcome.code()).as(outcome.err()).isEqualTo(1);
         assertThat(outcome.err()).contains("reve: recording: " + recording, "File too large");
         assertThat(outcome.out()).contains("state hash");
@@ -109,26 +147,47 @@ class DiskFaultIT {
     void aRecordingGoesOnInAnotherFileWhenThereIsRoomAgain() throws Exception {
         Path recording = folder.resolve("run.log");
         Path part = folder.resolve("run.log.1");
-        try (Server server = Server.start(folder, "serve", WORLD, "--port", "0", "--json",
-                "--record", recording.toString())) {
+        try (Server server =
+                Server.start(
+                        folder,
+                        "serve",
+                        WORLD,
+                        "--port",
+                        "0",
+                        "--json",
+                        "--record",
+                        recording.toString())) {
             server.port();
             awaitGrowth(recording);
             limit(server, "64:");
             assertThat(server.events().await("fault", event -> true).path("message").asString())
-                    .startsWith(recording + " could not be written: File too large; the frames "
-                            + "from").endsWith("on are not recorded, until a new recording can "
-                            + "begin");
+                    .startsWith(
+                            recording
+                                    + " could not be written: File too large; the frames "
+                                    + "from")
+                    .endsWith("on are not recorded, until a new recording can " + "begin");
             while (!Files.exists(part)) {
                 Thread.onSpinWait();
             }
             limit(server, "unlimited:");
-            assertThat(server.events().await("fault", event -> event.path("message").asString()
-                    .startsWith("a new recording")).path("message").asString())
-                    .startsWith("a new recording begins with frame ").contains(" in " + recording
-                            + ", the recording before it is " + part, "are not recorded");
+            assertThat(
+                            server.events()
+                                    .await(
+                                            "fault",
+                                            event ->
+                                                    event.path("message")
+                                                            .asString()
+                                                            .startsWith("a new recording"))
+                                    .path("message")
+                                    .asString())
+                    .startsWith("a new recording begins with frame ")
+                    .contains(
+                            " in " + recording + ", the recording before it is " + part,
+                            "are not recorded");
             server.process().toHandle().destroy();
             JsonNode end = server.events().await("end", event -> true);
-            assertThat(end.at("/gaps/0").asString()).startsWith(recording + ": ")
+            assertThat(end.at("/gaps/0").asString())
+                    .startsWith(recording + ": ")
                     .endsWith("are not recorded");
             assertThat(server.exitCode()).isEqualTo(1);
         }
@@ -151,8 +210,14 @@ class DiskFaultIT {
 
     /** Another size that no file of the server may exceed [bytes]. */
     private static void limit(Server server, String bytes) throws Exception {
-        assertThat(new ProcessBuilder("prlimit", "--pid",
-                String.valueOf(server.process().pid()), "--fsize=" + bytes).start().waitFor())
+        assertThat(
+                        new ProcessBuilder(
+                                        "prlimit",
+                                        "--pid",
+                                        String.valueOf(server.process().pid()),
+                                        "--fsize=" + bytes)
+                                .start()
+                                .waitFor())
                 .isZero();
     }
 
@@ -160,12 +225,27 @@ class DiskFaultIT {
     void aRecordingEndsAtItsLimitAndTheRunGoesOn() throws Exception {
         Path recording = folder.resolve("run.log");
         JsonNode end;
-        try (Server server = Server.start(folder, "serve", WORLD, "--port", "0", "--json", "--fast",
-                "--seconds", "310", "--record", recording.toString(), "--record-limit", "2")) {
+        try (Server server =
+                Server.start(
+                        folder,
+                        "serve",
+                        WORLD,
+                        "--port",
+                        "0",
+                        "--json",
+                        "--fast",
+                        "--seconds",
+                        "310",
+                        "--record",
+                        recording.toString(),
+                        "--record-limit",
+                        "2")) {
             JsonNode fault = server.events().await("fault", event -> true);
             assertThat(fault.path("source").asString()).isEqualTo("recording");
-            assertThat(fault.path("message").asString()).contains(recording.toString(),
-                    "has its limit of 2097152 bytes; the recording ends before frame ");
+            assertThat(fault.path("message").asString())
+                    .contains(
+                            recording.toString(),
+                            "has its limit of 2097152 bytes; the recording ends before frame ");
             end = server.events().await("end", event -> true);
             assertThat(end.path("frames").asLong()).isEqualTo(310 * 60);
             assertThat(server.exitCode()).isZero();
@@ -177,8 +257,9 @@ class DiskFaultIT {
 
     @Test
     void agentsGoOnWhenTheAuditDiskIsFullAndTheGapIsReported() throws Exception {
-        try (Server server = Server.start(folder, "serve", WORLD, "--port", "0", "--json",
-                "--audit", "/dev/full")) {
+        try (Server server =
+                Server.start(
+                        folder, "serve", WORLD, "--port", "0", "--json", "--audit", "/dev/full")) {
             int port = Integer.parseInt(server.port());
             try (AgentClient ada = AgentClient.connect("127.0.0.1", port, Join.as("ada"))) {
                 assertThat(ada.perceive().items()).isNotEmpty();
@@ -187,7 +268,8 @@ class DiskFaultIT {
             assertThat(fault.path("source").asString()).isEqualTo("audit");
             assertThat(fault.path("message").asString())
                     .contains("/dev/full", "No space left on device", "without a record");
-            new ProcessBuilder("kill", "-TERM", String.valueOf(server.process().pid())).start()
+            new ProcessBuilder("kill", "-TERM", String.valueOf(server.process().pid()))
+                    .start()
                     .waitFor();
             JsonNode end = server.events().await("end", event -> true);
             assertThat(end.at("/agents/unrecorded").asLong()).isPositive();
@@ -197,8 +279,9 @@ class DiskFaultIT {
 
     @Test
     void filesOfAStoreAreWrittenOverByNothingElse() throws Exception {
-        String[] serve = {"serve", WORLD, "--port", "0", "--fast", "--seconds", "0.2", "--store",
-            store.toString()};
+        String[] serve = {
+            "serve", WORLD, "--port", "0", "--fast", "--seconds", "0.2", "--store", store.toString()
+        };
         assertThat(Reve.run(serve).code()).isZero();
         byte[] before = Files.readAllBytes(store);
         for (String option : List.of("--record", "--audit")) {
@@ -219,8 +302,20 @@ class DiskFaultIT {
     @Test
     void aStoreThatIsRemovedIsMadeAnew() throws Exception {
         JsonNode end;
-        try (Server server = Server.start(folder, "serve", WORLD, "--port", "0", "--json",
-                "--store", store.toString(), "--store-every", "0.2", "--seconds", "2")) {
+        try (Server server =
+                Server.start(
+                        folder,
+                        "serve",
+                        WORLD,
+                        "--port",
+                        "0",
+                        "--json",
+                        "--store",
+                        store.toString(),
+                        "--store-every",
+                        "0.2",
+                        "--seconds",
+                        "2")) {
             server.port();
             Files.delete(store);
             assertThat(server.events().await("fault", event -> true).path("message").asString())
@@ -256,8 +351,7 @@ class DiskFaultIT {
     @Test
     void whatIsSavedThroughALinkLeavesTheLink() throws Exception {
         Path saved = folder.resolve("saved.yaml");
-        Path link = Files.createSymbolicLink(folder.resolve("link.yaml"),
-                Files.createFile(saved));
+        Path link = Files.createSymbolicLink(folder.resolve("link.yaml"), Files.createFile(saved));
 
         assertThat(Reve.run("run", WORLD, "--seconds", "0", "--save", link.toString()).code())
                 .isZero();
@@ -275,16 +369,26 @@ class DiskFaultIT {
 
     /** A command for which the disk is full as soon as a file is as large as the limit. */
     private static List<String> limited(List<String> command) {
-        List<String> limited = new ArrayList<>(List.of("bash", "-c",
-                "ulimit -f " + LIMIT + " && exec \"$@\"", "bash"));
+        List<String> limited =
+                new ArrayList<>(
+                        List.of("bash", "-c", "ulimit -f " + LIMIT + " && exec \"$@\"", "bash"));
         limited.addAll(command);
         return limited;
     }
 
     /** A server for which the disk is full as soon as a file is as large as the limit. */
     private Server limited(String... options) throws IOException {
-        List<String> command = limited(Reve.command("serve", WORLD, "--port", "0", "--json",
-                "--fast", "--store", store.toString()));
+        List<String> command =
+                limited(
+                        Reve.command(
+                                "serve",
+                                WORLD,
+                                "--port",
+                                "0",
+                                "--json",
+                                "--fast",
+                                "--store",
+                                store.toString()));
         command.addAll(List.of(options));
         Path errors = folder.resolve("server.err");
         Process process = new ProcessBuilder(command).redirectError(errors.toFile()).start();
@@ -293,8 +397,16 @@ class DiskFaultIT {
 
     /** What a server says that goes on with the store. */
     private JsonNode resumed() throws IOException {
-        try (Server server = Server.start(folder, "serve", WORLD, "--port", "0", "--json",
-                "--store", store.toString())) {
+        try (Server server =
+                Server.start(
+                        folder,
+                        "serve",
+                        WORLD,
+                        "--port",
+                        "0",
+                        "--json",
+                        "--store",
+                        store.toString())) {
             return server.events().await("ready", event -> true);
         }
     }

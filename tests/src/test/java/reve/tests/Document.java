@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.tests;
 
 import java.io.IOException;
@@ -14,7 +15,8 @@ import java.util.regex.Pattern;
  */
 record Document(Path path, List<Block> blocks) {
     private static final Pattern FENCE =
-            Pattern.compile("^```(\\w+)(?: title=(\\S+))?\\R(.*?)^```$",
+            Pattern.compile(
+                    "^```(\\w+)(?: title=(\\S+))?\\R(.*?)^```$",
                     Pattern.MULTILINE | Pattern.DOTALL);
 
     /** One block: its language, its file name (empty if the block names none) and its text. */
@@ -35,7 +37,7 @@ record Document(Path path, List<Block> blocks) {
         return blocks.stream()
                 .filter(block -> block.title().equals(title))
                 .findFirst()
-                .orElseThrow(() ->
-                        new IllegalArgumentException(path + " has no block titled " + title));
+                .orElseThrow(
+                        () -> new IllegalArgumentException(path + " has no block titled " + title));
     }
 }

@@ -1,6 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.tests;
 
 import static org.assertj.core.api.Assertions.assertThat;
+
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+
+import reve.core.file.WorldDescription;
+import reve.core.file.WorldFile;
+import reve.core.frame.Pacing;
+import reve.core.world.ItemDefinition;
+import reve.tests.Reve.Outcome;
+import reve.worlds.server.Simulation;
 
 import java.io.ByteArrayOutputStream;
 import java.net.URL;
@@ -11,19 +22,13 @@ import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.List;
 import java.util.stream.Collectors;
+
 import javax.tools.ToolProvider;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.api.io.TempDir;
-import reve.core.file.WorldDescription;
-import reve.core.file.WorldFile;
-import reve.core.frame.Pacing;
-import reve.core.world.ItemDefinition;
-import reve.tests.Reve.Outcome;
-import reve.worlds.server.Simulation;
 
 /** Short examples of the pages about keeping, replaying and meshes, as they stand there. */
 class DocumentExamplesIT {
-    private static final String PROGRAM = """
+    private static final String PROGRAM =
+            """
             import reve.worlds.journal.SimulationImage;
             import reve.worlds.server.Simulation;
 
@@ -34,12 +39,12 @@ class DocumentExamplesIT {
             }
             """;
 
-    @TempDir
-    private Path folder;
+    @TempDir private Path folder;
 
     private static String blocks(String page, String language) throws Exception {
         return Document.read(Project.ROOT.resolve("docs").resolve(page)).blocks().stream()
-                .filter(block -> block.language().equals(language)).map(Document.Block::text)
+                .filter(block -> block.language().equals(language))
+                .map(Document.Block::text)
                 .collect(Collectors.joining());
     }
 
@@ -48,9 +53,17 @@ class DocumentExamplesIT {
         Path source = folder.resolve("Program.java");
         Files.writeString(source, PROGRAM.formatted(blocks("persistence.md", "java")));
         var problems = new ByteArrayOutputStream();
-        int status = ToolProvider.getSystemJavaCompiler().run(null, null, problems, "-d",
-                folder.toString(), "-cp", System.getProperty("java.class.path"),
-                source.toString());
+        int status =
+                ToolProvider.getSystemJavaCompiler()
+                        .run(
+                                null,
+                                null,
+                                problems,
+                                "-d",
+                                folder.toString(),
+                                "-cp",
+                                System.getProperty("java.class.path"),
+                                source.toString());
         assertThat(status).as(problems.toString(StandardCharsets.UTF_8)).isZero();
         WorldDescription description =
                 WorldFile.load(Project.WORLDS.resolve("icosahedron/world.yaml"));
@@ -58,8 +71,7 @@ class DocumentExamplesIT {
                 Simulation simulation = new Simulation(description, Pacing.FAST)) {
             simulation.loop().run(3);
             long before = simulation.physics().stateHash();
-            loader.loadClass("Program").getMethod("run", Simulation.class)
-                    .invoke(null, simulation);
+            loader.loadClass("Program").getMethod("run", Simulation.class).invoke(null, simulation);
             assertThat(simulation.physics().stateHash()).isEqualTo(before);
             assertThat(simulation.loop().frame()).isEqualTo(3 + 120 + 1);
         }
@@ -72,8 +84,8 @@ class DocumentExamplesIT {
         List<String> example = lines.subList(first, first + 4);
         String log = folder.resolve("run.log").toString();
 
-        Outcome serve = run(example.get(0), "run.log", log, "--fast", "--seconds", "60",
-                "--port", "0");
+        Outcome serve =
+                run(example.get(0), "run.log", log, "--fast", "--seconds", "60", "--port", "0");
         assertThat(serve.code()).as(serve.err()).isZero();
         Outcome replay = run(example.get(1), "run.log", log);
 
@@ -87,9 +99,13 @@ class DocumentExamplesIT {
     private static Outcome run(String line, String file, String place, String... more)
             throws Exception {
         assertThat(line).startsWith("$ ./reve ");
-        List<String> command = new ArrayList<>(
-                List.of(line.substring("$ ./reve ".length()).replace(file, place)
-                        .replace("worlds/", Project.WORLDS + "/").split(" ")));
+        List<String> command =
+                new ArrayList<>(
+                        List.of(
+                                line.substring("$ ./reve ".length())
+                                        .replace(file, place)
+                                        .replace("worlds/", Project.WORLDS + "/")
+                                        .split(" ")));
         command.addAll(List.of(more));
         return Reve.run(command.toArray(String[]::new));
     }
@@ -99,9 +115,11 @@ class DocumentExamplesIT {
         Path source = Files.createDirectory(folder.resolve("example")).resolve("Levitate.java");
         Files.writeString(source, blocks("actions.md", "java"));
         Path services = Files.createDirectories(folder.resolve("META-INF/services"));
-        Files.writeString(services.resolve("reve.core.access.ActionProvider"),
-                "example.Levitate\n");
-        Files.writeString(folder.resolve("lift.yaml"), """
+        Files.writeString(
+                services.resolve("reve.core.access.ActionProvider"), "example.Levitate\n");
+        Files.writeString(
+                folder.resolve("lift.yaml"),
+                """
                 reve: 1
                 name: lift
                 items: [{name: stone, access: {lift: {java: example.levitate}}}]
@@ -109,10 +127,13 @@ class DocumentExamplesIT {
         String bin = System.getProperty("java.home") + "/bin/";
 
         var shell = new Shell(folder);
-        shell.run(bin + "javac -proc:none -cp \"$REVE/build/stage/lib/reve-core.jar\" -d . "
-                + "example/Levitate.java\n"
-                + bin + "jar --create --file levitate.jar example META-INF\n"
-                + "! \"$REVE/reve\" check lift.yaml\n");
+        shell.run(
+                bin
+                        + "javac -proc:none -cp \"$REVE/build/stage/lib/reve-core.jar\" -d . "
+                        + "example/Levitate.java\n"
+                        + bin
+                        + "jar --create --file levitate.jar example META-INF\n"
+                        + "! \"$REVE/reve\" check lift.yaml\n");
 
         assertThat(shell.run("REVE_CLASSPATH=levitate.jar \"$REVE/reve\" check lift.yaml"))
                 .contains("valid, 1 items");

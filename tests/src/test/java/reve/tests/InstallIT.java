@@ -1,6 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.tests;
 
 import static org.assertj.core.api.Assertions.assertThat;
+
+import org.junit.jupiter.api.Tag;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.Timeout;
+import org.junit.jupiter.api.io.TempDir;
+
+import reve.tests.Reve.Outcome;
 
 import java.io.IOException;
 import java.nio.file.Files;
@@ -10,11 +18,6 @@ import java.util.ArrayList;
 import java.util.List;
 import java.util.regex.Pattern;
 import java.util.stream.Stream;
-import org.junit.jupiter.api.Tag;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.api.Timeout;
-import org.junit.jupiter.api.io.TempDir;
-import reve.tests.Reve.Outcome;
 
 /**
  * An installed folder runs without the checkout, without tools for building, and read-only, as
@@ -25,11 +28,9 @@ import reve.tests.Reve.Outcome;
 class InstallIT {
     private static final String NOBODY = "65534";
 
-    @TempDir
-    private Path folder;
+    @TempDir private Path folder;
 
-    private final Document page =
-            Document.read(Project.ROOT.resolve("docs/operations.md"));
+    private final Document page = Document.read(Project.ROOT.resolve("docs/operations.md"));
     private Path installed;
     private Path home;
     private Shell shell;
@@ -45,8 +46,15 @@ class InstallIT {
         Files.setPosixFilePermissions(home, PosixFilePermissions.fromString("rwxrwxrwx"));
         assertThat(shell.run(page.titled("install.sh").text()))
                 .contains("folder: " + installed, "nothing is missing");
-        shell.run("chmod -R a-w " + installed + " && mkdir " + folder + "/bin && cp "
-                + "$(command -v bash) $(command -v readlink) " + folder + "/bin");
+        shell.run(
+                "chmod -R a-w "
+                        + installed
+                        + " && mkdir "
+                        + folder
+                        + "/bin && cp "
+                        + "$(command -v bash) $(command -v readlink) "
+                        + folder
+                        + "/bin");
 
         String world = installed.resolve("worlds/spring-orbit").toString();
         Outcome run = run("run", world, "--seconds", "1");
@@ -57,10 +65,18 @@ class InstallIT {
         assertThat(run("snapshot", world, "--out", picture.toString()).code()).isZero();
         assertThat(picture).isNotEmptyFile();
         String hash = serve(world);
-        new Shell(home).run(page.titled("backup.sh").text()
-                + "chmod -R a+rwX backup\n");
-        Outcome restored = run("serve", world, "--port", "0", "--json", "--seconds", "0.1",
-                "--store", home.resolve("backup/world.db").toString());
+        new Shell(home).run(page.titled("backup.sh").text() + "chmod -R a+rwX backup\n");
+        Outcome restored =
+                run(
+                        "serve",
+                        world,
+                        "--port",
+                        "0",
+                        "--json",
+                        "--seconds",
+                        "0.1",
+                        "--store",
+                        home.resolve("backup/world.db").toString());
         assertThat(restored.out()).as(restored.err()).contains("\"stateHash\":\"" + hash + "\"");
         refusesWhatNeedsACheckout();
         namesItselfAsItIsCalled();
@@ -76,11 +92,20 @@ class InstallIT {
      */
     private String serve(String world) throws Exception {
         Path errors = folder.resolve("server.err");
-        Process process = new ProcessBuilder(command("serve", world, "--port", "0", "--json",
-                "--store", home.resolve("world.db").toString()))
-                .redirectError(errors.toFile()).start();
-        try (Server server = new Server(process,
-                new Server.Events(process.inputReader(), errors))) {
+        Process process =
+                new ProcessBuilder(
+                                command(
+                                        "serve",
+                                        world,
+                                        "--port",
+                                        "0",
+                                        "--json",
+                                        "--store",
+                                        home.resolve("world.db").toString()))
+                        .redirectError(errors.toFile())
+                        .start();
+        try (Server server =
+                new Server(process, new Server.Events(process.inputReader(), errors))) {
             String pid = server.events().await("ready", event -> true).path("pid").asString();
             assertThat(Files.readString(Path.of("/proc", pid, "cmdline")))
                     .contains("-Dreve.root=" + installed)
@@ -101,13 +126,19 @@ class InstallIT {
             assertThat(refused.code()).isEqualTo(2);
             assertThat(refused.err()).contains(command + " needs the sources and compilers");
         }
-        assertThat(run("--help").out()).startsWith("Usage: reve ").contains("doctor")
+        assertThat(run("--help").out())
+                .startsWith("Usage: reve ")
+                .contains("doctor")
                 .doesNotContain("install ");
     }
 
     private void namesItselfAsItIsCalled() throws Exception {
-        Outcome refused = run("serve", installed.resolve("worlds/spring-orbit").toString(),
-                "--listen", "0.0.0.0");
+        Outcome refused =
+                run(
+                        "serve",
+                        installed.resolve("worlds/spring-orbit").toString(),
+                        "--listen",
+                        "0.0.0.0");
         assertThat(refused.err()).contains("\n    reve token new NAME").doesNotContain("./reve");
     }
 
@@ -120,9 +151,12 @@ class InstallIT {
             }
         }
         for (Path page : pages) {
-            assertThat(link.matcher(Files.readString(page)).results()
-                    .map(found -> page.resolveSibling(found.group(1))))
-                    .as(page.toString()).allMatch(Files::exists);
+            assertThat(
+                            link.matcher(Files.readString(page))
+                                    .results()
+                                    .map(found -> page.resolveSibling(found.group(1))))
+                    .as(page.toString())
+                    .allMatch(Files::exists);
         }
     }
 
@@ -134,7 +168,8 @@ class InstallIT {
 
     /** An engine that needs a library which the machine lacks. */
     private void namesWhatIsMissing() throws Exception {
-        shell.run("""
+        shell.run(
+                """
                 chmod -R u+w reve-1
                 cd reve-1/native
                 echo 'int f(void) { return 1; }' > f.c
@@ -147,8 +182,9 @@ class InstallIT {
                 """);
         Outcome check = run("check", installed.resolve("worlds/spring-orbit").toString());
         assertThat(check.code()).isEqualTo(4);
-        assertThat(check.err()).contains("the engine cannot be loaded", "libvesper.so",
-                "libtbb.so.xx").doesNotContain("\tat ");
+        assertThat(check.err())
+                .contains("the engine cannot be loaded", "libvesper.so", "libtbb.so.xx")
+                .doesNotContain("\tat ");
         Outcome doctor = Reve.run(List.of(installed.resolve("bin/reve").toString(), "doctor"));
         assertThat(doctor.code()).isEqualTo(1);
         assertThat(doctor.err()).contains("native/libvesper.so needs libtbb.so.xx");
@@ -162,13 +198,20 @@ class InstallIT {
     private List<String> command(String... arguments) throws IOException {
         List<String> command = new ArrayList<>();
         if ((int) Files.getAttribute(folder, "unix:uid") == 0) {
-            command.addAll(List.of("setpriv", "--reuid=" + NOBODY, "--regid=" + NOBODY,
-                    "--clear-groups"));
+            command.addAll(
+                    List.of("setpriv", "--reuid=" + NOBODY, "--regid=" + NOBODY, "--clear-groups"));
         }
-        command.addAll(List.of("env", "-i", "--default-signal=INT", "-C", home.toString(),
-                "PATH=" + folder.resolve("bin"), "HOME=" + home,
-                "REVE_JAVA_HOME=" + System.getProperty("java.home"),
-                installed.resolve("bin/reve").toString()));
+        command.addAll(
+                List.of(
+                        "env",
+                        "-i",
+                        "--default-signal=INT",
+                        "-C",
+                        home.toString(),
+                        "PATH=" + folder.resolve("bin"),
+                        "HOME=" + home,
+                        "REVE_JAVA_HOME=" + System.getProperty("java.home"),
+                        installed.resolve("bin/reve").toString()));
         command.addAll(List.of(arguments));
         return command;
     }

@@ -1,6 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.tests;
 
 import static org.assertj.core.api.Assertions.assertThat;
+
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.Timeout;
+import org.junit.jupiter.api.io.TempDir;
+import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.ValueSource;
+
+import tools.jackson.databind.JsonNode;
 
 import java.io.BufferedReader;
 import java.io.IOException;
@@ -8,27 +17,20 @@ import java.net.InetAddress;
 import java.net.Socket;
 import java.nio.charset.StandardCharsets;
 import java.nio.file.Path;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.api.Timeout;
-import org.junit.jupiter.api.io.TempDir;
-import org.junit.jupiter.params.ParameterizedTest;
-import org.junit.jupiter.params.provider.ValueSource;
-import tools.jackson.databind.JsonNode;
 
 /** Ctrl-C and SIGTERM end a server after its frame, with its report and exit code 0. */
 class InterruptIT {
     private static final String WORLD = Project.WORLDS.resolve("spring-orbit").toString();
 
-    @TempDir
-    private Path folder;
+    @TempDir private Path folder;
 
     @ParameterizedTest
     @ValueSource(strings = {"INT", "TERM"})
     void aSignalEndsTheServerCleanlyAndTellsItsAgents(String signal) throws Exception {
         try (Server server = Server.start(folder, "serve", WORLD, "--port", "0", "--json")) {
             JsonNode ready = server.events().await("ready", line -> true);
-            try (Socket agent = new Socket(InetAddress.getLoopbackAddress(),
-                    ready.get("agentPort").asInt())) {
+            try (Socket agent =
+                    new Socket(InetAddress.getLoopbackAddress(), ready.get("agentPort").asInt())) {
                 agent.setSoTimeout(10_000);
                 send(agent, "{\"t\":\"hello\",\"protocol\":1,\"name\":\"ada\"}\n");
                 server.events().await("joined", line -> true);
@@ -36,9 +38,12 @@ class InterruptIT {
                 JsonNode end = server.events().await("end", line -> true);
                 assertThat(end.get("frames").asLong()).isPositive();
                 assertThat(server.exitCode()).isZero();
-                assertThat(new String(agent.getInputStream().readAllBytes(),
-                        StandardCharsets.UTF_8))
-                        .contains("{\"t\":\"bye\"").contains("closing");
+                assertThat(
+                                new String(
+                                        agent.getInputStream().readAllBytes(),
+                                        StandardCharsets.UTF_8))
+                        .contains("{\"t\":\"bye\"")
+                        .contains("closing");
             }
         }
     }
@@ -46,8 +51,9 @@ class InterruptIT {
     @Test
     @Timeout(value = 120, threadMode = Timeout.ThreadMode.SEPARATE_THREAD)
     void aSignalEndsALongRunWithItsReport() throws Exception {
-        Process run = new ProcessBuilder(
-                Reve.command("run", WORLD, "--seconds", "1e6", "--real-time")).start();
+        Process run =
+                new ProcessBuilder(Reve.command("run", WORLD, "--seconds", "1e6", "--real-time"))
+                        .start();
         try (BufferedReader errors = run.errorReader()) {
             String line = errors.readLine();
             while (!line.startsWith("frame ")) { // the first progress line says that the loop runs
@@ -63,8 +69,11 @@ class InterruptIT {
 
     private static void signal(Server server, String name)
             throws IOException, InterruptedException {
-        assertThat(new ProcessBuilder("kill", "-" + name, Long.toString(server.process().pid()))
-                .start().waitFor())
+        assertThat(
+                        new ProcessBuilder(
+                                        "kill", "-" + name, Long.toString(server.process().pid()))
+                                .start()
+                                .waitFor())
                 .isZero();
     }
 

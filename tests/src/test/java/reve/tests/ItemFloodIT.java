@@ -1,6 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.tests;
 
 import static org.assertj.core.api.Assertions.assertThat;
+
+import org.junit.jupiter.api.Tag;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+
+import reve.agent.ActResult;
+import reve.agent.AgentClient;
+import reve.agent.Perception;
+import reve.core.file.AgentPolicy;
+import reve.core.frame.Pacing;
+import reve.worlds.journal.RunLog;
+import reve.worlds.server.Replay;
+import reve.worlds.server.Simulation;
 
 import java.io.BufferedReader;
 import java.io.IOException;
@@ -12,33 +26,29 @@ import java.nio.file.Path;
 import java.util.Map;
 import java.util.Optional;
 import java.util.concurrent.atomic.AtomicLong;
-import org.junit.jupiter.api.Tag;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.api.io.TempDir;
-import reve.agent.ActResult;
-import reve.agent.AgentClient;
-import reve.agent.Perception;
-import reve.core.file.AgentPolicy;
-import reve.core.frame.Pacing;
-import reve.worlds.journal.RunLog;
-import reve.worlds.server.Replay;
-import reve.worlds.server.Simulation;
 
 /** One agent creates as many items as it can, in the workshop as it ships. */
 @Tag("slow")
 class ItemFloodIT {
     private static final String WORLD = Project.WORLDS.resolve("workshop").toString();
+
     /** Frames in which both are watched when the quota is full. */
     private static final int FRAMES = 120;
+
     private static final int EVERY = 4;
 
-    @TempDir
-    private Path folder;
+    @TempDir private Path folder;
 
     private Server serve(Path store, String... more) throws IOException {
         String[] arguments = new String[8 + more.length];
-        System.arraycopy(new String[] {"serve", WORLD, "--port", "0", "--json", "--quiet",
-            "--store", store.toString()}, 0, arguments, 0, 8);
+        System.arraycopy(
+                new String[] {
+                    "serve", WORLD, "--port", "0", "--json", "--quiet", "--store", store.toString()
+                },
+                0,
+                arguments,
+                0,
+                8);
         System.arraycopy(more, 0, arguments, 8, more.length);
         return Server.start(folder, arguments);
     }
@@ -58,8 +68,10 @@ class ItemFloodIT {
                 flood.strike();
                 last = innocent.nextPerception();
             }
-            assertThat(last.items().stream()
-                    .filter(item -> item.name().startsWith("spark-")).count())
+            assertThat(
+                            last.items().stream()
+                                    .filter(item -> item.name().startsWith("spark-"))
+                                    .count())
                     .isEqualTo(AgentPolicy.DEFAULT_ITEMS);
             assertThat(flood.refusal).contains("too-many-items");
         } // killed
@@ -102,12 +114,15 @@ class ItemFloodIT {
 
         Flood(int port) throws IOException {
             socket = new Socket(InetAddress.getLoopbackAddress(), port);
-            in = new BufferedReader(new InputStreamReader(socket.getInputStream(),
-                    StandardCharsets.UTF_8));
+            in =
+                    new BufferedReader(
+                            new InputStreamReader(socket.getInputStream(), StandardCharsets.UTF_8));
             say("{\"t\":\"hello\",\"protocol\":1,\"name\":\"evil\"}\n");
             for (int i = 0; i < 2; i++) {
-                say("{\"t\":\"act\",\"id\":" + id.incrementAndGet() + ",\"item\":\"bellows\","
-                        + "\"action\":\"pump\",\"arguments\":{\"what\":\"iron\",\"by\":450}}\n");
+                say(
+                        "{\"t\":\"act\",\"id\":"
+                                + id.incrementAndGet()
+                                + ",\"item\":\"bellows\",\"action\":\"pump\",\"arguments\":{\"what\":\"iron\",\"by\":450}}\n");
                 result();
             }
         }
@@ -123,7 +138,8 @@ class ItemFloodIT {
         void strike() throws IOException {
             var acts = new StringBuilder();
             for (int i = 0; i < IN_FLIGHT; i++) {
-                acts.append("{\"t\":\"act\",\"id\":").append(id.incrementAndGet())
+                acts.append("{\"t\":\"act\",\"id\":")
+                        .append(id.incrementAndGet())
                         .append(",\"item\":\"iron\",\"action\":\"strike\",")
                         .append("\"arguments\":{\"strength\":0}}\n");
             }

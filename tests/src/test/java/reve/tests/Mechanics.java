@@ -1,14 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.tests;
+
+import reve.core.file.LawReference;
+import reve.core.world.Item;
+import reve.core.world.WorldPrototype;
+import reve.worlds.server.Simulation;
 
 import java.util.ArrayList;
 import java.util.HashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
-import reve.core.file.LawReference;
-import reve.core.world.Item;
-import reve.core.world.WorldPrototype;
-import reve.worlds.server.Simulation;
 
 /** Conserved quantities of a running world's point masses and springs [SI units]. */
 final class Mechanics {
@@ -26,8 +28,12 @@ final class Mechanics {
      * @param energy of motion (in the centre-of-mass frame, unless something holds the world in
      *     place), springs, uniform gravity and gravitation
      */
-    record State(Map<String, double[]> positions, Map<String, List<Double>> immovable,
-            double[] momentum, double kineticEnergy, double energy) {
+    record State(
+            Map<String, double[]> positions,
+            Map<String, List<Double>> immovable,
+            double[] momentum,
+            double kineticEnergy,
+            double energy) {
         double[] position(String item) {
             return positions.get(item);
         }
@@ -47,14 +53,15 @@ final class Mechanics {
         }
         Item world = simulation.world().find(WorldPrototype.WORLD).orElseThrow();
         gravity = has("gravity_field") ? world.physics().vector("gravity") : new double[3];
-        boolean attracts = has("newton_gravitation") || has("opencl_gravitation")
-                || has("opencl_nbody");
+        boolean attracts =
+                has("newton_gravitation") || has("opencl_gravitation") || has("opencl_nbody");
         gravitationalConstant = attracts ? world.physics().scalar("gravitationalConstant") : 0;
         softening = world.physics().scalar("softening");
     }
 
     private boolean has(String law) {
-        return simulation.description().laws().stream().map(LawReference::name)
+        return simulation.description().laws().stream()
+                .map(LawReference::name)
                 .anyMatch(law::equals);
     }
 
@@ -87,8 +94,9 @@ final class Mechanics {
             }
         }
         for (Item spring : springs) {
-            double stretch = norm(subtract(end(spring, "end2"), end(spring, "end1")))
-                    - spring.physics().scalar("length");
+            double stretch =
+                    norm(subtract(end(spring, "end2"), end(spring, "end1")))
+                            - spring.physics().scalar("length");
             energy += 0.5 * spring.physics().scalar("springConstant") * stretch * stretch;
         }
         energy += kineticEnergy;
@@ -100,16 +108,19 @@ final class Mechanics {
 
     /** Potential energy of all pairs of bodies [J], softened as Plummer does. */
     private double gravitation() {
-        double[] mass = bodies.stream()
-                .mapToDouble(body -> body.physics().scalar("mass")).toArray();
-        double[][] at = bodies.stream().map(body -> body.physical().location())
-                .toArray(double[][]::new);
+        double[] mass =
+                bodies.stream().mapToDouble(body -> body.physics().scalar("mass")).toArray();
+        double[][] at =
+                bodies.stream().map(body -> body.physical().location()).toArray(double[][]::new);
         double energy = 0;
         for (int i = 0; i < mass.length; i++) {
             for (int j = 0; j < i; j++) {
                 double[] between = subtract(at[i], at[j]);
-                energy -= gravitationalConstant * mass[i] * mass[j]
-                        / Math.sqrt(dot(between, between) + softening * softening);
+                energy -=
+                        gravitationalConstant
+                                * mass[i]
+                                * mass[j]
+                                / Math.sqrt(dot(between, between) + softening * softening);
             }
         }
         return energy;
@@ -119,7 +130,9 @@ final class Mechanics {
     double meanX(String classSymbol) {
         return bodies.stream()
                 .filter(body -> body.semantic().get("class").equals(Optional.of(classSymbol)))
-                .mapToDouble(body -> body.physical().location()[0]).average().orElseThrow();
+                .mapToDouble(body -> body.physical().location()[0])
+                .average()
+                .orElseThrow();
     }
 
     private double[] end(Item spring, String reference) {

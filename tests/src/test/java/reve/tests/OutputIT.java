@@ -1,17 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.tests;
 
 import static org.assertj.core.api.Assertions.assertThat;
+
+import org.junit.jupiter.api.Tag;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+
+import reve.agent.AgentClient;
+import reve.agent.Join;
+import reve.tests.Reve.Outcome;
 
 import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.List;
-import org.junit.jupiter.api.Tag;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.api.io.TempDir;
-import reve.agent.AgentClient;
-import reve.agent.Join;
-import reve.tests.Reve.Outcome;
 
 /** Results that standard output does not take: a full disk, and a reader that has gone. */
 @Tag("slow")
@@ -19,25 +22,30 @@ class OutputIT {
     private static final String WORLD = Project.WORLDS.resolve("spring-orbit").toString();
     private static final int CLOSED_PIPE = 128 + 13;
 
-    @TempDir
-    private Path folder;
+    @TempDir private Path folder;
 
     private List<List<String>> commands() throws Exception {
         String log = folder.resolve("run.log").toString();
         String store = folder.resolve("my.db").toString();
         Reve.run("run", WORLD, "--seconds", "0.1", "--record", log);
         Reve.run("serve", WORLD, "--port", "0", "--seconds", "0.1", "--store", store);
-        return List.of(List.of("--help"), List.of("--version"), List.of("check", WORLD),
+        return List.of(
+                List.of("--help"),
+                List.of("--version"),
+                List.of("check", WORLD),
                 List.of("check", WORLD, "--json"),
                 List.of("run", WORLD, "--seconds", "0.1", "--profile", "--ledger"),
-                List.of("run", WORLD, "--seconds", "0.1", "--json"), List.of("replay", log),
+                List.of("run", WORLD, "--seconds", "0.1", "--json"),
+                List.of("replay", log),
                 List.of("store", "check", store),
                 List.of("snapshot", WORLD, "--out", folder.resolve("a.png").toString()),
                 List.of("token", "new", "ada", "--file", folder.resolve("tokens").toString()),
                 List.of("serve", WORLD, "--port", "0", "--seconds", "0.1", "--json"));
     }
 
-    /** @param script where {@code "$@"} is the command */
+    /**
+     * @param script where {@code "$@"} is the command
+     */
     private static Outcome shell(String script, List<String> arguments) throws Exception {
         List<String> command = new ArrayList<>(List.of("bash", "-c", script, "bash"));
         command.addAll(Reve.command(arguments.toArray(String[]::new)));
@@ -49,8 +57,11 @@ class OutputIT {
         for (List<String> command : commands()) {
             Outcome outcome = shell("\"$@\" > /dev/full", command);
             assertThat(outcome.code()).as("%s: %s", command, outcome.err()).isEqualTo(1);
-            assertThat(outcome.err()).as("%s", command).contains("reve: standard output could not "
-                    + "be written: No space left on device; results are lost");
+            assertThat(outcome.err())
+                    .as("%s", command)
+                    .contains(
+                            "reve: standard output could not "
+                                    + "be written: No space left on device; results are lost");
         }
     }
 
@@ -76,10 +87,17 @@ class OutputIT {
 
     @Test
     void theCommandOfTheEngineSaysSoToo() throws Exception {
-        Outcome outcome = Reve.run(List.of("bash", "-c", "\"$1\" laws > /dev/full", "bash",
-                Project.NATIVE.resolve("vesper").toString()));
+        Outcome outcome =
+                Reve.run(
+                        List.of(
+                                "bash",
+                                "-c",
+                                "\"$1\" laws > /dev/full",
+                                "bash",
+                                Project.NATIVE.resolve("vesper").toString()));
         assertThat(outcome.code()).isEqualTo(1);
-        assertThat(outcome.err()).contains("vesper: standard output could not be written")
+        assertThat(outcome.err())
+                .contains("vesper: standard output could not be written")
                 .contains("results are lost");
     }
 
@@ -96,7 +114,8 @@ class OutputIT {
             server.process().toHandle().destroy();
             assertThat(server.exitCode()).isEqualTo(CLOSED_PIPE);
         }
-        assertThat(Files.readString(folder.resolve("server.err"))).containsOnlyOnce(
-                "reve: standard output cannot be written: Broken pipe; the worlds go on");
+        assertThat(Files.readString(folder.resolve("server.err")))
+                .containsOnlyOnce(
+                        "reve: standard output cannot be written: Broken pipe; the worlds go on");
     }
 }

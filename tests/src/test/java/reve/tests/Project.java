@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.tests;
 
 import java.nio.file.Path;
@@ -13,8 +14,8 @@ final class Project {
     private static String required(String property) {
         String value = System.getProperty(property);
         if (value == null) {
-            throw new IllegalStateException("run these tests through ./reve test, which sets -D"
-                    + property);
+            throw new IllegalStateException(
+                    "run these tests through ./reve test, which sets -D" + property);
         }
         return value;
     }

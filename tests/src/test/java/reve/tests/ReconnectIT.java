@@ -1,17 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.tests;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatExceptionOfType;
 
-import java.io.IOException;
-import java.nio.file.Files;
-import java.nio.file.Path;
-import java.time.Duration;
-import java.util.ArrayList;
-import java.util.List;
-import java.util.Map;
-import java.util.Optional;
-import java.util.stream.LongStream;
 import org.junit.jupiter.api.AfterEach;
 import org.junit.jupiter.api.BeforeEach;
 import org.junit.jupiter.api.Tag;
@@ -19,6 +11,7 @@ import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 import org.junit.jupiter.params.ParameterizedTest;
 import org.junit.jupiter.params.provider.EnumSource;
+
 import reve.agent.Act;
 import reve.agent.AgentClient;
 import reve.agent.AgentException;
@@ -37,6 +30,16 @@ import reve.worlds.server.Pictures;
 import reve.worlds.server.WorldPlan;
 import reve.worlds.server.WorldServer;
 
+import java.io.IOException;
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.time.Duration;
+import java.util.ArrayList;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.stream.LongStream;
+
 /** The Java client over connections that break, with a real server behind. */
 @Tag("slow")
 class ReconnectIT {
@@ -44,8 +47,7 @@ class ReconnectIT {
     private static final int MOST_BYTES = 2_000;
     private static final int ACTS = 100;
 
-    @TempDir
-    private Path folder;
+    @TempDir private Path folder;
     private final long seed = Long.getLong("reve.test.seed", System.nanoTime());
     private WorldServer server;
     private Thread world;
@@ -53,27 +55,42 @@ class ReconnectIT {
     @BeforeEach
     void serve() throws Exception {
         System.out.println("seed of the cuts: -Dreve.test.seed=" + seed);
-        Path file = Files.writeString(folder.resolve("world.yaml"), """
-                reve: 1
-                name: belfry
-                frame: {rate: 240, steps: 1}
-                agents:
-                  body: {physical: {shape: sphere, radius: 0.5}}
-                items:
-                  - name: bell
-                    access:
-                      ring:
-                        doc: Once.
-                        parameters: {number: {doc: Which one it is.}}
-                        effects: [{raise: rang, with: {number: $number}}]
-                """);
-        var plan = new WorldPlan(WorldFile.load(file), Long.MAX_VALUE,
-                new Persistence(folder, Optional.empty(), Optional.empty(), Optional.empty(), 10,
-                        SqliteStore.Durability.NORMAL),
-                new Pictures(folder, List.of()));
-        server = new WorldServer(List.of(plan), Pacing.REAL_TIME,
-                AgentServerConfig.onPort(0).withDeadline(Duration.ofSeconds(10)),
-                Optional.empty(), (type, fields) -> { });
+        Path file =
+                Files.writeString(
+                        folder.resolve("world.yaml"),
+                        """
+                        reve: 1
+                        name: belfry
+                        frame: {rate: 240, steps: 1}
+                        agents:
+                          body: {physical: {shape: sphere, radius: 0.5}}
+                        items:
+                          - name: bell
+                            access:
+                              ring:
+                                doc: Once.
+                                parameters: {number: {doc: Which one it is.}}
+                                effects: [{raise: rang, with: {number: $number}}]
+                        """);
+        var plan =
+                new WorldPlan(
+                        WorldFile.load(file),
+                        Long.MAX_VALUE,
+                        new Persistence(
+                                folder,
+                                Optional.empty(),
+                                Optional.empty(),
+                                Optional.empty(),
+                                10,
+                                SqliteStore.Durability.NORMAL),
+                        new Pictures(folder, List.of()));
+        server =
+                new WorldServer(
+                        List.of(plan),
+                        Pacing.REAL_TIME,
+                        AgentServerConfig.onPort(0).withDeadline(Duration.ofSeconds(10)),
+                        Optional.empty(),
+                        (type, fields) -> {});
         world = Thread.ofPlatform().start(server::run);
     }
 
@@ -89,8 +106,10 @@ class ReconnectIT {
     }
 
     private static List<Long> numbers(List<WorldEvent> events) {
-        return events.stream().filter(event -> event.type().equals("rang"))
-                .map(event -> ((Number) event.fields().get("number")).longValue()).toList();
+        return events.stream()
+                .filter(event -> event.type().equals("rang"))
+                .map(event -> ((Number) event.fields().get("number")).longValue())
+                .toList();
     }
 
     private static List<Long> all() {
@@ -125,8 +144,14 @@ class ReconnectIT {
     @Test
     void anAgentInLockStepGoesOnWhereverItsConnectionIsCut() throws Exception {
         try (Cutter way = new Cutter(server.port(), seed, MOST_BYTES);
-                AgentClient ada = join(way.port(), Join.as("ada").withGrace(GRACE)
-                        .withLockStep(LockStep.every(1).withDeadline(Duration.ofSeconds(5))))) {
+                AgentClient ada =
+                        join(
+                                way.port(),
+                                Join.as("ada")
+                                        .withGrace(GRACE)
+                                        .withLockStep(
+                                                LockStep.every(1)
+                                                        .withDeadline(Duration.ofSeconds(5))))) {
             var told = new ArrayList<Long>();
             long frame = ada.observe().frame();
             for (int number = 0; number < ACTS; number++) {
@@ -148,8 +173,10 @@ class ReconnectIT {
         try (Cutter way = new Cutter(server.port(), seed, 0);
                 AgentClient ada = join(way.port(), Join.as("ada"))) {
             way.cut();
-            assertThatExceptionOfType(DisconnectedException.class).isThrownBy(ada::perceive)
-                    .extracting(AgentException::code).isEqualTo("lost");
+            assertThatExceptionOfType(DisconnectedException.class)
+                    .isThrownBy(ada::perceive)
+                    .extracting(AgentException::code)
+                    .isEqualTo("lost");
         }
     }
 
@@ -159,8 +186,10 @@ class ReconnectIT {
                 AgentClient ada =
                         join(way.port(), Join.as("ada").withGrace(Duration.ofMillis(300)))) {
             way.block();
-            assertThatExceptionOfType(DisconnectedException.class).isThrownBy(ada::perceive)
-                    .extracting(AgentException::code).isEqualTo("lost");
+            assertThatExceptionOfType(DisconnectedException.class)
+                    .isThrownBy(ada::perceive)
+                    .extracting(AgentException::code)
+                    .isEqualTo("lost");
         }
     }
 
@@ -172,7 +201,9 @@ class ReconnectIT {
             way.block();
             ada.close();
         }
-        assertThatExceptionOfType(DisconnectedException.class).isThrownBy(ada::perceive)
-                .extracting(AgentException::code).isEqualTo("closed");
+        assertThatExceptionOfType(DisconnectedException.class)
+                .isThrownBy(ada::perceive)
+                .extracting(AgentException::code)
+                .isEqualTo("closed");
     }
 }

@@ -1,27 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.tests;
 
 import static org.assertj.core.api.Assertions.assertThat;
+
+import org.junit.jupiter.api.Tag;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+
+import reve.agent.AgentClient;
+import reve.agent.Join;
+import reve.tests.Reve.Outcome;
+
+import tools.jackson.databind.JsonNode;
 
 import java.io.IOException;
 import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.List;
-import org.junit.jupiter.api.Tag;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.api.io.TempDir;
-import reve.agent.AgentClient;
-import reve.agent.Join;
-import reve.tests.Reve.Outcome;
-import tools.jackson.databind.JsonNode;
 
 /** Files that servers and runs write for long: restarts, second servers, and moved files. */
 @Tag("slow")
 class RecordingFilesIT {
     private static final String WORLD = Project.WORLDS.resolve("spring-orbit").toString();
 
-    @TempDir
-    private Path folder;
+    @TempDir private Path folder;
 
     private Server serve(String... options) throws IOException {
         List<String> command = new ArrayList<>(List.of("serve", WORLD, "--port", "0", "--json"));
@@ -30,7 +33,15 @@ class RecordingFilesIT {
     }
 
     private static Outcome serveToEnd(String option, Path file) throws Exception {
-        return Reve.run("serve", WORLD, "--port", "0", "--json", "--seconds", "0.1", option,
+        return Reve.run(
+                "serve",
+                WORLD,
+                "--port",
+                "0",
+                "--json",
+                "--seconds",
+                "0.1",
+                option,
                 file.toString());
     }
 
@@ -41,8 +52,8 @@ class RecordingFilesIT {
 
     /** Something that happens in the world, after which a recording holds more than its image. */
     private static void join(Server server) throws Exception {
-        try (AgentClient ada = AgentClient.connect("127.0.0.1", Integer.parseInt(server.port()),
-                Join.as("ada"))) {
+        try (AgentClient ada =
+                AgentClient.connect("127.0.0.1", Integer.parseInt(server.port()), Join.as("ada"))) {
             ada.perceive();
         }
     }
@@ -65,8 +76,20 @@ class RecordingFilesIT {
         }
         assertThat(Files.readAllBytes(crash)).isEqualTo(recorded);
         for (int i = 0; i < 2; i++) {
-            assertThat(Reve.run("serve", WORLD, "--port", "0", "--seconds", "0.1", "--record",
-                    log.toString(), "--record-keep", "2").code()).isZero();
+            assertThat(
+                            Reve.run(
+                                            "serve",
+                                            WORLD,
+                                            "--port",
+                                            "0",
+                                            "--seconds",
+                                            "0.1",
+                                            "--record",
+                                            log.toString(),
+                                            "--record-keep",
+                                            "2")
+                                    .code())
+                    .isZero();
         }
         assertThat(folder.resolve("run.log.2")).isRegularFile();
         assertThat(folder.resolve("run.log.3")).doesNotExist();
@@ -91,8 +114,14 @@ class RecordingFilesIT {
         Path log = folder.resolve("run.log");
         try (Server server = serve()) {
             for (int i = 0; i < 2; i++) {
-                Outcome refused = Reve.run("serve", WORLD, "--port", server.port(), "--record",
-                        log.toString());
+                Outcome refused =
+                        Reve.run(
+                                "serve",
+                                WORLD,
+                                "--port",
+                                server.port(),
+                                "--record",
+                                log.toString());
                 assertThat(refused.code()).isEqualTo(5);
             }
         }
@@ -103,8 +132,9 @@ class RecordingFilesIT {
     @Test
     void aRecordingStaysIfItCannotBeMovedAndWhatIsNoRecordingIsNotReplaced() throws Exception {
         Path log = folder.resolve("run.log");
-        String[] run = {"run", WORLD, "--seconds", "1", "--record", log.toString(),
-            "--record-keep", "1"};
+        String[] run = {
+            "run", WORLD, "--seconds", "1", "--record", log.toString(), "--record-keep", "1"
+        };
         assertThat(Reve.run(run).code()).isZero();
         byte[] recorded = Files.readAllBytes(log);
         Path older = Files.writeString(folder.resolve("run.log.1"), "a letter to a friend");
@@ -124,9 +154,10 @@ class RecordingFilesIT {
     @Test
     void noFileIsNamedAsAnOlderOneOfAnotherOption() throws Exception {
         Path log = folder.resolve("run");
-        for (List<String> options : List.of(
-                List.of("--record", log.toString(), "--audit", log + ".1"),
-                List.of("--store", log + ".2", "--audit", log.toString()))) {
+        for (List<String> options :
+                List.of(
+                        List.of("--record", log.toString(), "--audit", log + ".1"),
+                        List.of("--store", log + ".2", "--audit", log.toString()))) {
             List<String> command = new ArrayList<>(List.of("serve", WORLD, "--port", "0"));
             command.addAll(options);
             Outcome refused = Reve.run(command.toArray(String[]::new));
@@ -144,16 +175,31 @@ class RecordingFilesIT {
         assertThat(Reve.run("token", "new", "ada", "--file", tokens.toString()).code()).isZero();
         for (Path file : List.of(tokens, world, key, link)) {
             String before = Files.readString(file);
-            Outcome refused = Reve.run("serve", world.toString(), "--port", "0", "--seconds", "0.1",
-                    "--tokens", tokens.toString(), "--audit", file.toString());
+            Outcome refused =
+                    Reve.run(
+                            "serve",
+                            world.toString(),
+                            "--port",
+                            "0",
+                            "--seconds",
+                            "0.1",
+                            "--tokens",
+                            tokens.toString(),
+                            "--audit",
+                            file.toString());
             assertThat(refused.code()).as(refused.err()).isEqualTo(file.equals(key) ? 1 : 2);
-            assertThat(refused.err()).contains(file.toString(), file.equals(key)
-                    ? "holds something else than an audit record" : "give each a file of its own");
+            assertThat(refused.err())
+                    .contains(
+                            file.toString(),
+                            file.equals(key)
+                                    ? "holds something else than an audit record"
+                                    : "give each a file of its own");
             assertThat(Files.readString(file)).isEqualTo(before);
         }
         Files.writeString(tokens, Files.readString(tokens) + "{}");
         Outcome damaged = Reve.run("token", "list", "--file", tokens.toString());
-        assertThat(damaged.err()).contains(tokens + " is no file of tokens: it is not JSON: line ")
+        assertThat(damaged.err())
+                .contains(tokens + " is no file of tokens: it is not JSON: line ")
                 .doesNotContain("Jackson", "Deserialization", "JsonToken");
     }
 
@@ -163,12 +209,16 @@ class RecordingFilesIT {
         Path audit = folder.resolve("audit.jsonl");
         try (Server server = serve("--record", log.toString(), "--audit", audit.toString())) {
             join(server);
-            for (Outcome second : List.of(serveToEnd("--record", log),
-                    Reve.run("run", WORLD, "--record", log.toString()),
-                    serveToEnd("--audit", audit))) {
+            for (Outcome second :
+                    List.of(
+                            serveToEnd("--record", log),
+                            Reve.run("run", WORLD, "--record", log.toString()),
+                            serveToEnd("--audit", audit))) {
                 assertThat(second.code()).isEqualTo(1);
-                assertThat(second.err()).contains("could not be opened: it is in use by another "
-                        + "process; end that one first, or name another file");
+                assertThat(second.err())
+                        .contains(
+                                "could not be opened: it is in use by another "
+                                        + "process; end that one first, or name another file");
             }
             join(server);
             server.process().toHandle().destroy();
@@ -190,8 +240,8 @@ class RecordingFilesIT {
             Files.move(log, moved);
             JsonNode fault = server.events().await("fault", any -> true);
             assertThat(fault.path("source").asString()).isEqualTo("recording");
-            assertThat(fault.path("message").asString()).startsWith(log + " was moved or removed; "
-                    + "a new recording begins there");
+            assertThat(fault.path("message").asString())
+                    .startsWith(log + " was moved or removed; " + "a new recording begins there");
             join(server);
             server.process().toHandle().destroy();
             server.events().await("end", any -> true);
@@ -210,12 +260,18 @@ class RecordingFilesIT {
             join(server);
             Files.move(place, folder.resolve("elsewhere"));
             JsonNode fault = server.events().await("fault", any -> true);
-            assertThat(fault.path("message").asString()).contains(
-                    log + " was moved or removed, and no new recording can begin there",
-                    "there is no folder " + place);
+            assertThat(fault.path("message").asString())
+                    .contains(
+                            log + " was moved or removed, and no new recording can begin there",
+                            "there is no folder " + place);
             Files.createDirectory(place);
-            server.events().await("fault", any -> any.path("message").asString()
-                    .contains("a new recording begins there"));
+            server.events()
+                    .await(
+                            "fault",
+                            any ->
+                                    any.path("message")
+                                            .asString()
+                                            .contains("a new recording begins there"));
             join(server);
             server.process().toHandle().destroy();
             server.events().await("end", any -> true);
@@ -227,8 +283,18 @@ class RecordingFilesIT {
     @Test
     void aRunWhoseRecordingIsRemovedFails() throws Exception {
         Path log = folder.resolve("run.log");
-        Process run = new ProcessBuilder(Reve.command("run", WORLD, "--seconds", "1e6",
-                "--real-time", "--record", log.toString())).redirectErrorStream(true).start();
+        Process run =
+                new ProcessBuilder(
+                                Reve.command(
+                                        "run",
+                                        WORLD,
+                                        "--seconds",
+                                        "1e6",
+                                        "--real-time",
+                                        "--record",
+                                        log.toString()))
+                        .redirectErrorStream(true)
+                        .start();
         try (var output = run.inputReader()) {
             String line = output.readLine();
             while (!line.startsWith("frame ")) {
@@ -236,8 +302,11 @@ class RecordingFilesIT {
             }
             Files.delete(log);
             run.toHandle().destroy();
-            assertThat(output.lines()).anyMatch(each -> each.startsWith("reve: recording: " + log
-                    + " was moved or removed"));
+            assertThat(output.lines())
+                    .anyMatch(
+                            each ->
+                                    each.startsWith(
+                                            "reve: recording: " + log + " was moved or removed"));
         }
         assertThat(run.waitFor()).isEqualTo(1);
     }

@@ -1,6 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.tests;
 
 import static org.assertj.core.api.Assertions.assertThat;
+
+import org.junit.jupiter.api.BeforeEach;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.Timeout;
+import org.junit.jupiter.api.io.TempDir;
+
+import reve.agent.AgentClient;
+import reve.tests.Reve.Outcome;
 
 import java.io.BufferedReader;
 import java.io.IOException;
@@ -10,21 +19,16 @@ import java.util.ArrayList;
 import java.util.List;
 import java.util.stream.Collectors;
 import java.util.stream.Stream;
-import org.junit.jupiter.api.BeforeEach;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.api.Timeout;
-import org.junit.jupiter.api.io.TempDir;
-import reve.agent.AgentClient;
-import reve.tests.Reve.Outcome;
 
 /**
- * The launcher in a small checkout of its own: its Gradle build stages what the real one has
- * built, with one source file packed into a jar of the project, so that each change of the source
- * makes another jar.
+ * The launcher in a small checkout of its own: its Gradle build stages what the real one has built,
+ * with one source file packed into a jar of the project, so that each change of the source makes
+ * another jar.
  */
 @Timeout(value = 300, threadMode = Timeout.ThreadMode.SEPARATE_THREAD)
 class ReleasesIT {
-    private static final String BUILD = """
+    private static final String BUILD =
+            """
             task core(type: Zip) {
                 from 'reve-core'
                 from zipTree('ROOT/build/stage/lib/reve-core.jar')
@@ -44,15 +48,23 @@ class ReleasesIT {
             }
             """;
 
-    @TempDir
-    private Path checkout;
+    @TempDir private Path checkout;
 
     private Path source;
 
     @BeforeEach
     void makeCheckout() throws Exception {
-        for (String folder : List.of("reve-core", "reve-pe-adapter", "reve-worlds", "agents/java",
-                "agents/python", "vesper-native", "laws", "gradle", "scripts/release")) {
+        for (String folder :
+                List.of(
+                        "reve-core",
+                        "reve-pe-adapter",
+                        "reve-worlds",
+                        "agents/java",
+                        "agents/python",
+                        "vesper-native",
+                        "laws",
+                        "gradle",
+                        "scripts/release")) {
             Files.createDirectories(checkout.resolve(folder));
         }
         for (String file : List.of("reve", "scripts/release/reve", "scripts/release/java.sh")) {
@@ -61,16 +73,18 @@ class ReleasesIT {
         Files.writeString(checkout.resolve("packages.txt"), "bash\n");
         Files.writeString(checkout.resolve("VERSION"), "1.0.0\n");
         Files.writeString(checkout.resolve("settings.gradle"), "rootProject.name = 'small'\n");
-        Files.writeString(checkout.resolve("build.gradle"), BUILD
-                .replace("ROOT", Project.ROOT.toString())
-                .replace("NATIVE", Project.NATIVE.toString()));
+        Files.writeString(
+                checkout.resolve("build.gradle"),
+                BUILD.replace("ROOT", Project.ROOT.toString())
+                        .replace("NATIVE", Project.NATIVE.toString()));
         source = checkout.resolve("reve-core/A.java");
         Files.writeString(source, "class A {}\n");
     }
 
     private ProcessBuilder command(String... arguments) {
-        List<String> command = new ArrayList<>(List.of(
-                "env", "-u", "REVE_BUILT", checkout.resolve("reve").toString()));
+        List<String> command =
+                new ArrayList<>(
+                        List.of("env", "-u", "REVE_BUILT", checkout.resolve("reve").toString()));
         command.addAll(List.of(arguments));
         return new ProcessBuilder(command);
     }
@@ -92,11 +106,17 @@ class ReleasesIT {
     @Test
     void aServerKeepsItsFilesWhileOthersAreBuiltAndOneCommandBuildsAtATime() throws Exception {
         Path errors = checkout.resolve("server.err");
-        Process process = command("serve",
-                Project.WORLDS.resolve("spring-orbit").toString(), "--port", "0", "--json")
-                .redirectError(errors.toFile()).start();
-        try (Server server = new Server(process,
-                new Server.Events(process.inputReader(), errors))) {
+        Process process =
+                command(
+                                "serve",
+                                Project.WORLDS.resolve("spring-orbit").toString(),
+                                "--port",
+                                "0",
+                                "--json")
+                        .redirectError(errors.toFile())
+                        .start();
+        try (Server server =
+                new Server(process, new Server.Events(process.inputReader(), errors))) {
             String port = server.port();
             String first = current();
             assertThat(releases()).containsExactly(first);
@@ -141,7 +161,8 @@ class ReleasesIT {
             assertThat(said.readLine()).contains("building");
             Outcome two = reve("--version");
             assertThat(two.code()).as(two.err()).isZero();
-            assertThat(two.err()).contains("another ./reve is building in " + checkout)
+            assertThat(two.err())
+                    .contains("another ./reve is building in " + checkout)
                     .doesNotContain("reve: building");
             assertThat(two.out()).contains("REVE x Vesper");
             assertThat(one.waitFor()).as(said.lines().collect(Collectors.joining("\n"))).isZero();

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.tests;
 
 import java.io.IOException;
@@ -38,19 +39,23 @@ final class Reve {
         Process process = new ProcessBuilder(command).start();
         process.getOutputStream().close();
         var err = new StringBuilder();
-        Thread reader = Thread.ofVirtual().start(() -> {
-            try {
-                err.append(new String(process.getErrorStream().readAllBytes(),
-                        StandardCharsets.UTF_8));
-            } catch (IOException closed) {
-                err.append(closed);
-            }
-        });
+        Thread reader =
+                Thread.ofVirtual()
+                        .start(
+                                () -> {
+                                    try {
+                                        err.append(
+                                                new String(
+                                                        process.getErrorStream().readAllBytes(),
+                                                        StandardCharsets.UTF_8));
+                                    } catch (IOException closed) {
+                                        err.append(closed);
+                                    }
+                                });
         String out = new String(process.getInputStream().readAllBytes(), StandardCharsets.UTF_8);
         if (!process.waitFor(PATIENCE_SECONDS, TimeUnit.SECONDS)) {
             process.destroyForcibly();
-            throw new AssertionError(command + " did not end within "
-                    + PATIENCE_SECONDS + " s");
+            throw new AssertionError(command + " did not end within " + PATIENCE_SECONDS + " s");
         }
         reader.join();
         return new Outcome(process.exitValue(), out, PATIENCE.matcher(err).replaceAll(""));
@@ -61,19 +66,29 @@ final class Reve {
      * started so as to ignore it, as a shell does with what it starts in the background.
      */
     static List<String> command(String... arguments) {
-        List<String> command = new ArrayList<>(List.of("env", "--default-signal=INT",
-                Project.ROOT.resolve("build/current/bin/reve").toString()));
+        List<String> command =
+                new ArrayList<>(
+                        List.of(
+                                "env",
+                                "--default-signal=INT",
+                                Project.ROOT.resolve("build/current/bin/reve").toString()));
         command.addAll(List.of(arguments));
         return command;
     }
 
     /** The command line for a process that has its libraries and laws in another folder. */
     static List<String> commandIn(Path natives, String... arguments) {
-        List<String> command = new ArrayList<>(List.of(
-                System.getProperty("java.home") + "/bin/java", "-XX:+RestoreMXCSROnJNICalls",
-                "--enable-native-access=ALL-UNNAMED", "-Dreve.native.path=" + natives,
-                "-Dreve.root=" + Project.ROOT,
-                "-cp", Project.ROOT.resolve("build/stage/lib") + "/*", "reve.worlds.Main"));
+        List<String> command =
+                new ArrayList<>(
+                        List.of(
+                                System.getProperty("java.home") + "/bin/java",
+                                "-XX:+RestoreMXCSROnJNICalls",
+                                "--enable-native-access=ALL-UNNAMED",
+                                "-Dreve.native.path=" + natives,
+                                "-Dreve.root=" + Project.ROOT,
+                                "-cp",
+                                Project.ROOT.resolve("build/stage/lib") + "/*",
+                                "reve.worlds.Main"));
         command.addAll(List.of(arguments));
         return command;
     }

@@ -1,23 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.tests;
 
 import static org.assertj.core.api.Assertions.assertThat;
 
-import java.io.IOException;
-import java.nio.file.Files;
-import java.nio.file.Path;
-import java.util.ArrayList;
-import java.util.List;
-import java.util.Map;
-import java.util.Optional;
-import java.util.Random;
-import java.util.TreeMap;
-import java.util.stream.Stream;
 import org.junit.jupiter.api.RepeatedTest;
 import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 import org.junit.jupiter.params.ParameterizedTest;
 import org.junit.jupiter.params.provider.ValueSource;
+
 import reve.core.file.WorldFile;
 import reve.core.file.WorldWriter;
 import reve.core.frame.Pacing;
@@ -36,13 +28,23 @@ import reve.tests.Reve.Outcome;
 import reve.worlds.journal.SimulationImage;
 import reve.worlds.server.Simulation;
 
+import java.io.IOException;
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.util.ArrayList;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.Random;
+import java.util.TreeMap;
+import java.util.stream.Stream;
+
 /** A world that was saved to a world file goes on as if nothing had been. */
 @Tag("slow")
 class SavedWorldIT {
     private static final int FRAMES = 30;
 
-    @TempDir
-    private Path folder = Path.of("");
+    @TempDir private Path folder = Path.of("");
 
     private static Simulation load(Path world) throws Exception {
         return new Simulation(WorldFile.load(world), Pacing.FAST);
@@ -63,7 +65,8 @@ class SavedWorldIT {
                 for (int frame = 1; frame <= FRAMES; frame++) {
                     first.loop().step();
                     second.loop().step();
-                    assertThat(state(second)).as("%d frames after saving", frame)
+                    assertThat(state(second))
+                            .as("%d frames after saving", frame)
                             .isEqualTo(state(first));
                 }
             }
@@ -100,8 +103,9 @@ class SavedWorldIT {
                 second.loop().step();
                 first.loop().step();
                 Timing timing = second.description().timing();
-                assertThat(times).containsExactly(timing.timeSeconds(FRAMES),
-                        timing.timeSeconds(FRAMES + 1));
+                assertThat(times)
+                        .containsExactly(
+                                timing.timeSeconds(FRAMES), timing.timeSeconds(FRAMES + 1));
                 assertThat(second.physics().stateHash()).isEqualTo(first.physics().stateHash());
             }
         }
@@ -112,8 +116,8 @@ class SavedWorldIT {
         try (Simulation world = load(sample("spring-orbit"))) {
             assertThat(world.notDescribed()).isEmpty();
             world.physics().laws().load(0, "surface_contact", Map.of());
-            assertThat(world.notDescribed()).containsExactly(
-                    "what surface_contact remembers of earlier steps");
+            assertThat(world.notDescribed())
+                    .containsExactly("what surface_contact remembers of earlier steps");
         }
     }
 
@@ -145,12 +149,20 @@ class SavedWorldIT {
                     for (int i = 1; i <= FRAMES; i++) {
                         undisturbed.loop().step();
                         second.loop().step();
-                        String what = "seed " + seed + ", saved after frame " + frame + ", "
-                                + i + " later";
-                        assertThat(second.physics().stateHash()).as(what)
+                        String what =
+                                "seed "
+                                        + seed
+                                        + ", saved after frame "
+                                        + frame
+                                        + ", "
+                                        + i
+                                        + " later";
+                        assertThat(second.physics().stateHash())
+                                .as(what)
                                 .isEqualTo(undisturbed.physics().stateHash());
                         assertThat(state(second)).as(what).isEqualTo(state(undisturbed));
-                        assertThat(symbols(second.world())).as(what)
+                        assertThat(symbols(second.world()))
+                                .as(what)
                                 .isEqualTo(symbols(undisturbed.world()));
                     }
                 }
@@ -160,29 +172,42 @@ class SavedWorldIT {
     }
 
     private static String randomWorld(Random random) {
-        StringBuilder text = new StringBuilder("""
-                reve: 1
-                name: random
-                prototype: %s
-                frame: {rate: 60, steps: %d}
-                laws: [newton_motion, hooke_spring, {name: gravity_field}, drag]
-                constants: {gravity: [0, -1, 0]}
-                rules: {fast: "norm(physics.velocity) > 1.0"}
-                items:
-                """.formatted(random.nextBoolean() ? "si-f32" : "si-f64", 1 + random.nextInt(3)));
+        StringBuilder text =
+                new StringBuilder(
+                        """
+                        reve: 1
+                        name: random
+                        prototype: %s
+                        frame: {rate: 60, steps: %d}
+                        laws: [newton_motion, hooke_spring, {name: gravity_field}, drag]
+                        constants: {gravity: [0, -1, 0]}
+                        rules: {fast: "norm(physics.velocity) > 1.0"}
+                        items:
+                        """
+                                .formatted(
+                                        random.nextBoolean() ? "si-f32" : "si-f64",
+                                        1 + random.nextInt(3)));
         for (int i = 0; i < 12; i++) {
-            text.append("""
+            text.append(
+                    """
                       - name: b%d
                         physical: {shape: sphere, radius: 0.1, location: [%s, %s, %s]}
                         physics: {mass: %s, dragCoefficient: 0.1}
                         access: {push: {effects: [{force: [%s, 1, 0], for: %s}]}}
-                    """.formatted(i, random.nextGaussian(), random.nextGaussian(),
-                            random.nextGaussian(), random.nextInt(5) == 0 ? 0 : random.nextDouble(),
-                            random.nextGaussian(), random.nextDouble()));
+                    """
+                            .formatted(
+                                    i,
+                                    random.nextGaussian(),
+                                    random.nextGaussian(),
+                                    random.nextGaussian(),
+                                    random.nextInt(5) == 0 ? 0 : random.nextDouble(),
+                                    random.nextGaussian(),
+                                    random.nextDouble()));
             if (i > 0) {
-                text.append(("  - {name: s%d, kind: spring, physics: {end1: b%d, end2: b%d, "
-                        + "length: 1, springConstant: %s, dampingConstant: 0.1}}\n")
-                        .formatted(i, i, random.nextInt(i), random.nextDouble()));
+                text.append(
+                        ("  - {name: s%d, kind: spring, physics: {end1: b%d, end2: b%d, "
+                                        + "length: 1, springConstant: %s, dampingConstant: 0.1}}\n")
+                                .formatted(i, i, random.nextInt(i), random.nextDouble()));
             }
         }
         return text.toString();
@@ -190,16 +215,20 @@ class SavedWorldIT {
 
     /** One thing that an actor or an operator may do to a world between two frames. */
     private static void happen(World world, Random random) throws ActionRefused {
-        List<Item> bodies = world.items().stream()
-                .filter(item -> item.kind().equals("body")).toList();
+        List<Item> bodies =
+                world.items().stream().filter(item -> item.kind().equals("body")).toList();
         Item item = bodies.get(random.nextInt(bodies.size()));
         Item other = bodies.get(random.nextInt(bodies.size()));
         switch (random.nextInt(8)) {
             case 0, 1, 2 -> push(world, item);
-            case 3 -> item.physics()
-                    .set("velocity", random.nextGaussian(), random.nextGaussian(), 0);
-            case 4 -> world.add(ItemDefinition.named("new " + world.lastId())
-                    .at(random.nextGaussian(), 0, 0).physics("mass", 0).build());
+            case 3 ->
+                    item.physics().set("velocity", random.nextGaussian(), random.nextGaussian(), 0);
+            case 4 ->
+                    world.add(
+                            ItemDefinition.named("new " + world.lastId())
+                                    .at(random.nextGaussian(), 0, 0)
+                                    .physics("mass", 0)
+                                    .build());
             case 5 -> {
                 if (bodies.size() > 6) {
                     world.removeCascade(item.id());
@@ -220,8 +249,14 @@ class SavedWorldIT {
     private static void push(World world, Item item) throws ActionRefused {
         Optional<Action> push = item.access().find("push");
         if (push.isPresent() && item.physics().scalar("mass") > 0) {
-            push.get().perform(new ActionCall(world, 0, item, Optional.empty(),
-                    Arguments.check(push.get(), Map.of())));
+            push.get()
+                    .perform(
+                            new ActionCall(
+                                    world,
+                                    0,
+                                    item,
+                                    Optional.empty(),
+                                    Arguments.check(push.get(), Map.of())));
         }
     }
 
@@ -246,7 +281,8 @@ class SavedWorldIT {
                 state.add(item.name());
                 for (Column column : table.columns()) {
                     for (int i = 0;
-                            i < column.components() && column.type() != ScalarType.REF; i++) {
+                            i < column.components() && column.type() != ScalarType.REF;
+                            i++) {
                         state.add(Double.doubleToRawLongBits(column.getDouble(row, i)));
                     }
                 }
@@ -266,8 +302,14 @@ class SavedWorldIT {
         assertThat(run.code()).as(run.err()).isZero();
         assertThat(Reve.run("check", saved.toString()).out()).startsWith(saved + ": valid");
         assertThat(listing()).containsExactly("orbit.yaml");
-        Outcome nowhere = Reve.run("run", orbit, "--seconds", "0", "--save",
-                folder.resolve("none/x.yaml").toString());
+        Outcome nowhere =
+                Reve.run(
+                        "run",
+                        orbit,
+                        "--seconds",
+                        "0",
+                        "--save",
+                        folder.resolve("none/x.yaml").toString());
         assertThat(nowhere.code()).isEqualTo(2);
         assertThat(nowhere.err()).contains("--save").contains("there is no folder");
     }

@@ -1,7 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.tests;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatExceptionOfType;
+
+import org.junit.jupiter.api.Tag;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+
+import reve.agent.AgentClient;
+import reve.agent.DisconnectedException;
+import reve.agent.Join;
+import reve.agent.Trust;
+import reve.tests.Reve.Outcome;
 
 import java.io.BufferedReader;
 import java.io.IOException;
@@ -13,14 +24,6 @@ import java.time.Duration;
 import java.util.ArrayList;
 import java.util.List;
 import java.util.stream.Stream;
-import org.junit.jupiter.api.Tag;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.api.io.TempDir;
-import reve.agent.AgentClient;
-import reve.agent.DisconnectedException;
-import reve.agent.Join;
-import reve.agent.Trust;
-import reve.tests.Reve.Outcome;
 
 /** Does what docs/security.md says, block by block, and what it says not to. */
 @Tag("slow")
@@ -41,8 +44,10 @@ class SecurityIT {
                 .contains("ada roles=[agent]", "boss roles=[control, observer] expires=");
         run("certificate.sh");
         List<String> secrets = new ArrayList<>(List.of(read("ada.token"), read("boss.token")));
-        String serve = "REVE_LOG=DEBUG " + page.titled("serve.sh").text().strip()
-                + " --audit audit.jsonl --record run.log --store store.db";
+        String serve =
+                "REVE_LOG=DEBUG "
+                        + page.titled("serve.sh").text().strip()
+                        + " --audit audit.jsonl --record run.log --store store.db";
         try (Server server = shell.serve(serve)) {
             int port = Integer.parseInt(server.port());
             assertThat(server.events().await("ready", any -> true).get("agents").asString())
@@ -54,9 +59,11 @@ class SecurityIT {
             server.exitCode();
         }
         for (String secret : List.of("ada.token", "boss.token", "tokens.json", "audit.jsonl")) {
-            assertThat(PosixFilePermissions.toString(
-                    Files.getPosixFilePermissions(folder.resolve(secret))))
-                    .as(secret).isEqualTo("rw-------");
+            assertThat(
+                            PosixFilePermissions.toString(
+                                    Files.getPosixFilePermissions(folder.resolve(secret))))
+                    .as(secret)
+                    .isEqualTo("rw-------");
         }
         for (Path file : files()) {
             String text = Files.readString(file, StandardCharsets.ISO_8859_1);
@@ -64,26 +71,38 @@ class SecurityIT {
         }
     }
 
-    /** @return a session's secret */
+    /**
+     * @return a session's secret
+     */
     private String refusals(int port) throws Exception {
         Join ada = Join.as("ada").withGrace(Duration.ofSeconds(5));
         Path trusted = folder.resolve("server.crt");
         refused(port, ada, "tls-expected");
         refused(port, ada.withTls(Trust.system()), "tls-failed");
         refused(port, ada.withTls(Trust.file(trusted)), "bad-token");
-        refused(port, ada.withTls(Trust.file(trusted)).withToken(read("boss.token")),
+        refused(
+                port,
+                ada.withTls(Trust.file(trusted)).withToken(read("boss.token")),
                 "not-permitted");
-        refused(port, ada.withTls(Trust.file(trusted)).withToken(read("ada.token"))
-                .withRole("control"), "not-permitted");
-        try (AgentClient client = AgentClient.connect("localhost", port,
-                ada.withTls(Trust.file(trusted)).withToken(read("ada.token")))) {
+        refused(
+                port,
+                ada.withTls(Trust.file(trusted)).withToken(read("ada.token")).withRole("control"),
+                "not-permitted");
+        try (AgentClient client =
+                AgentClient.connect(
+                        "localhost",
+                        port,
+                        ada.withTls(Trust.file(trusted)).withToken(read("ada.token")))) {
             String session = client.welcome().session().orElseThrow().token();
             shell.run("\"$REVE/reve\" token revoke ada --file tokens.json");
-            assertThatExceptionOfType(DisconnectedException.class).isThrownBy(() -> {
-                while (true) {
-                    client.perceive();
-                }
-            }).satisfies(e -> assertThat(e.code()).isEqualTo("token-revoked"));
+            assertThatExceptionOfType(DisconnectedException.class)
+                    .isThrownBy(
+                            () -> {
+                                while (true) {
+                                    client.perceive();
+                                }
+                            })
+                    .satisfies(e -> assertThat(e.code()).isEqualTo("token-revoked"));
             return session;
         }
     }
@@ -99,9 +118,11 @@ class SecurityIT {
         String world = Project.WORLDS.resolve("spring-orbit").toString();
         Outcome open = Reve.run("serve", world, "--listen", "0.0.0.0", "--port", "0");
         assertThat(open.code()).isEqualTo(5);
-        assertThat(open.err()).contains(
-                "./reve token new NAME --file tokens.json", "openssl req -x509",
-                "--tokens tokens.json --tls-certificate server.crt --tls-key server.key");
+        assertThat(open.err())
+                .contains(
+                        "./reve token new NAME --file tokens.json",
+                        "openssl req -x509",
+                        "--tokens tokens.json --tls-certificate server.crt --tls-key server.key");
         Outcome half = Reve.run("serve", world, "--tls-key", "server.key", "--port", "0");
         assertThat(half.code()).isEqualTo(2);
         assertThat(half.err()).contains("belong together");
@@ -109,15 +130,25 @@ class SecurityIT {
                 Reve.run("serve", world, "--tokens", folder.resolve("none.json").toString());
         assertThat(missing.code()).isEqualTo(1);
         assertThat(missing.err()).contains("none.json", "`token new NAME");
-        Outcome unknown = Reve.run("token", "revoke", "ada", "--file",
-                folder.resolve("none.json").toString());
+        Outcome unknown =
+                Reve.run(
+                        "token", "revoke", "ada", "--file", folder.resolve("none.json").toString());
         assertThat(unknown.code()).isEqualTo(1);
         assertThat(Reve.run("token", "new", "a b").err()).contains("no name for a client");
-        Outcome over = Reve.run("token", "new", "ada", "--expires", "2020-01-31T12:00:00Z",
-                "--file", folder.resolve("over.json").toString());
+        Outcome over =
+                Reve.run(
+                        "token",
+                        "new",
+                        "ada",
+                        "--expires",
+                        "2020-01-31T12:00:00Z",
+                        "--file",
+                        folder.resolve("over.json").toString());
         assertThat(over.code()).isEqualTo(2);
-        assertThat(over.err()).contains("--expires 2020-01-31T12:00:00Z is over already",
-                "`./reve token new --help` says more");
+        assertThat(over.err())
+                .contains(
+                        "--expires 2020-01-31T12:00:00Z is over already",
+                        "`./reve token new --help` says more");
         assertThat(folder.resolve("over.json")).doesNotExist();
         assertThat(Reve.run("token").err()).contains("new, list, revoke");
     }
@@ -126,15 +157,31 @@ class SecurityIT {
     void aTokenIsNeverWrittenOverAFileNorLeftBehind() throws Exception {
         Path tokens = folder.resolve("tokens.json");
         Path there = Files.writeString(folder.resolve("there"), "mine");
-        Outcome over = Reve.run("token", "new", "ada", "--file", tokens.toString(), "--out",
-                there.toString());
+        Outcome over =
+                Reve.run(
+                        "token",
+                        "new",
+                        "ada",
+                        "--file",
+                        tokens.toString(),
+                        "--out",
+                        there.toString());
         assertThat(over.code()).isEqualTo(1);
         assertThat(over.err()).contains("--out " + there + " is there already");
         assertThat(there).hasContent("mine");
         assertThat(tokens).doesNotExist();
         Path next = folder.resolve("next");
-        assertThat(Reve.run("token", "new", "ada", "--file", folder.resolve("no/tokens").toString(),
-                "--out", next.toString()).code()).isEqualTo(1);
+        assertThat(
+                        Reve.run(
+                                        "token",
+                                        "new",
+                                        "ada",
+                                        "--file",
+                                        folder.resolve("no/tokens").toString(),
+                                        "--out",
+                                        next.toString())
+                                .code())
+                .isEqualTo(1);
         assertThat(next).doesNotExist();
     }
 
@@ -143,16 +190,25 @@ class SecurityIT {
     void namesOfImagesForgeNoEventsNoLogLinesAndNoAnswers() throws Exception {
         String name = "x\n\u001b[2Jfault source=world message=gone";
         Path err = folder.resolve("server.err");
-        Process server = new ProcessBuilder(Reve.command("serve",
-                Project.WORLDS.resolve("spring-orbit").toString(), "--port", "0"))
-                .redirectError(err.toFile()).start();
+        Process server =
+                new ProcessBuilder(
+                                Reve.command(
+                                        "serve",
+                                        Project.WORLDS.resolve("spring-orbit").toString(),
+                                        "--port",
+                                        "0"))
+                        .redirectError(err.toFile())
+                        .start();
         try (BufferedReader events = server.inputReader()) {
             String ready = events.readLine();
             String port = ready.replaceFirst(".* agentPort=(\\d+) .*", "$1");
             Outcome refused = Reve.run("control", "rewind", "image=" + name, "--port", port);
             assertThat(refused.code()).isEqualTo(1);
-            assertThat(refused.err().lines()).singleElement().asString()
-                    .startsWith("reve: no-such-image: ").contains("x\\u{a}\\u{1b}[2Jfault");
+            assertThat(refused.err().lines())
+                    .singleElement()
+                    .asString()
+                    .startsWith("reve: no-such-image: ")
+                    .contains("x\\u{a}\\u{1b}[2Jfault");
             for (String command : List.of("snapshot", "rewind")) {
                 assertThat(Reve.run("control", command, "image=" + name, "--port", port).code())
                         .isZero();
@@ -161,7 +217,8 @@ class SecurityIT {
             while (event.startsWith("law-loaded")) {
                 event = events.readLine();
             }
-            assertThat(event).startsWith("rewound frame=")
+            assertThat(event)
+                    .startsWith("rewound frame=")
                     .endsWith("image=x\\u{a}\\u{1b}[2Jfault source=world message=gone");
         } finally {
             server.toHandle().destroy();
@@ -181,13 +238,14 @@ class SecurityIT {
 
     private String java(int port) throws Exception {
         write("Boss.java", port);
-        return shell.run(System.getProperty("java.home")
-                + "/bin/java -cp \"$REVE/build/stage/lib/*\" Boss.java");
+        return shell.run(
+                System.getProperty("java.home")
+                        + "/bin/java -cp \"$REVE/build/stage/lib/*\" Boss.java");
     }
 
     private void write(String program, int port) throws IOException {
-        Files.writeString(folder.resolve(program),
-                page.titled(program).text().replace("7777", "" + port));
+        Files.writeString(
+                folder.resolve(program), page.titled(program).text().replace("7777", "" + port));
     }
 
     private String read(String file) throws IOException {
@@ -198,7 +256,8 @@ class SecurityIT {
     private List<Path> files() throws IOException {
         try (Stream<Path> files = Files.walk(folder)) {
             return files.filter(Files::isRegularFile)
-                    .filter(file -> !file.toString().endsWith(".token")).toList();
+                    .filter(file -> !file.toString().endsWith(".token"))
+                    .toList();
         }
     }
 }

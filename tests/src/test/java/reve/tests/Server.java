@@ -1,4 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.tests;
+
+import tools.jackson.core.JacksonException;
+import tools.jackson.databind.JsonNode;
+import tools.jackson.databind.json.JsonMapper;
 
 import java.io.BufferedReader;
 import java.io.IOException;
@@ -8,9 +13,6 @@ import java.util.ArrayList;
 import java.util.List;
 import java.util.concurrent.TimeUnit;
 import java.util.function.Predicate;
-import tools.jackson.core.JacksonException;
-import tools.jackson.databind.JsonNode;
-import tools.jackson.databind.json.JsonMapper;
 
 /** A {@code ./reve serve --json} process; closing ends it. */
 record Server(Process process, Events events) implements AutoCloseable {
@@ -34,9 +36,13 @@ record Server(Process process, Events events) implements AutoCloseable {
                 if (i == seen.size()) {
                     String line = output.readLine();
                     if (line == null) {
-                        throw new AssertionError("the server ended without '" + event + "': "
-                                + seen + "\n"
-                                + Files.readString(errors));
+                        throw new AssertionError(
+                                "the server ended without '"
+                                        + event
+                                        + "': "
+                                        + seen
+                                        + "\n"
+                                        + Files.readString(errors));
                     }
                     seen.add(mapper.readTree(line));
                 }
@@ -60,11 +66,13 @@ record Server(Process process, Events events) implements AutoCloseable {
         }
     }
 
-    /** @param folder keeps what the server writes to standard error */
+    /**
+     * @param folder keeps what the server writes to standard error
+     */
     static Server start(Path folder, String... arguments) throws IOException {
         Path errors = folder.resolve("server.err");
-        Process process = new ProcessBuilder(Reve.command(arguments))
-                .redirectError(errors.toFile()).start();
+        Process process =
+                new ProcessBuilder(Reve.command(arguments)).redirectError(errors.toFile()).start();
         return new Server(process, new Events(process.inputReader(), errors));
     }
 

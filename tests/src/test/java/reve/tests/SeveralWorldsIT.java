@@ -1,17 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.tests;
 
 import static org.assertj.core.api.Assertions.assertThat;
 
-import java.nio.file.Path;
-import java.util.ArrayList;
-import java.util.List;
-import java.util.Map;
-import java.util.Optional;
-import java.util.concurrent.CompletableFuture;
-import java.util.concurrent.CountDownLatch;
-import java.util.concurrent.Executor;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
+
 import reve.agent.AgentClient;
 import reve.agent.Join;
 import reve.core.agent.AgentServerConfig;
@@ -34,6 +28,15 @@ import reve.worlds.server.ServerReport;
 import reve.worlds.server.Simulation;
 import reve.worlds.server.WorldPlan;
 import reve.worlds.server.WorldServer;
+
+import java.nio.file.Path;
+import java.util.ArrayList;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.concurrent.CompletableFuture;
+import java.util.concurrent.CountDownLatch;
+import java.util.concurrent.Executor;
 
 /** Worlds in one server: each as if it were alone, whatever becomes of the others. */
 class SeveralWorldsIT {
@@ -58,7 +61,8 @@ class SeveralWorldsIT {
             }
         }
         try (WorldServer server = server(Pacing.FAST, FRAMES, worlds)) {
-            assertThat(server.run().runs()).extracting(RunReport::stateHash)
+            assertThat(server.run().runs())
+                    .extracting(RunReport::stateHash)
                     .containsExactlyElementsOf(alone);
         }
     }
@@ -67,43 +71,66 @@ class SeveralWorldsIT {
     void aWorldThatHangsDoesNotStopTheOthers() throws Exception {
         CountDownLatch hanging = new CountDownLatch(1);
         CountDownLatch released = new CountDownLatch(1);
-        WorldDescription stuck = worldWith("stuck", call -> {
-            hanging.countDown();
-            awaitQuietly(released);
-        });
-        ServerReport report = serve(List.of(stuck, read("spring-orbit")), port -> {
-            try (AgentClient ada = join(port, "stuck");
-                    AgentClient bob = join(port, "spring-orbit")) {
-                CompletableFuture<?> act = CompletableFuture.supplyAsync(
-                        () -> ada.act("bomb", "go", Map.of()), THREADS);
-                hanging.await();
-                assertFramesAreMade(bob);
-                assertThat(bob.act("blue", "push", Map.of("impulse", List.of(0, 0, 1))).accepted())
-                        .isTrue();
-                released.countDown();
-                act.join();
-            } finally {
-                released.countDown();
-            }
-        });
+        WorldDescription stuck =
+                worldWith(
+                        "stuck",
+                        call -> {
+                            hanging.countDown();
+                            awaitQuietly(released);
+                        });
+        ServerReport report =
+                serve(
+                        List.of(stuck, read("spring-orbit")),
+                        port -> {
+                            try (AgentClient ada = join(port, "stuck");
+                                    AgentClient bob = join(port, "spring-orbit")) {
+                                CompletableFuture<?> act =
+                                        CompletableFuture.supplyAsync(
+                                                () -> ada.act("bomb", "go", Map.of()), THREADS);
+                                hanging.await();
+                                assertFramesAreMade(bob);
+                                assertThat(
+                                                bob.act(
+                                                                "blue",
+                                                                "push",
+                                                                Map.of("impulse", List.of(0, 0, 1)))
+                                                        .accepted())
+                                        .isTrue();
+                                released.countDown();
+                                act.join();
+                            } finally {
+                                released.countDown();
+                            }
+                        });
         assertThat(report.failed()).isFalse();
     }
 
     @Test
     void aWorldThatFailsForGoodEndsAloneAndSaysWhy() throws Exception {
-        WorldDescription doomed = worldWith("doomed", call -> {
-            throw new OutOfMemoryError("as if");
-        });
-        ServerReport report = serve(List.of(doomed, read("spring-orbit")), port -> {
-            try (AgentClient ada = join(port, "doomed");
-                    AgentClient bob = join(port, "spring-orbit")) {
-                CompletableFuture<?> act = CompletableFuture.supplyAsync(
-                        () -> ada.act("bomb", "go", Map.of()), THREADS);
-                assertThat(act.handle((result, failure) -> String.valueOf(failure)).join())
-                        .contains("the world \"doomed\" ends");
-                assertFramesAreMade(bob);
-            }
-        });
+        WorldDescription doomed =
+                worldWith(
+                        "doomed",
+                        call -> {
+                            throw new OutOfMemoryError("as if");
+                        });
+        ServerReport report =
+                serve(
+                        List.of(doomed, read("spring-orbit")),
+                        port -> {
+                            try (AgentClient ada = join(port, "doomed");
+                                    AgentClient bob = join(port, "spring-orbit")) {
+                                CompletableFuture<?> act =
+                                        CompletableFuture.supplyAsync(
+                                                () -> ada.act("bomb", "go", Map.of()), THREADS);
+                                assertThat(
+                                                act.handle(
+                                                                (result, failure) ->
+                                                                        String.valueOf(failure))
+                                                        .join())
+                                        .contains("the world \"doomed\" ends");
+                                assertFramesAreMade(bob);
+                            }
+                        });
         assertThat(report.failed()).isTrue();
         assertThat(report.runs()).extracting(RunReport::world).containsExactly("spring-orbit");
         assertThat(faults).anySatisfy(fault -> assertThat(fault).contains("doomed", "as if"));
@@ -117,15 +144,18 @@ class SeveralWorldsIT {
 
     private ServerReport serve(List<WorldDescription> worlds, Client client) throws Exception {
         try (WorldServer server = server(Pacing.REAL_TIME, Long.MAX_VALUE, worlds)) {
-            CompletableFuture<Void> done = CompletableFuture.runAsync(() -> {
-                try {
-                    client.run(server.port());
-                } catch (Exception e) {
-                    throw new IllegalStateException(e);
-                } finally {
-                    server.stop();
-                }
-            }, THREADS);
+            CompletableFuture<Void> done =
+                    CompletableFuture.runAsync(
+                            () -> {
+                                try {
+                                    client.run(server.port());
+                                } catch (Exception e) {
+                                    throw new IllegalStateException(e);
+                                } finally {
+                                    server.stop();
+                                }
+                            },
+                            THREADS);
             ServerReport report = server.run();
             done.join();
             return report;
@@ -134,12 +164,24 @@ class SeveralWorldsIT {
 
     private WorldServer server(Pacing pacing, long frames, List<WorldDescription> worlds)
             throws Exception {
-        List<WorldPlan> plans = worlds.stream().map(world -> new WorldPlan(world, frames,
-                new Persistence(folder, Optional.empty(), Optional.empty(), Optional.empty(), 10,
-                                SqliteStore.Durability.NORMAL),
-                        new Pictures(folder, List.of()))).toList();
-        return new WorldServer(plans, pacing, AgentServerConfig.onPort(0), Optional.empty(),
-                this::note);
+        List<WorldPlan> plans =
+                worlds.stream()
+                        .map(
+                                world ->
+                                        new WorldPlan(
+                                                world,
+                                                frames,
+                                                new Persistence(
+                                                        folder,
+                                                        Optional.empty(),
+                                                        Optional.empty(),
+                                                        Optional.empty(),
+                                                        10,
+                                                        SqliteStore.Durability.NORMAL),
+                                                new Pictures(folder, List.of())))
+                        .toList();
+        return new WorldServer(
+                plans, pacing, AgentServerConfig.onPort(0), Optional.empty(), this::note);
     }
 
     private synchronized void note(String event, Map<String, Object> fields) {
@@ -171,32 +213,43 @@ class SeveralWorldsIT {
 
     private static WorldDescription worldWith(String name, Deed deed) {
         ItemDefinition body = ItemDefinition.named("body").shape(Shape.sphere(1)).build();
-        Action go = new Action() {
-            @Override
-            public String name() {
-                return "go";
-            }
+        Action go =
+                new Action() {
+                    @Override
+                    public String name() {
+                        return "go";
+                    }
 
-            @Override
-            public String doc() {
-                return "Does what the test wants.";
-            }
+                    @Override
+                    public String doc() {
+                        return "Does what the test wants.";
+                    }
 
-            @Override
-            public List<Parameter> parameters() {
-                return List.of();
-            }
+                    @Override
+                    public List<Parameter> parameters() {
+                        return List.of();
+                    }
 
-            @Override
-            public void perform(ActionCall call) {
-                deed.perform(call);
-            }
-        };
+                    @Override
+                    public void perform(ActionCall call) {
+                        deed.perform(call);
+                    }
+                };
         ItemDefinition bomb =
                 ItemDefinition.named("bomb").shape(Shape.sphere(1)).action(go).build();
-        return new WorldDescription(name, "", WorldPrototype.standard("si-f64"), Timing.DEFAULT,
-                0, List.of(), Map.of(), Optional.empty(),
-                new AgentPolicy(List.of(), Optional.of(body)), List.of(), List.of(bomb), List.of(),
+        return new WorldDescription(
+                name,
+                "",
+                WorldPrototype.standard("si-f64"),
+                Timing.DEFAULT,
+                0,
+                List.of(),
+                Map.of(),
+                Optional.empty(),
+                new AgentPolicy(List.of(), Optional.of(body)),
+                List.of(),
+                List.of(bomb),
+                List.of(),
                 List.of());
     }
 

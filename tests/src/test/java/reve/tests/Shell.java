@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.tests;
 
 import static org.assertj.core.api.Assertions.assertThat;
@@ -21,8 +22,10 @@ final class Shell {
     /** Starts a script. */
     Process start(String script) throws IOException {
         errors.add(Files.createTempFile(folder, "errors", ".txt"));
-        ProcessBuilder builder = new ProcessBuilder("bash", "-euc", script)
-                .directory(folder.toFile()).redirectError(errors.getLast().toFile());
+        ProcessBuilder builder =
+                new ProcessBuilder("bash", "-euc", script)
+                        .directory(folder.toFile())
+                        .redirectError(errors.getLast().toFile());
         builder.environment().put("REVE", Project.ROOT.toString());
         return builder.start();
     }

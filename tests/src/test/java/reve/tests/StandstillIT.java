@@ -1,6 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.tests;
 
 import static org.assertj.core.api.Assertions.assertThat;
+
+import org.junit.jupiter.api.BeforeEach;
+import org.junit.jupiter.api.Tag;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.Timeout;
+import org.junit.jupiter.api.io.TempDir;
+
+import reve.agent.AgentClient;
+import reve.agent.AgentException;
+
+import tools.jackson.databind.JsonNode;
 
 import java.io.IOException;
 import java.io.InputStream;
@@ -8,20 +20,13 @@ import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.List;
 import java.util.Map;
-import org.junit.jupiter.api.BeforeEach;
-import org.junit.jupiter.api.Tag;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.api.Timeout;
-import org.junit.jupiter.api.io.TempDir;
-import reve.agent.AgentClient;
-import reve.agent.AgentException;
-import tools.jackson.databind.JsonNode;
 
 /** Worlds that stand still or run out of memory: what the server says, and how it ends. */
 @Timeout(value = 120, threadMode = Timeout.ThreadMode.SEPARATE_THREAD)
 @Tag("slow")
 class StandstillIT {
-    private static final String WORLD = """
+    private static final String WORLD =
+            """
             reve: 1
             name: stones
             laws: [newton_motion]
@@ -35,8 +40,7 @@ class StandstillIT {
     private static final int STALLED = 6;
     private static final int OUT_OF_MEMORY = 128 + 9;
 
-    @TempDir
-    private Path folder;
+    @TempDir private Path folder;
 
     private Shell shell;
 
@@ -49,29 +53,38 @@ class StandstillIT {
             }
         }
         Path services = Files.createDirectories(folder.resolve("jar/META-INF/services"));
-        Files.writeString(services.resolve("reve.core.access.ActionProvider"),
+        Files.writeString(
+                services.resolve("reve.core.access.ActionProvider"),
                 "example.Hang\nexample.Hoard\n");
         Files.writeString(folder.resolve("stones.yaml"), WORLD);
-        shell.run(System.getProperty("java.home") + "/bin/javac -proc:none -cp"
-                + " \"$REVE/build/stage/lib/reve-core.jar\" -d jar Hang.java Hoard.java");
+        shell.run(
+                System.getProperty("java.home")
+                        + "/bin/javac -proc:none -cp"
+                        + " \"$REVE/build/stage/lib/reve-core.jar\" -d jar Hang.java Hoard.java");
     }
 
     /** A server whose actions in Java are those of this test. */
     private Server serve(String environment, String options) throws IOException {
-        return shell.serve(environment + " REVE_CLASSPATH=jar exec \"$REVE/reve\" serve"
-                + " stones.yaml " + options);
+        return shell.serve(
+                environment
+                        + " REVE_CLASSPATH=jar exec \"$REVE/reve\" serve"
+                        + " stones.yaml "
+                        + options);
     }
 
     /** Has an agent do something that may never be answered. */
     private static Thread act(String port, String action) {
-        return Thread.ofVirtual().start(() -> {
-            try (AgentClient agent =
-                    AgentClient.connect("127.0.0.1", Integer.parseInt(port), "ada")) {
-                agent.act("stone", action, Map.of());
-            } catch (AgentException | IOException gone) {
-                // the server ended meanwhile
-            }
-        });
+        return Thread.ofVirtual()
+                .start(
+                        () -> {
+                            try (AgentClient agent =
+                                    AgentClient.connect(
+                                            "127.0.0.1", Integer.parseInt(port), "ada")) {
+                                agent.act("stone", action, Map.of());
+                            } catch (AgentException | IOException gone) {
+                                // the server ended meanwhile
+                            }
+                        });
     }
 
     @Test
@@ -84,25 +97,28 @@ class StandstillIT {
             assertThat(first.path("world").asString()).isEqualTo("stones");
             assertThat(first.path("frame").asLong()).isPositive();
             assertThat(first.path("seconds").asDouble()).isBetween(0.5, 10.0);
-            assertThat(first.path("activity").asString())
-                    .contains("action example.hang of stone");
+            assertThat(first.path("activity").asString()).contains("action example.hang of stone");
             assertThat(first.path("stack").toString()).contains("example.Hang.decide(Hang.java:");
-            JsonNode second = server.events().await("stalled",
-                    event -> event != first && isOfAct(event));
+            JsonNode second =
+                    server.events().await("stalled", event -> event != first && isOfAct(event));
             assertThat(second.path("seconds").asDouble() / first.path("seconds").asDouble())
                     .as("reported again when it has lasted twice as long")
                     .isBetween(1.4, 8.0);
 
             Files.delete(hang);
-            server.events().await("recovered", event ->
-                    event.path("frame").asLong() >= first.path("frame").asLong());
+            server.events()
+                    .await(
+                            "recovered",
+                            event -> event.path("frame").asLong() >= first.path("frame").asLong());
             agent.join();
             server.process().toHandle().destroy();
             server.events().await("end", event -> true);
             assertThat(server.exitCode()).isZero();
         }
-        assertThat(shell.messages()).contains("ERROR watchdog: the world stones stands still",
-                "WARN  watchdog: the world stones makes frames again");
+        assertThat(shell.messages())
+                .contains(
+                        "ERROR watchdog: the world stones stands still",
+                        "WARN  watchdog: the world stones makes frames again");
     }
 
     private static boolean isOfAct(JsonNode stalled) {
@@ -116,18 +132,20 @@ class StandstillIT {
             // Each command takes several times the limit.
             shell.run(control + " pause\n" + control + " step frames=1\n" + control + " run");
             server.process().toHandle().destroy();
-            assertThat(server.events().untilEnd()).extracting(e -> e.path("event").asString())
-                    .contains("end").doesNotContain("stalled");
+            assertThat(server.events().untilEnd())
+                    .extracting(e -> e.path("event").asString())
+                    .contains("end")
+                    .doesNotContain("stalled");
         }
     }
 
     @Test
     void aLawThatNeverReturnsIsNamedAndEndsTheServerByRule() throws Exception {
-        shell.run("mkdir laws\ng++ -std=c++20 -shared -fPIC -O1 -fvisibility=hidden"
-                + " -I\"$REVE/vesper-native/include\" spinning.cpp -o spinning.so");
+        shell.run(
+                "mkdir laws\ng++ -std=c++20 -shared -fPIC -O1 -fvisibility=hidden"
+                        + " -I\"$REVE/vesper-native/include\" spinning.cpp -o spinning.so");
         long frame;
-        try (Server server = serve("",
-                "--watchdog 2 --stalled exit --laws laws --store my.db")) {
+        try (Server server = serve("", "--watchdog 2 --stalled exit --laws laws --store my.db")) {
             server.port();
             Files.move(folder.resolve("spinning.so"), folder.resolve("laws/spinning.so"));
             JsonNode stalled = server.events().await("stalled", event -> true);
@@ -139,7 +157,8 @@ class StandstillIT {
         }
         Files.delete(folder.resolve("laws/spinning.so"));
         assertThat(shell.messages()).contains("a world stands still, and --stalled is exit");
-        assertThat(resumed()).as("the frame that hung is the one that is lost")
+        assertThat(resumed())
+                .as("the frame that hung is the one that is lost")
                 .isEqualTo(frame - 1);
     }
 
@@ -148,8 +167,10 @@ class StandstillIT {
         try (Server server = serve("REVE_HEAP=64m", "--store my.db")) {
             act(server.port(), "hoard");
             List<JsonNode> events = server.events().untilEnd();
-            assertThat(events).extracting(event -> event.path("event").asString())
-                    .contains("joined").doesNotContain("end");
+            assertThat(events)
+                    .extracting(event -> event.path("event").asString())
+                    .contains("joined")
+                    .doesNotContain("end");
             assertThat(server.exitCode()).isEqualTo(OUT_OF_MEMORY);
         }
         assertThat(shell.messages())

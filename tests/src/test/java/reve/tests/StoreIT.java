@@ -1,6 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.tests;
 
 import static org.assertj.core.api.Assertions.assertThat;
+
+import org.junit.jupiter.api.Tag;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.CsvSource;
+
+import reve.agent.ActResult;
+import reve.agent.AgentClient;
+import reve.agent.AgentException;
+import reve.agent.DisconnectedException;
+import reve.agent.Join;
+import reve.core.frame.Pacing;
+import reve.tests.Reve.Outcome;
+import reve.worlds.journal.JournalRecord;
+import reve.worlds.journal.RunLog;
+import reve.worlds.server.Replay;
+import reve.worlds.server.Simulation;
+
+import tools.jackson.databind.JsonNode;
+import tools.jackson.databind.json.JsonMapper;
 
 import java.io.IOException;
 import java.nio.file.DirectoryStream;
@@ -16,39 +38,22 @@ import java.util.concurrent.atomic.AtomicLong;
 import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 import java.util.stream.Stream;
-import org.junit.jupiter.api.Tag;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.api.io.TempDir;
-import org.junit.jupiter.params.ParameterizedTest;
-import org.junit.jupiter.params.provider.CsvSource;
-import reve.agent.ActResult;
-import reve.agent.AgentClient;
-import reve.agent.AgentException;
-import reve.agent.DisconnectedException;
-import reve.agent.Join;
-import reve.core.frame.Pacing;
-import reve.tests.Reve.Outcome;
-import reve.worlds.journal.JournalRecord;
-import reve.worlds.journal.RunLog;
-import reve.worlds.server.Replay;
-import reve.worlds.server.Simulation;
-import tools.jackson.databind.JsonNode;
-import tools.jackson.databind.json.JsonMapper;
 
 /** Real servers with real agents: killed and resumed, recorded and replayed. */
 @Tag("slow")
 class StoreIT {
     private static final String WORLD = Project.WORLDS.resolve("spring-orbit").toString();
     private static final long SEED = Long.getLong("reve.test.seed", 20261121);
+
     /** 200 in a long run. */
     private static final int KILLS = Integer.getInteger("reve.test.kills", 12);
 
     /** 100 in a long run. */
     private static final int DAMAGES = Integer.getInteger("reve.test.served.damages", 1);
+
     private static final Pattern RESUMED = Pattern.compile("frame=\\d+ stateHash=[0-9a-f]{16}");
 
-    @TempDir
-    private Path folder;
+    @TempDir private Path folder;
 
     /**
      * At random moments, every other one just when a frame was announced: of what agents were told,
@@ -70,27 +75,45 @@ class StoreIT {
         for (int kill = 0; kill <= kills; kill++) {
             String which = durability + ", kill " + kill + " of seed " + SEED;
             Path log = folder.resolve("run" + kill + ".log");
-            try (Server server = Server.start(folder, "serve", WORLD, "--port", "0", "--json",
-                    "--store", store.toString(), "--store-every", "0.3", "--durability", durability,
-                    "--record", log.toString())) {
+            try (Server server =
+                    Server.start(
+                            folder,
+                            "serve",
+                            WORLD,
+                            "--port",
+                            "0",
+                            "--json",
+                            "--store",
+                            store.toString(),
+                            "--store-every",
+                            "0.3",
+                            "--durability",
+                            durability,
+                            "--record",
+                            log.toString())) {
                 JsonNode ready = server.events().await("ready", event -> true);
                 long frame = ready.path("frame").asLong();
                 if (kill > 0) {
                     if (!slow) {
-                        assertThat(announced - frame).as("frames lost by " + which)
+                        assertThat(announced - frame)
+                                .as("frames lost by " + which)
                                 .isLessThanOrEqualTo(1);
                     }
                     Path killed = folder.resolve("run" + (kill - 1) + ".log");
-                    assertThat(ready.path("stateHash").asString()).as(which)
+                    assertThat(ready.path("stateHash").asString())
+                            .as(which)
                             .isEqualTo(replayedHash(killed, frame, stored));
                     Files.delete(killed);
                     mostLost = Math.max(mostLost, announced - frame);
                 }
                 announced = actUntilKilled(server, ready, random);
-                slow = server.events().untilEnd().stream()
-                        .filter(event -> event.path("source").asString("").equals("store"))
-                        .anyMatch(event -> event.toString().contains("the disk is too slow"));
-                assertThat(slow && durability.equals("full")).as("gave up the disk: " + which)
+                slow =
+                        server.events().untilEnd().stream()
+                                .filter(event -> event.path("source").asString("").equals("store"))
+                                .anyMatch(
+                                        event -> event.toString().contains("the disk is too slow"));
+                assertThat(slow && durability.equals("full"))
+                        .as("gave up the disk: " + which)
                         .isFalse();
             }
             stored = storedFrames();
@@ -107,8 +130,18 @@ class StoreIT {
         boolean slow = false;
         int kills = KILLS / 3;
         for (int kill = 0; kill <= kills; kill++) {
-            try (Server server = Server.start(folder, "serve", WORLD, "--port", "0", "--json",
-                    "--store", store.toString(), "--store-every", "0.05")) {
+            try (Server server =
+                    Server.start(
+                            folder,
+                            "serve",
+                            WORLD,
+                            "--port",
+                            "0",
+                            "--json",
+                            "--store",
+                            store.toString(),
+                            "--store-every",
+                            "0.05")) {
                 JsonNode ready = server.events().await("ready", event -> true);
                 if (!slow) {
                     assertThat(announced - ready.path("frame").asLong())
@@ -116,8 +149,10 @@ class StoreIT {
                             .isLessThanOrEqualTo(1);
                 }
                 announced = goBackUntilKilled(server, ready, random);
-                slow = server.events().untilEnd().stream()
-                        .anyMatch(event -> event.toString().contains("the disk is too slow"));
+                slow =
+                        server.events().untilEnd().stream()
+                                .anyMatch(
+                                        event -> event.toString().contains("the disk is too slow"));
             }
         }
     }
@@ -126,8 +161,18 @@ class StoreIT {
     void whatAgentsDoIsReplayedToTheBit() throws Exception {
         Path log = folder.resolve("run.log");
         String hash;
-        try (Server server = Server.start(folder, "serve", WORLD, "--port", "0", "--json",
-                "--seconds", "4", "--record", log.toString())) {
+        try (Server server =
+                Server.start(
+                        folder,
+                        "serve",
+                        WORLD,
+                        "--port",
+                        "0",
+                        "--json",
+                        "--seconds",
+                        "4",
+                        "--record",
+                        log.toString())) {
             JsonNode ready = server.events().await("ready", event -> true);
             String port = ready.path("agentPort").asString();
             Process python = curious(port);
@@ -154,16 +199,24 @@ class StoreIT {
     void aKilledServerLeavesNothingBehindButItsStore() throws Exception {
         Path temporary = Files.createDirectory(folder.resolve("temporary"));
         Path errors = folder.resolve("server.err");
-        ProcessBuilder builder = new ProcessBuilder(Reve.command("serve", WORLD, "--port", "0",
-                "--json", "--store", folder.resolve("my.db").toString()))
-                .redirectError(errors.toFile());
+        ProcessBuilder builder =
+                new ProcessBuilder(
+                                Reve.command(
+                                        "serve",
+                                        WORLD,
+                                        "--port",
+                                        "0",
+                                        "--json",
+                                        "--store",
+                                        folder.resolve("my.db").toString()))
+                        .redirectError(errors.toFile());
         builder.environment().put("TMPDIR", temporary.toString());
         builder.environment().put("JDK_JAVA_OPTIONS", "-Djava.io.tmpdir=" + temporary);
         Process process = builder.start();
-        try (Server server = new Server(process,
-                new Server.Events(process.inputReader(), errors))) {
-            try (AgentClient agent = AgentClient.connect("127.0.0.1",
-                    Integer.parseInt(server.port()), "ada")) {
+        try (Server server =
+                new Server(process, new Server.Events(process.inputReader(), errors))) {
+            try (AgentClient agent =
+                    AgentClient.connect("127.0.0.1", Integer.parseInt(server.port()), "ada")) {
                 act(agent, new Random(SEED));
             }
             server.process().destroyForcibly().onExit().join();
@@ -171,22 +224,45 @@ class StoreIT {
         assertThat(temporary).isEmptyDirectory();
         try (Stream<Path> left = Files.list(folder)) {
             assertThat(left.map(file -> file.getFileName().toString()))
-                    .containsOnly("temporary", "server.err", "my.db", "my.db-wal",
-                            "my.db-frames-1", "my.db-manifest");
+                    .containsOnly(
+                            "temporary",
+                            "server.err",
+                            "my.db",
+                            "my.db-wal",
+                            "my.db-frames-1",
+                            "my.db-manifest");
         }
     }
 
     @Test
     void aStoreOfAnotherWorldIsRefused() throws Exception {
         Path store = folder.resolve("my.db");
-        Outcome first = Reve.run("serve", WORLD, "--port", "0", "--store", store.toString(),
-                "--seconds", "0.1", "--fast");
+        Outcome first =
+                Reve.run(
+                        "serve",
+                        WORLD,
+                        "--port",
+                        "0",
+                        "--store",
+                        store.toString(),
+                        "--seconds",
+                        "0.1",
+                        "--fast");
         assertThat(first.code()).as(first.err()).isZero();
-        Outcome other = Reve.run("serve", Project.WORLDS.resolve("icosahedron").toString(),
-                "--port", "0", "--store", store.toString(), "--seconds", "0.1", "--fast");
+        Outcome other =
+                Reve.run(
+                        "serve",
+                        Project.WORLDS.resolve("icosahedron").toString(),
+                        "--port",
+                        "0",
+                        "--store",
+                        store.toString(),
+                        "--seconds",
+                        "0.1",
+                        "--fast");
         assertThat(other.code()).isEqualTo(1);
-        assertThat(other.err()).contains("my.db", "is called spring-orbit",
-                "the world file's icosahedron");
+        assertThat(other.err())
+                .contains("my.db", "is called spring-orbit", "the world file's icosahedron");
     }
 
     @Test
@@ -198,8 +274,13 @@ class StoreIT {
 
         Outcome refused = serve(store);
         assertThat(refused.code()).isEqualTo(1);
-        assertThat(refused.err()).contains("my.db is missing, but", "my.db-frames-1",
-                "belong to a store", "nothing was changed").doesNotContain("\tat ");
+        assertThat(refused.err())
+                .contains(
+                        "my.db is missing, but",
+                        "my.db-frames-1",
+                        "belong to a store",
+                        "nothing was changed")
+                .doesNotContain("\tat ");
         Outcome lost = Reve.run("store", "repair", store.toString());
         assertThat(lost.code()).isEqualTo(1);
         assertThat(files()).isEqualTo(left);
@@ -218,13 +299,17 @@ class StoreIT {
 
         Outcome refused = serve(store);
         assertThat(refused.code()).isEqualTo(1);
-        assertThat(refused.err()).contains("my.db-frames-1 ends at frame", "would be lost",
-                "./reve store repair " + store);
+        assertThat(refused.err())
+                .contains(
+                        "my.db-frames-1 ends at frame",
+                        "would be lost",
+                        "./reve store repair " + store);
         Outcome checked = Reve.run("store", "check", store.toString(), "--json");
         assertThat(checked.code()).as(checked.err()).isEqualTo(1);
         JsonNode found = new JsonMapper().readTree(checked.out());
         assertThat(found.path("whole").asBoolean()).isFalse();
-        assertThat(found.path("frame").asLong()).isPositive()
+        assertThat(found.path("frame").asLong())
+                .isPositive()
                 .isLessThan(found.path("knownFrame").asLong());
         assertThat(frames).hasBinaryContent(half);
 
@@ -243,8 +328,11 @@ class StoreIT {
         killedStore();
         Map<String, byte[]> whole = contents(folder);
         Outcome sound = serve(copy(whole, "whole"));
-        List<String> names = whole.keySet().stream().filter(name -> whole.get(name).length > 0)
-                .sorted().toList();
+        List<String> names =
+                whole.keySet().stream()
+                        .filter(name -> whole.get(name).length > 0)
+                        .sorted()
+                        .toList();
         Random random = new Random(SEED);
         int wentOn = 0;
         for (int i = 0; i < DAMAGES; i++) {
@@ -271,8 +359,9 @@ class StoreIT {
             assertThat(outcome.err()).as(which).contains(name);
             Map<String, byte[]> left = contents(store.getParent());
             assertThat(left.keySet()).as(which).isEqualTo(damaged.keySet());
-            damaged.forEach((file, content) ->
-                    assertThat(left.get(file)).as(which + ": " + file).isEqualTo(content));
+            damaged.forEach(
+                    (file, content) ->
+                            assertThat(left.get(file)).as(which + ": " + file).isEqualTo(content));
             if (Reve.run("store", "repair", store.toString()).code() == 0) {
                 assertThat(serve(store).code()).as(which + ", repaired").isZero();
             } else {
@@ -310,9 +399,18 @@ class StoreIT {
     /** Of a server that was killed after some acts; with one image. */
     private Path killedStore() throws Exception {
         Path store = folder.resolve("my.db");
-        try (Server server = Server.start(folder, "serve", WORLD, "--port", "0", "--json",
-                "--store", store.toString()); AgentClient agent = AgentClient.connect("127.0.0.1",
-                        Integer.parseInt(server.port()), "ada")) {
+        try (Server server =
+                        Server.start(
+                                folder,
+                                "serve",
+                                WORLD,
+                                "--port",
+                                "0",
+                                "--json",
+                                "--store",
+                                store.toString());
+                AgentClient agent =
+                        AgentClient.connect("127.0.0.1", Integer.parseInt(server.port()), "ada")) {
             for (int i = 0; i < 10; i++) {
                 act(agent, new Random(SEED + i));
             }
@@ -322,8 +420,16 @@ class StoreIT {
     }
 
     private static Outcome serve(Path store) throws Exception {
-        return Reve.run("serve", WORLD, "--port", "0", "--store", store.toString(), "--seconds",
-                "0.1", "--fast");
+        return Reve.run(
+                "serve",
+                WORLD,
+                "--port",
+                "0",
+                "--store",
+                store.toString(),
+                "--seconds",
+                "0.1",
+                "--fast");
     }
 
     /** Sizes of the files of the store, by name. */
@@ -339,9 +445,16 @@ class StoreIT {
 
     private Process curious(String port) throws IOException {
         Path agents = Project.ROOT.resolve("agents/python");
-        ProcessBuilder python = new ProcessBuilder("python3",
-                agents.resolve("examples/curious.py").toString(), "--port", port, "--seconds", "2")
-                .redirectErrorStream(true).redirectOutput(folder.resolve("python.out").toFile());
+        ProcessBuilder python =
+                new ProcessBuilder(
+                                "python3",
+                                agents.resolve("examples/curious.py").toString(),
+                                "--port",
+                                port,
+                                "--seconds",
+                                "2")
+                        .redirectErrorStream(true)
+                        .redirectOutput(folder.resolve("python.out").toFile());
         python.environment().put("PYTHONPATH", agents.toString());
         return python.start();
     }
@@ -356,7 +469,8 @@ class StoreIT {
         Thread watcher = Thread.ofVirtual().start(() -> watch(port, announced));
         try (AgentClient agent = AgentClient.connect("127.0.0.1", port, "ada")) {
             while (System.nanoTime() < moment) {
-                act(agent, random).frame()
+                act(agent, random)
+                        .frame()
                         .ifPresent(frame -> announced.accumulateAndGet(frame, Math::max));
             }
             long before = announced.get();
@@ -381,11 +495,12 @@ class StoreIT {
         var perceived = new AtomicLong(ready.path("frame").asLong());
         int port = ready.path("agentPort").asInt();
         Thread watcher = Thread.ofVirtual().start(() -> watch(port, perceived));
-        try (AgentClient boss = AgentClient.connect("127.0.0.1", port,
-                Join.as("boss").withRole("control"))) {
+        try (AgentClient boss =
+                AgentClient.connect("127.0.0.1", port, Join.as("boss").withRole("control"))) {
             long back = 0;
             for (int left = 10 + random.nextInt(10); left > 0; left--) {
-                boss.command(random.nextBoolean() ? "load-law" : "unload-law",
+                boss.command(
+                        random.nextBoolean() ? "load-law" : "unload-law",
                         Map.of("library", "gravity_field")); // may be refused
                 back = boss.command("rewind", Map.of()).frame().orElseThrow();
                 awaitPerceived(perceived, back + random.nextInt(12), watcher);
@@ -449,11 +564,12 @@ class StoreIT {
                     continue; // the server was killed as it began this one
                 }
                 try (RunLog.Reader records = RunLog.open(file)) {
-                    records.forEachRemaining(record -> {
-                        if (record instanceof JournalRecord.Frame frame) {
-                            frames.put(frame.frame(), record);
-                        }
-                    });
+                    records.forEachRemaining(
+                            record -> {
+                                if (record instanceof JournalRecord.Frame frame) {
+                                    frames.put(frame.frame(), record);
+                                }
+                            });
                 }
             }
         }
@@ -462,9 +578,18 @@ class StoreIT {
 
     private static ActResult act(AgentClient agent, Random random) {
         return random.nextInt(4) == 0
-                ? agent.act("red", "paint", Map.of("colour",
-                        String.format("#%06x", random.nextInt(1 << 24))))
-                : agent.act("blue", "push", Map.of("impulse", List.of(random.nextGaussian(),
-                        random.nextGaussian(), random.nextGaussian())));
+                ? agent.act(
+                        "red",
+                        "paint",
+                        Map.of("colour", String.format("#%06x", random.nextInt(1 << 24))))
+                : agent.act(
+                        "blue",
+                        "push",
+                        Map.of(
+                                "impulse",
+                                List.of(
+                                        random.nextGaussian(),
+                                        random.nextGaussian(),
+                                        random.nextGaussian())));
     }
 }

@@ -1,7 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.tests;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.within;
+
+import org.junit.jupiter.api.Tag;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
 
 import java.io.IOException;
 import java.nio.file.Files;
@@ -10,9 +15,6 @@ import java.util.ArrayList;
 import java.util.List;
 import java.util.regex.MatchResult;
 import java.util.regex.Pattern;
-import org.junit.jupiter.api.Tag;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.api.io.TempDir;
 
 /** Does what docs/tutorial.md says, block by block, in a folder outside the checkout. */
 @Tag("slow")
@@ -45,20 +47,35 @@ class TutorialIT {
         assertThat(shell.run(page.titled("run.sh").text())).contains("laws move 2", "600 frames");
 
         add("push.diff");
-        double seconds = THERE_AND_BACK.matcher(agent("swinger.py", "swing.sh")).results()
-                .map(MatchResult::group).map(line -> line.replaceAll("[^\\d.]", ""))
-                .mapToDouble(Double::parseDouble).findFirst().orElseThrow();
+        double seconds =
+                THERE_AND_BACK
+                        .matcher(agent("swinger.py", "swing.sh"))
+                        .results()
+                        .map(MatchResult::group)
+                        .map(line -> line.replaceAll("[^\\d.]", ""))
+                        .mapToDouble(Double::parseDouble)
+                        .findFirst()
+                        .orElseThrow();
         assertThat(seconds).isCloseTo(PENDULUM_SECONDS, within(0.02 * PENDULUM_SECONDS));
     }
 
     @Test
     void physicsIsAddedByPhysicsAspectsLawsAndConstantsAlone() {
-        List<String> added = page.titled("physics.diff").text().lines()
-                .filter(line -> line.startsWith("+")).map(line -> line.substring(1))
-                .filter(line -> !line.isBlank()).toList();
+        List<String> added =
+                page.titled("physics.diff")
+                        .text()
+                        .lines()
+                        .filter(line -> line.startsWith("+"))
+                        .map(line -> line.substring(1))
+                        .filter(line -> !line.isBlank())
+                        .toList();
 
-        assertThat(added).allMatch(line -> line.matches(
-                "(laws|constants|frame): .*|    physics: .*|  - name: rope|    kind: spring"));
+        assertThat(added)
+                .allMatch(
+                        line ->
+                                line.matches(
+                                        "(laws|constants|frame): .*|    physics: .*|  - name: rope|"
+                                                + "    kind: spring"));
         assertThat(page.titled("physics.diff").text().lines())
                 .noneMatch(line -> line.startsWith("-"));
     }
@@ -66,7 +83,8 @@ class TutorialIT {
     /** Serves the world as it is while an agent does its work; what the agent says. */
     private String agent(String program, String script) throws Exception {
         try (Server server = shell.serve(page.titled("serve.sh").text())) {
-            Files.writeString(folder.resolve(program),
+            Files.writeString(
+                    folder.resolve(program),
                     page.titled(program).text().replace("7777", server.port()));
             return shell.run(page.titled(script).text());
         }

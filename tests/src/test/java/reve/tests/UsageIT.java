@@ -1,29 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.tests;
 
 import static org.assertj.core.api.Assertions.assertThat;
+
+import org.junit.jupiter.api.Tag;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.ValueSource;
+
+import reve.agent.ActResult;
+import reve.agent.AgentClient;
+import reve.agent.Join;
+import reve.tests.Reve.Outcome;
 
 import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.List;
 import java.util.Map;
 import java.util.stream.Stream;
-import org.junit.jupiter.api.Tag;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.api.io.TempDir;
-import org.junit.jupiter.params.ParameterizedTest;
-import org.junit.jupiter.params.provider.ValueSource;
-import reve.agent.ActResult;
-import reve.agent.AgentClient;
-import reve.agent.Join;
-import reve.tests.Reve.Outcome;
 
 /** Slips of operators, and what they are told. */
 @Tag("slow")
 class UsageIT {
     private static final String WORLD = Project.WORLDS.resolve("spring-orbit").toString();
 
-    @TempDir
-    private Path folder;
+    @TempDir private Path folder;
 
     private static void refused(String message, String... arguments) throws Exception {
         Outcome outcome = Reve.run(arguments);
@@ -34,19 +36,35 @@ class UsageIT {
     @ParameterizedTest
     @ValueSource(strings = {"--store", "--record", "--laws", "--audit"})
     void anEmptyFileNameIsRefused(String option) throws Exception {
-        refused("'" + option + "': expected a file or a folder, found nothing", "serve", WORLD,
-                option, "");
+        refused(
+                "'" + option + "': expected a file or a folder, found nothing",
+                "serve",
+                WORLD,
+                option,
+                "");
     }
 
     @Test
     void anOptionWithoutTheOneThatItBelongsToIsRefused() throws Exception {
-        refused("--store-every takes --store FILE; found none", "serve", WORLD, "--store-every",
+        refused(
+                "--store-every takes --store FILE; found none",
+                "serve",
+                WORLD,
+                "--store-every",
                 "2");
-        refused("--durability takes --store FILE; found none", "serve", WORLD, "--durability",
+        refused(
+                "--durability takes --store FILE; found none",
+                "serve",
+                WORLD,
+                "--durability",
                 "full");
         refused("--audit-size takes --audit FILE; found none", "serve", WORLD, "--audit-size", "2");
         refused("--audit-keep is 0, expected 1 or more", "serve", WORLD, "--audit-keep", "0");
-        refused("--record-keep takes --record FILE; found none", "run", WORLD, "--record-keep",
+        refused(
+                "--record-keep takes --record FILE; found none",
+                "run",
+                WORLD,
+                "--record-keep",
                 "2");
     }
 
@@ -60,8 +78,13 @@ class UsageIT {
     @Test
     void aHeapInWhichNoWorldFitsIsRefusedInWords() throws Exception {
         for (String heap : List.of("8m", "1000k", "63M")) {
-            Process launched = new ProcessBuilder("env", "REVE_HEAP=" + heap,
-                    Project.ROOT.resolve("reve").toString(), "--version").start();
+            Process launched =
+                    new ProcessBuilder(
+                                    "env",
+                                    "REVE_HEAP=" + heap,
+                                    Project.ROOT.resolve("reve").toString(),
+                                    "--version")
+                            .start();
             assertThat(new String(launched.getErrorStream().readAllBytes()))
                     .isEqualTo("reve: REVE_HEAP is " + heap + ", expected 64m or more\n");
             assertThat(launched.waitFor()).isEqualTo(2);
@@ -80,11 +103,16 @@ class UsageIT {
 
     @Test
     void aLimitOfFileSizesIsNamedAsSuch() throws Exception {
-        Outcome outcome = Reve.run(Stream.concat(
-                List.of("bash", "-c", "ulimit -f 1; exec \"$@\"", "bash").stream(),
-                Reve.command("run", WORLD).stream()).toList());
+        Outcome outcome =
+                Reve.run(
+                        Stream.concat(
+                                        List.of("bash", "-c", "ulimit -f 1; exec \"$@\"", "bash")
+                                                .stream(),
+                                        Reve.command("run", WORLD).stream())
+                                .toList());
         assertThat(outcome.code()).isEqualTo(1);
-        assertThat(outcome.err()).contains("File too large", "(ulimit -f)")
+        assertThat(outcome.err())
+                .contains("File too large", "(ulimit -f)")
                 .doesNotContain("world.yaml:");
     }
 
@@ -92,22 +120,33 @@ class UsageIT {
     @Test
     void whatIsStoppedWhileItStartsEndsWell() throws Exception {
         Path mark = folder.resolve("mark");
-        Files.writeString(folder.resolve("slow.c"), """
+        Files.writeString(
+                folder.resolve("slow.c"),
+                """
                 #include <stdio.h>
                 #include <unistd.h>
                 __attribute__((constructor)) static void hold(void) {
                   fclose(fopen("%s", "w"));
                   sleep(30);
                 }
-                """.formatted(mark));
-        new Shell(folder).run("mkdir laws && gcc -shared -fPIC slow.c"
-                + " -o laws/libvesper_law_slow.so");
-        Path world = Files.writeString(folder.resolve("world.yaml"),
-                "reve: 1\nname: held\nlaws: [slow]\nitems: []\n");
+                """
+                        .formatted(mark));
+        new Shell(folder)
+                .run("mkdir laws && gcc -shared -fPIC slow.c" + " -o laws/libvesper_law_slow.so");
+        Path world =
+                Files.writeString(
+                        folder.resolve("world.yaml"),
+                        "reve: 1\nname: held\nlaws: [slow]\nitems: []\n");
         for (String command : List.of("serve", "run")) {
             Files.deleteIfExists(mark);
-            Process process = new ProcessBuilder(Reve.command(command, world.toString(), "--laws",
-                    folder.resolve("laws").toString())).start();
+            Process process =
+                    new ProcessBuilder(
+                                    Reve.command(
+                                            command,
+                                            world.toString(),
+                                            "--laws",
+                                            folder.resolve("laws").toString()))
+                            .start();
             while (!Files.exists(mark)) {
                 Thread.onSpinWait();
             }
@@ -121,10 +160,21 @@ class UsageIT {
     @Test
     void aSaveOrALawThatIsRefusedIsOneLineInTheLog() throws Exception {
         Path saves = Files.createDirectory(folder.resolve("saves"));
-        try (Server server = Server.start(folder, "serve", WORLD, "--port", "0", "--json",
-                "--saves", saves.toString())) {
-            try (AgentClient boss = AgentClient.connect("127.0.0.1",
-                    Integer.parseInt(server.port()), Join.as("boss").withRole("control"))) {
+        try (Server server =
+                Server.start(
+                        folder,
+                        "serve",
+                        WORLD,
+                        "--port",
+                        "0",
+                        "--json",
+                        "--saves",
+                        saves.toString())) {
+            try (AgentClient boss =
+                    AgentClient.connect(
+                            "127.0.0.1",
+                            Integer.parseInt(server.port()),
+                            Join.as("boss").withRole("control"))) {
                 Files.delete(saves);
                 ActResult save = boss.command("save", Map.of("file", "later"));
                 assertThat(save.code()).contains("save-refused");
@@ -135,9 +185,14 @@ class UsageIT {
             assertThat(server.exitCode()).isZero();
         }
         String log = Files.readString(folder.resolve("server.err"));
-        assertThat(log).contains("the world cannot be saved as " + saves.resolve("later.yaml")
-                + ": there is no folder " + saves, "the law library nowhere was asked for and "
-                + "refused: ").doesNotContain("Exception");
+        assertThat(log)
+                .contains(
+                        "the world cannot be saved as "
+                                + saves.resolve("later.yaml")
+                                + ": there is no folder "
+                                + saves,
+                        "the law library nowhere was asked for and " + "refused: ")
+                .doesNotContain("Exception");
         assertThat(log.lines()).hasSizeLessThanOrEqualTo(2);
     }
 }

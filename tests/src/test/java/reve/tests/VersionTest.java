@@ -1,12 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.tests;
 
 import static org.assertj.core.api.Assertions.assertThat;
 
+import org.junit.jupiter.api.Test;
+
+import reve.worlds.Product;
+
 import java.io.IOException;
 import java.nio.file.Files;
 import java.util.List;
-import org.junit.jupiter.api.Test;
-import reve.worlds.Product;
 
 /** The project has one version number. */
 class VersionTest {
@@ -24,8 +27,8 @@ class VersionTest {
 
     @Test
     void theEngineNamesIt() throws Exception {
-        Outcome engine = Reve.run(List.of(
-                Project.NATIVE.resolve("vesper").toString(), "--version"));
+        Reve.Outcome engine =
+                Reve.run(List.of(Project.NATIVE.resolve("vesper").toString(), "--version"));
         assertThat(engine.out()).startsWith("Vesper " + version + ",");
     }
 

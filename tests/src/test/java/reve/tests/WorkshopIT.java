@@ -1,13 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.tests;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.catchThrowableOfType;
 import static org.assertj.core.api.Assertions.within;
 
-import java.util.List;
-import java.util.Map;
 import org.junit.jupiter.api.AfterEach;
 import org.junit.jupiter.api.Test;
+
 import reve.core.file.WorldDescription;
 import reve.core.file.WorldFile;
 import reve.core.frame.Pacing;
@@ -19,6 +19,9 @@ import reve.core.world.Item;
 import reve.core.world.World;
 import reve.core.world.WorldEvent;
 import reve.worlds.server.Simulation;
+
+import java.util.List;
+import java.util.Map;
 
 /** What can be done in worlds/workshop, with the real engine and laws. */
 class WorkshopIT {
@@ -51,8 +54,13 @@ class WorkshopIT {
 
     private void act(String item, String action, Map<String, ?> arguments) throws ActionRefused {
         Action found = item(item).access().find(action).orElseThrow();
-        found.perform(new ActionCall(world, simulation.loop().frame() + 1, item(item),
-                world.find("smith"), Arguments.check(found, arguments)));
+        found.perform(
+                new ActionCall(
+                        world,
+                        simulation.loop().frame() + 1,
+                        item(item),
+                        world.find("smith"),
+                        Arguments.check(found, arguments)));
     }
 
     @Test
@@ -75,16 +83,18 @@ class WorkshopIT {
 
         assertThat(pulled[0]).isCloseTo(10 / 5.0 * 0.5, within(1e-12));
         assertThat(velocity("weight")[0]).isEqualTo(pulled[0]);
-        assertThat(item("weight").physics().vector("appliedForce"))
-                .containsExactly(0, 49.05, 0);
+        assertThat(item("weight").physics().vector("appliedForce")).containsExactly(0, 49.05, 0);
     }
 
     @Test
     void ironIsHeatedCarriedAndForged() throws Exception {
         assertThat(item("iron").semantic().get("advice")).contains("heat it");
         assertThat(item("iron").semantic().get("on")).contains(List.of("forge"));
-        assertThat(catchThrowableOfType(ActionRefused.class,
-                () -> act("iron", "strike", Map.of("strength", 1))).code())
+        assertThat(
+                        catchThrowableOfType(
+                                        ActionRefused.class,
+                                        () -> act("iron", "strike", Map.of("strength", 1)))
+                                .code())
                 .isEqualTo("condition-failed");
 
         for (int i = 0; i < 2; i++) {
@@ -102,8 +112,8 @@ class WorkshopIT {
 
         act("iron", "strike", Map.of("strength", 0.5));
         assertThat(world.events()).extracting(WorldEvent::type).contains("struck");
-        List<Item> sparks = world.items().stream()
-                .filter(item -> item.name().startsWith("spark-")).toList();
+        List<Item> sparks =
+                world.items().stream().filter(item -> item.name().startsWith("spark-")).toList();
         assertThat(sparks).hasSize(2);
         assertThat(item("iron").semantic().get("strokes")).contains(1.0);
         simulation.loop().run(12);

@@ -1,6 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.tests;
 
 import static org.assertj.core.api.Assertions.assertThat;
+
+import org.junit.jupiter.api.BeforeAll;
+import org.junit.jupiter.api.BeforeEach;
+import org.junit.jupiter.api.Tag;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+
+import reve.tests.Reve.Outcome;
+import reve.worlds.Main;
+
+import tools.jackson.databind.JsonNode;
+import tools.jackson.databind.json.JsonMapper;
 
 import java.io.ByteArrayOutputStream;
 import java.io.IOException;
@@ -13,15 +26,6 @@ import java.nio.file.StandardCopyOption;
 import java.nio.file.StandardOpenOption;
 import java.util.ArrayList;
 import java.util.List;
-import org.junit.jupiter.api.BeforeAll;
-import org.junit.jupiter.api.BeforeEach;
-import org.junit.jupiter.api.Tag;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.api.io.TempDir;
-import reve.tests.Reve.Outcome;
-import reve.worlds.Main;
-import tools.jackson.databind.JsonNode;
-import tools.jackson.databind.json.JsonMapper;
 
 /**
  * Native code that comes with a world, a store or a recording. The library is a real one, and
@@ -30,16 +34,17 @@ import tools.jackson.databind.json.JsonMapper;
 @Tag("slow")
 class WorldTrustIT {
     private static final String FILE = "libvesper_law_evil.so";
-    private static final String NOT_OPENED = "law 'evil' comes with the world, in laws/" + FILE
-            + ": native code, which runs with all of your rights and is opened only with --trust";
+    private static final String NOT_OPENED =
+            "law 'evil' comes with the world, in laws/"
+                    + FILE
+                    + ": native code, which runs with all of your rights and is opened only with"
+                    + " --trust";
 
-    @TempDir
-    private static Path shared;
+    @TempDir private static Path shared;
     private static Path evil = Path.of("");
     private static Path mark = Path.of("");
 
-    @TempDir
-    private Path folder;
+    @TempDir private Path folder;
 
     @BeforeAll
     static void compile() throws Exception {
@@ -53,11 +58,22 @@ class WorldTrustIT {
         try (InputStream text = WorldTrustIT.class.getResourceAsStream("evil_law.cpp")) {
             Files.write(source, text.readAllBytes());
         }
-        List<String> command = new ArrayList<>(List.of("g++", "-std=c++20", "-shared", "-fPIC",
-                "-O0", "-fvisibility=hidden", "-ffp-contract=off", "-fno-gnu-unique",
-                "-DEVIL_MARK=\"" + mark + "\"",
-                "-I" + Project.ROOT.resolve("vesper-native/include"), source.toString(), "-o",
-                file.toString()));
+        List<String> command =
+                new ArrayList<>(
+                        List.of(
+                                "g++",
+                                "-std=c++20",
+                                "-shared",
+                                "-fPIC",
+                                "-O0",
+                                "-fvisibility=hidden",
+                                "-ffp-contract=off",
+                                "-fno-gnu-unique",
+                                "-DEVIL_MARK=\"" + mark + "\"",
+                                "-I" + Project.ROOT.resolve("vesper-native/include"),
+                                source.toString(),
+                                "-o",
+                                file.toString()));
         command.addAll(List.of(options));
         Process compiler = new ProcessBuilder(command).redirectErrorStream(true).start();
         String said = new String(compiler.getInputStream().readAllBytes(), StandardCharsets.UTF_8);
@@ -71,13 +87,17 @@ class WorldTrustIT {
     }
 
     private String world(String laws) throws IOException {
-        return Files.writeString(folder.resolve("world.yaml"), """
-                reve: 1
-                name: visited
-                laws: %s
-                items:
-                  - {name: one, physics: {mass: 1}}
-                """.formatted(laws)).toString();
+        return Files.writeString(
+                        folder.resolve("world.yaml"),
+                        """
+                        reve: 1
+                        name: visited
+                        laws: %s
+                        items:
+                          - {name: one, physics: {mass: 1}}
+                        """
+                                .formatted(laws))
+                .toString();
     }
 
     private Path ownLaws() throws IOException {
@@ -98,7 +118,9 @@ class WorldTrustIT {
             System.setOut(new PrintStream(said, true, StandardCharsets.UTF_8));
             System.setErr(new PrintStream(complained, true, StandardCharsets.UTF_8));
             int code = Main.run(arguments);
-            return new Outcome(code, said.toString(StandardCharsets.UTF_8),
+            return new Outcome(
+                    code,
+                    said.toString(StandardCharsets.UTF_8),
                     complained.toString(StandardCharsets.UTF_8));
         } finally {
             System.setOut(out);
@@ -117,16 +139,20 @@ class WorldTrustIT {
         Files.copy(evil, folder.resolve("evil.so"));
         Path beside = Files.createDirectory(folder.resolve("x")).resolve(FILE);
         Files.copy(evil, beside);
-        String world = world("[./evil.so, x/" + FILE + ", " + beside + ", {name: ../x/" + FILE
-                + "}]");
-        for (List<String> command : List.of(List.of("check", world),
-                List.of("run", world, "--trust"))) {
+        String world =
+                world("[./evil.so, x/" + FILE + ", " + beside + ", {name: ../x/" + FILE + "}]");
+        for (List<String> command :
+                List.of(List.of("check", world), List.of("run", world, "--trust"))) {
             Outcome outcome = reve(command);
             assertThat(outcome.code()).isEqualTo(3);
-            assertThat(outcome.err()).contains(":3:8: laws[0]: found text `./evil.so`",
-                    ":3:19: laws[1]: found text `x/" + FILE, ":3:44: laws[2]: found text `/",
-                    ": name: found text `../x/",
-                    "expected the name of a law: letters, digits, `_` and `-`, never a path");
+            assertThat(outcome.err())
+                    .contains(
+                            ":3:8: laws[0]: found text `./evil.so`",
+                            ":3:19: laws[1]: found text `x/" + FILE,
+                            ":3:44: laws[2]: found text `/",
+                            ": name: found text `../x/",
+                            "expected the name of a law: letters, digits, `_` and `-`, never a"
+                                    + " path");
         }
         assertNeverOpened();
     }
@@ -137,8 +163,7 @@ class WorldTrustIT {
         String world = world("[newton_motion, evil]");
         Outcome outcome = reve("check", world);
         assertThat(outcome.code()).as(outcome.err()).isZero();
-        assertThat(outcome.err())
-                .isEqualTo(world + ":3:23: not checked: " + NOT_OPENED + "\n");
+        assertThat(outcome.err()).isEqualTo(world + ":3:23: not checked: " + NOT_OPENED + "\n");
         assertThat(outcome.out()).contains("valid, 1 items, 1 laws, not checked: 1 more");
         JsonNode json = new JsonMapper().readTree(reve("check", world, "--json").out());
         assertThat(json.at("/unchecked/0").asString()).contains(NOT_OPENED);
@@ -153,9 +178,11 @@ class WorldTrustIT {
         Files.copy(evil, ownLaws().resolve(FILE));
         String world = world("[newton_motion, evil]");
         String picture = folder.resolve("p.png").toString();
-        for (List<String> command : List.of(List.of("run", world),
-                List.of("snapshot", world, "--out", picture),
-                List.of("serve", world, "--port", "0", "--seconds", "0.1", "--fast"))) {
+        for (List<String> command :
+                List.of(
+                        List.of("run", world),
+                        List.of("snapshot", world, "--out", picture),
+                        List.of("serve", world, "--port", "0", "--seconds", "0.1", "--fast"))) {
             Outcome outcome = reve(command);
             assertThat(outcome.code()).as(outcome.out()).isEqualTo(4);
             assertThat(outcome.err()).contains(world + ":3:23: " + NOT_OPENED);
@@ -191,9 +218,13 @@ class WorldTrustIT {
                 Reve.run("run", world("[newton_motion]"), "--seconds", "0.1", "--trust", "--json");
         assertThat(outcome.code()).as(outcome.err()).isZero();
         assertThat(new JsonMapper().readTree(outcome.out()).get("laws").toString())
-                .contains("newton_motion").doesNotContain("evil");
-        assertThat(outcome.err()).contains(own.toRealPath() + " is not used: the law of that name "
-                + "that ships comes first");
+                .contains("newton_motion")
+                .doesNotContain("evil");
+        assertThat(outcome.err())
+                .contains(
+                        own.toRealPath()
+                                + " is not used: the law of that name "
+                                + "that ships comes first");
         assertNeverOpened();
     }
 
@@ -210,15 +241,30 @@ class WorldTrustIT {
             Files.copy(impostor, own, StandardCopyOption.REPLACE_EXISTING);
             Outcome trusted = reve("check", world, "--trust");
             assertThat(trusted.code()).as(trusted.out()).isEqualTo(4);
-            assertThat(trusted.err()).contains(world + ":3:23: ", own.toRealPath() + " calls "
-                    + "itself 'gravity_field', which is the law that ships as ", ships.toString());
+            assertThat(trusted.err())
+                    .contains(
+                            world + ":3:23: ",
+                            own.toRealPath()
+                                    + " calls "
+                                    + "itself 'gravity_field', which is the law that ships as ",
+                            ships.toString());
             Files.copy(impostor, operators.resolve(FILE), StandardCopyOption.REPLACE_EXISTING);
             Outcome found = reve("check", world, "--laws", operators.toString());
             assertThat(found.code()).as(found.out()).isEqualTo(4);
             assertThat(found.err()).contains(operators.resolve(FILE) + " calls itself ");
-            Outcome dropped = reve("serve", world("[newton_motion]"), "--port", "0", "--seconds",
-                    "3", "--laws", operators.toString(), "--json");
-            assertThat(dropped.out()).contains("\"fault\"", " calls itself 'gravity_field'")
+            Outcome dropped =
+                    reve(
+                            "serve",
+                            world("[newton_motion]"),
+                            "--port",
+                            "0",
+                            "--seconds",
+                            "3",
+                            "--laws",
+                            operators.toString(),
+                            "--json");
+            assertThat(dropped.out())
+                    .contains("\"fault\"", " calls itself 'gravity_field'")
                     .doesNotContain("\"laws\":\"gravity_field\"");
             world = world("[newton_motion, evil]");
         }
@@ -230,10 +276,13 @@ class WorldTrustIT {
     void aMistypedLawsFolderIsAnErrorOfEachCommand() throws Exception {
         String world = world("[newton_motion]");
         Path none = folder.resolve("lwas");
-        for (List<String> command : List.of(List.of("check", world), List.of("run", world),
-                List.of("snapshot", world, "--out", folder.resolve("p.png").toString()),
-                List.of("serve", world, "--port", "0", "--seconds", "0.1"),
-                List.of("replay", folder.resolve("r.log").toString()))) {
+        for (List<String> command :
+                List.of(
+                        List.of("check", world),
+                        List.of("run", world),
+                        List.of("snapshot", world, "--out", folder.resolve("p.png").toString()),
+                        List.of("serve", world, "--port", "0", "--seconds", "0.1"),
+                        List.of("replay", folder.resolve("r.log").toString()))) {
             Outcome outcome = reve(command, "--laws", none.toString());
             assertThat(outcome.code()).as(command.toString()).isEqualTo(2);
             assertThat(outcome.err()).contains("--laws: laws folder " + none + " is not a folder");
@@ -246,13 +295,22 @@ class WorldTrustIT {
         Path laws = Files.createDirectory(folder.resolve("operators"));
         Files.copy(evil, laws.resolve(FILE));
         String log = folder.resolve("r.log").toString();
-        Outcome run = reve("run", world("[newton_motion, evil]"), "--seconds", "0.1",
-                "--laws", laws.toString(), "--record", log);
+        Outcome run =
+                reve(
+                        "run",
+                        world("[newton_motion, evil]"),
+                        "--seconds",
+                        "0.1",
+                        "--laws",
+                        laws.toString(),
+                        "--record",
+                        log);
         assertThat(run.code()).as(run.err()).isZero();
         Files.delete(mark);
         Outcome refused = reve("replay", log);
         assertThat(refused.code()).isEqualTo(4);
-        assertThat(refused.err()).startsWith("reve: " + log + ": the law library 'evil' (SHA-256 ")
+        assertThat(refused.err())
+                .startsWith("reve: " + log + ": the law library 'evil' (SHA-256 ")
                 .contains("is native code", "--trust");
         assertNeverOpened();
         assertThat(reve("replay", log, "--laws", laws.toString()).out())
@@ -265,8 +323,18 @@ class WorldTrustIT {
         Path laws = Files.createDirectory(folder.resolve("operators"));
         Files.copy(evil, laws.resolve(FILE));
         Path store = folder.resolve("w.db");
-        List<String> serve = List.of("serve", world("[newton_motion, evil]"), "--port", "0",
-                "--fast", "--seconds", "0.1", "--store", store.toString(), "--json");
+        List<String> serve =
+                List.of(
+                        "serve",
+                        world("[newton_motion, evil]"),
+                        "--port",
+                        "0",
+                        "--fast",
+                        "--seconds",
+                        "0.1",
+                        "--store",
+                        store.toString(),
+                        "--json");
         Outcome begun = reve(serve, "--laws", laws.toString());
         assertThat(begun.code()).as(begun.out()).isZero();
         Files.delete(mark);
@@ -284,8 +352,8 @@ class WorldTrustIT {
     @Test
     void aStoreGoesOnAfterAnUpgradeForTheAccountThatMadeIt() throws Exception {
         Path upgraded = Files.createDirectory(folder.resolve("native"));
-        for (String file : List.of("libvesper.so.1", "libvesper.so", "vesper-probe",
-                "libsqlitejdbc.so")) {
+        for (String file :
+                List.of("libvesper.so.1", "libvesper.so", "vesper-probe", "libsqlitejdbc.so")) {
             Files.copy(Project.NATIVE.resolve(file), upgraded.resolve(file));
         }
         String library = "laws/libvesper_law_newton_motion.so";
@@ -293,8 +361,17 @@ class WorldTrustIT {
         Files.copy(Project.NATIVE.resolve(library), upgraded.resolve(library));
         Files.write(upgraded.resolve(library), new byte[1], StandardOpenOption.APPEND);
         String store = folder.resolve("w.db").toString();
-        String[] serve = {"serve", world("[newton_motion]"), "--port", "0", "--fast", "--seconds",
-            "0.1", "--store", store};
+        String[] serve = {
+            "serve",
+            world("[newton_motion]"),
+            "--port",
+            "0",
+            "--fast",
+            "--seconds",
+            "0.1",
+            "--store",
+            store
+        };
         assertThat(serveAs("ada", Project.NATIVE, serve).code()).isZero();
         Outcome resumed = serveAs("ada", upgraded, serve);
         assertThat(resumed.code()).as(resumed.err()).isZero();
@@ -304,8 +381,8 @@ class WorldTrustIT {
     }
 
     private Outcome serveAs(String account, Path natives, String... arguments) throws Exception {
-        List<String> command = new ArrayList<>(List.of("env",
-                "XDG_STATE_HOME=" + folder.resolve(account)));
+        List<String> command =
+                new ArrayList<>(List.of("env", "XDG_STATE_HOME=" + folder.resolve(account)));
         command.addAll(Reve.commandIn(natives, arguments));
         return Reve.run(command);
     }

@@ -1,6 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.tests;
 
 import static org.assertj.core.api.Assertions.assertThat;
+
+import org.junit.jupiter.api.Tag;
+import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.MethodSource;
+
+import reve.core.file.WorldDescription;
+import reve.core.file.WorldFile;
+import reve.core.file.WorldFileException;
+import reve.core.frame.Pacing;
+import reve.worlds.server.Simulation;
+
+import tools.jackson.databind.JsonNode;
+import tools.jackson.databind.json.JsonMapper;
 
 import java.io.IOException;
 import java.nio.file.Files;
@@ -9,16 +23,6 @@ import java.util.ArrayList;
 import java.util.List;
 import java.util.Map;
 import java.util.stream.Stream;
-import org.junit.jupiter.api.Tag;
-import org.junit.jupiter.params.ParameterizedTest;
-import org.junit.jupiter.params.provider.MethodSource;
-import reve.core.file.WorldDescription;
-import reve.core.file.WorldFile;
-import reve.core.file.WorldFileException;
-import reve.core.frame.Pacing;
-import reve.worlds.server.Simulation;
-import tools.jackson.databind.JsonNode;
-import tools.jackson.databind.json.JsonMapper;
 
 /**
  * What every sample world with a {@code world.yaml}, and each of its {@code variants}, promises in
@@ -38,7 +42,8 @@ class WorldsIT {
         }
 
         long frames(Simulation simulation) {
-            return expected.has("frames") ? expected.get("frames").asLong()
+            return expected.has("frames")
+                    ? expected.get("frames").asLong()
                     : expected.get("seconds").asLong()
                             * simulation.description().timing().framesPerSecond();
         }
@@ -64,8 +69,13 @@ class WorldsIT {
                     JsonNode tree = new JsonMapper().readTree(expected);
                     JsonNode own = tree.has("world") ? tree.get("world") : tree;
                     samples.add(new Sample(folder.resolve("world.yaml"), own));
-                    tree.path("variants").forEach(variant ->
-                            samples.add(new Sample(folder.resolve(variant.asString()), own)));
+                    tree.path("variants")
+                            .forEach(
+                                    variant ->
+                                            samples.add(
+                                                    new Sample(
+                                                            folder.resolve(variant.asString()),
+                                                            own)));
                 }
             }
         }
@@ -84,7 +94,9 @@ class WorldsIT {
             }
             checkEnd(sample, before, mechanics.state());
             for (Map.Entry<String, JsonNode> mean : sample.expected().path("meanX").properties()) {
-                assertWithin(mean.getValue(), mechanics.meanX(mean.getKey()),
+                assertWithin(
+                        mean.getValue(),
+                        mechanics.meanX(mean.getKey()),
                         "mean x of " + mean.getKey());
             }
             assertThat(simulation.events().faults()).isEmpty();
@@ -92,8 +104,12 @@ class WorldsIT {
     }
 
     static List<Sample> variants() throws IOException {
-        return samples().stream().filter(sample -> sample.expected().has("variants")
-                && !sample.file().endsWith("world.yaml")).toList();
+        return samples().stream()
+                .filter(
+                        sample ->
+                                sample.expected().has("variants")
+                                        && !sample.file().endsWith("world.yaml"))
+                .toList();
     }
 
     @ParameterizedTest
@@ -104,10 +120,13 @@ class WorldsIT {
         var found = endOf(variant);
         assertThat(found.positions().keySet()).isEqualTo(expected.keySet());
         double most = variant.expected().get("variantsApartAtMost").asDouble();
-        assertThat(expected.keySet()).allSatisfy(item -> {
-            double[] apart = Mechanics.subtract(found.position(item), expected.get(item));
-            assertThat(Mechanics.norm(apart)).isLessThanOrEqualTo(most);
-        });
+        assertThat(expected.keySet())
+                .allSatisfy(
+                        item -> {
+                            double[] apart =
+                                    Mechanics.subtract(found.position(item), expected.get(item));
+                            assertThat(Mechanics.norm(apart)).isLessThanOrEqualTo(most);
+                        });
     }
 
     private static Mechanics.State endOf(Sample sample) throws Exception {
@@ -131,8 +150,8 @@ class WorldsIT {
         for (JsonNode expected : sample.all("distances")) {
             // At rest length a spring starts with the rounding of one square root.
             assertThat(Mechanics.norm(line(expected, now)))
-                    .isBetween(expected.get("from").asDouble() - 1e-12,
-                            expected.get("to").asDouble());
+                    .isBetween(
+                            expected.get("from").asDouble() - 1e-12, expected.get("to").asDouble());
         }
     }
 
@@ -148,14 +167,23 @@ class WorldsIT {
                     .isLessThanOrEqualTo(expected.get("momentumChangeAtMost").asDouble());
         }
         if (expected.has("farthestMoveAtLeast")) {
-            assertThat(after.positions().keySet().stream().mapToDouble(item -> Mechanics.norm(
-                    Mechanics.subtract(after.position(item), before.position(item)))).max()
-                    .orElseThrow())
+            assertThat(
+                            after.positions().keySet().stream()
+                                    .mapToDouble(
+                                            item ->
+                                                    Mechanics.norm(
+                                                            Mechanics.subtract(
+                                                                    after.position(item),
+                                                                    before.position(item))))
+                                    .max()
+                                    .orElseThrow())
                     .isGreaterThanOrEqualTo(expected.get("farthestMoveAtLeast").asDouble());
         }
         if (expected.has("kineticEnergyLeft")) {
-            assertWithin(expected.get("kineticEnergyLeft"),
-                    after.kineticEnergy() / before.kineticEnergy(), "kinetic energy left");
+            assertWithin(
+                    expected.get("kineticEnergyLeft"),
+                    after.kineticEnergy() / before.kineticEnergy(),
+                    "kinetic energy left");
         }
         if (expected.has("energyRelativeChangeAtMost")) {
             assertThat(Math.abs((after.energy() - before.energy()) / before.energy()))
@@ -178,14 +206,16 @@ class WorldsIT {
     }
 
     private static void assertWithin(JsonNode range, double value, String what) {
-        assertThat(value).as(what)
+        assertThat(value)
+                .as(what)
                 .isBetween(range.get("from").asDouble(), range.get("to").asDouble());
     }
 
     /** From the first to the second of two items. */
     private static double[] line(JsonNode expected, Mechanics.State state) {
         JsonNode between = expected.get("between");
-        return Mechanics.subtract(state.position(between.get(1).asString()),
+        return Mechanics.subtract(
+                state.position(between.get(1).asString()),
                 state.position(between.get(0).asString()));
     }
 

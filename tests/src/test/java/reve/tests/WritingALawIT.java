@@ -1,6 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.tests;
 
 import static org.assertj.core.api.Assertions.assertThat;
+
+import org.junit.jupiter.api.Tag;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+
+import tools.jackson.databind.JsonNode;
 
 import java.io.IOException;
 import java.nio.file.Files;
@@ -9,10 +16,6 @@ import java.util.ArrayList;
 import java.util.List;
 import java.util.regex.Matcher;
 import java.util.regex.Pattern;
-import org.junit.jupiter.api.Tag;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.api.io.TempDir;
-import tools.jackson.databind.JsonNode;
 
 /**
  * Does what docs/writing-a-law.md says, block by block, in a folder outside the checkout. Only the
@@ -21,6 +24,7 @@ import tools.jackson.databind.JsonNode;
 @Tag("slow")
 class WritingALawIT {
     private static final Pattern SPEED = Pattern.compile("t = +([\\d.]+) s .* at +(-?[\\d.]+) m/s");
+
     /** c w / m: what the page says red gains per second. */
     private static final double ACCELERATION = 100 * 5 / 1000.0;
 
@@ -42,24 +46,28 @@ class WritingALawIT {
         shell.run(page.titled("build.sh").text());
 
         try (Server server = shell.serve(page.titled("serve.sh").text())) {
-            Files.writeString(folder.resolve("watch.py"),
+            Files.writeString(
+                    folder.resolve("watch.py"),
                     page.titled("watch.py").text().replace("7777", server.port()));
 
             Process still = watch(3);
-            assertThat(speeds(still)).as("nothing moves along z before the drop")
+            assertThat(speeds(still))
+                    .as("nothing moves along z before the drop")
                     .allSatisfy(speed -> assertThat(speed[1]).isZero());
 
             shell.run(page.titled("drop.sh").text());
             JsonNode loaded = server.events().await("law-loaded", WritingALawIT::isTheWind);
             List<double[]> windy = speeds(watch(4));
-            assertThat(gain(windy)).as("m/s per second in the wind")
+            assertThat(gain(windy))
+                    .as("m/s per second in the wind")
                     .isBetween(0.9 * ACCELERATION, ACCELERATION);
 
             shell.run(page.titled("remove.sh").text());
             JsonNode unloaded = server.events().await("law-unloaded", WritingALawIT::isTheWind);
             assertThat(unloaded.get("frame").asLong()).isGreaterThan(loaded.get("frame").asLong());
             List<double[]> calm = speeds(watch(4));
-            assertThat(Math.abs(gain(calm))).as("m/s per second after the wind")
+            assertThat(Math.abs(gain(calm)))
+                    .as("m/s per second after the wind")
                     .isLessThan(0.02 * ACCELERATION);
             assertThat(calm.getLast()[1]).as("speed that is kept").isGreaterThan(ACCELERATION);
         }
@@ -75,8 +83,10 @@ class WritingALawIT {
         for (String line : shell.finish(watcher).split("\n")) {
             Matcher speed = SPEED.matcher(line);
             assertThat(speed.find()).as(line).isTrue();
-            speeds.add(new double[] {
-                Double.parseDouble(speed.group(1)), Double.parseDouble(speed.group(2))});
+            speeds.add(
+                    new double[] {
+                        Double.parseDouble(speed.group(1)), Double.parseDouble(speed.group(2))
+                    });
         }
         return speeds;
     }

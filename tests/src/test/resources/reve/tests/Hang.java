@@ -1,11 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 package example;
+
+import reve.core.access.ActionProvider;
+import reve.core.access.Effect;
+import reve.core.world.ActionCall;
 
 import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.List;
-import reve.core.access.ActionProvider;
-import reve.core.access.Effect;
-import reve.core.world.ActionCall;
 
 /** Keeps the world's thread for as long as a file is there. */
 public final class Hang implements ActionProvider {

@@ -1,10 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 package example;
 
-import java.util.ArrayList;
-import java.util.List;
 import reve.core.access.ActionProvider;
 import reve.core.access.Effect;
 import reve.core.world.ActionCall;
+
+import java.util.ArrayList;
+import java.util.List;
 
 /** Takes all the memory that there is. */
 public final class Hoard implements ActionProvider {

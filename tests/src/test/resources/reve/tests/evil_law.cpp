@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A law that fits every world, and whose library leaves a mark as soon as it is opened.
 #include <cstdio>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A law that loads well and then breaks its word: it writes NaN.
 #include <limits>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* A law library for a contract version that does not exist: everything after the version is
    junk. */
 #include "vesper/law.h"

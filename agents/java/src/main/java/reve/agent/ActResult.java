@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.agent;
 
 import java.util.Optional;
@@ -10,5 +11,10 @@ import java.util.OptionalLong;
  * @param code why it was refused, for programs
  * @param reason and for people
  */
-public record ActResult(long id, boolean accepted, OptionalLong frame, Optional<String> code,
-        Optional<String> reason) implements ServerMessage {}
+public record ActResult(
+        long id,
+        boolean accepted,
+        OptionalLong frame,
+        Optional<String> code,
+        Optional<String> reason)
+        implements ServerMessage {}

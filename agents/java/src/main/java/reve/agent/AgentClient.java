@@ -1,4 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.agent;
+
+import org.jspecify.annotations.Nullable;
+
+import tools.jackson.databind.node.ObjectNode;
 
 import java.io.EOFException;
 import java.io.IOException;
@@ -11,8 +16,6 @@ import java.util.concurrent.TimeUnit;
 import java.util.function.BooleanSupplier;
 import java.util.function.LongFunction;
 import java.util.function.Supplier;
-import org.jspecify.annotations.Nullable;
-import tools.jackson.databind.node.ObjectNode;
 
 /**
  * An agent in a world. Calls block until the server has answered; a thread of the client's own
@@ -22,9 +25,8 @@ import tools.jackson.databind.node.ObjectNode;
  * <p>With {@link Join#withGrace} the client goes on by itself over another connection when one
  * breaks: whoever waits for an answer gets it, and no action is done twice.
  *
- * <p>Every call throws {@link DisconnectedException} once the connection has ended, and
- * {@link AgentException} with code {@code no-answer} if the server is silent for longer than the
- * patience.
+ * <p>Every call throws {@link DisconnectedException} once the connection has ended, and {@link
+ * AgentException} with code {@code no-answer} if the server is silent for longer than the patience.
  */
 public final class AgentClient implements AutoCloseable {
 
@@ -32,6 +34,7 @@ public final class AgentClient implements AutoCloseable {
     public static final int MAX_EVENTS = 1024;
 
     private static final Duration RETRY = Duration.ofMillis(200);
+
     /** Code of a refused resume that may be repeated later. */
     private static final String TOO_OFTEN = "resumed-too-often";
 
@@ -39,6 +42,7 @@ public final class AgentClient implements AutoCloseable {
     private final Duration patience;
     private final Welcome welcome;
     private final Thread reader;
+
     /** Held while something is sent; taken before this. */
     private final Object sending = new Object();
 
@@ -93,8 +97,8 @@ public final class AgentClient implements AutoCloseable {
     }
 
     /**
-     * The items of the next frame; the symbols of bodies with a shape hold {@code near},
-     * {@code on}, {@code inside} and {@code touching}, too.
+     * The items of the next frame; the symbols of bodies with a shape hold {@code near}, {@code
+     * on}, {@code inside} and {@code touching}, too.
      */
     public Perception perceiveWithRelations() {
         return ask(Protocol::perceiveWithRelations, Perception.class);
@@ -182,8 +186,11 @@ public final class AgentClient implements AutoCloseable {
     public Perception foresee(int frames) {
         return switch (ask(() -> talk.fork(frames), ServerMessage.class)) {
             case Perception perception -> perception;
-            case ActResult refused -> throw new AgentException(refused.code().orElse("refused"),
-                    refused.reason().orElse("the server does not look ahead"), Optional.empty());
+            case ActResult refused ->
+                    throw new AgentException(
+                            refused.code().orElse("refused"),
+                            refused.reason().orElse("the server does not look ahead"),
+                            Optional.empty());
             case ServerMessage other -> throw AgentException.unexpected(other);
         };
     }
@@ -221,8 +228,8 @@ public final class AgentClient implements AutoCloseable {
     /** As {@link #observe()}, of that frame or a later one. */
     public Perception observe(long frame) {
         LockStep time = requireLockStep();
-        Duration longest = patience.plus(time.deadline())
-                .plusMillis(1000L * time.every() / welcome.rate());
+        Duration longest =
+                patience.plus(time.deadline()).plusMillis(1000L * time.every() / welcome.rate());
         while (true) {
             synchronized (this) {
                 await(() -> talk.hasObservation(frame) || talk.mustSayReady(), longest);
@@ -241,8 +248,11 @@ public final class AgentClient implements AutoCloseable {
     }
 
     private LockStep requireLockStep() {
-        return welcome.lockStep().orElseThrow(() -> new IllegalStateException(
-                "nobody waits for this agent; join withLockStep"));
+        return welcome.lockStep()
+                .orElseThrow(
+                        () ->
+                                new IllegalStateException(
+                                        "nobody waits for this agent; join withLockStep"));
     }
 
     /** Returns when the server has answered. */
@@ -290,8 +300,8 @@ public final class AgentClient implements AutoCloseable {
         return ask(() -> talk.question(build), answerType);
     }
 
-    private <T extends ServerMessage> T ask(Supplier<Conversation.Question> ask,
-            Class<T> answerType) {
+    private <T extends ServerMessage> T ask(
+            Supplier<Conversation.Question> ask, Class<T> answerType) {
         long id;
         synchronized (sending) {
             Conversation.Question question;
@@ -343,8 +353,8 @@ public final class AgentClient implements AutoCloseable {
                 TimeUnit.NANOSECONDS.timedWait(this, left);
             } catch (InterruptedException e) {
                 Thread.currentThread().interrupt();
-                throw new AgentException("interrupted", "the waiting thread was interrupted",
-                        Optional.empty());
+                throw new AgentException(
+                        "interrupted", "the waiting thread was interrupted", Optional.empty());
             }
         }
     }
@@ -372,8 +382,8 @@ public final class AgentClient implements AutoCloseable {
     }
 
     private static DisconnectedException lost(IOException cause) {
-        return new DisconnectedException("lost", "the connection broke: " + cause.getMessage(),
-                Optional.empty());
+        return new DisconnectedException(
+                "lost", "the connection broke: " + cause.getMessage(), Optional.empty());
     }
 
     // ---- the reader's thread ----
@@ -401,11 +411,12 @@ public final class AgentClient implements AutoCloseable {
             reply = talk.take(message);
             notifyAll();
         }
-        reply.ifPresent(line -> {
-            synchronized (sending) {
-                send(line);
-            }
-        });
+        reply.ifPresent(
+                line -> {
+                    synchronized (sending) {
+                        send(line);
+                    }
+                });
     }
 
     /**

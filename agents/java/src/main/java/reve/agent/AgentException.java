@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.agent;
 
 import java.time.Duration;
@@ -25,13 +26,15 @@ public class AgentException extends RuntimeException {
     }
 
     static AgentException unexpected(ServerMessage message) {
-        return new AgentException("protocol", "the server sent what nobody asked for: " + message,
-                Optional.empty());
+        return new AgentException(
+                "protocol", "the server sent what nobody asked for: " + message, Optional.empty());
     }
 
     static AgentException noAnswer(Duration waited) {
-        return new AgentException("no-answer", "the server was silent for "
-                + waited.toMillis() / 1000.0 + " s", Optional.of("is its world running?"));
+        return new AgentException(
+                "no-answer",
+                "the server was silent for " + waited.toMillis() / 1000.0 + " s",
+                Optional.of("is its world running?"));
     }
 
     /**

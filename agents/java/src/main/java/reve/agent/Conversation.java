@@ -1,4 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.agent;
+
+import org.jspecify.annotations.Nullable;
+
+import tools.jackson.databind.node.ObjectNode;
 
 import java.io.ByteArrayOutputStream;
 import java.time.Duration;
@@ -15,13 +20,11 @@ import java.util.Optional;
 import java.util.OptionalLong;
 import java.util.Set;
 import java.util.function.LongFunction;
-import org.jspecify.annotations.Nullable;
-import tools.jackson.databind.node.ObjectNode;
 
 /**
  * What a client and a server have said to each other: one session, over however many connections.
- * No sockets, no threads: what is to be sent is returned as bytes, what has come is given to
- * {@link #take}. Who shares one holds a lock.
+ * No sockets, no threads: what is to be sent is returned as bytes, what has come is given to {@link
+ * #take}. Who shares one holds a lock.
  */
 final class Conversation {
 
@@ -31,23 +34,31 @@ final class Conversation {
     private final Welcome welcome;
     private long lastId;
     private final Map<Long, Optional<ServerMessage>> answers = new HashMap<>();
+
     /** What is sent again after a break, in order. */
     private final Map<Long, byte[]> unanswered = new LinkedHashMap<>();
+
     /** Questions about frames that are not made yet. */
     private final Set<Long> ahead = new HashSet<>();
+
     /** The stream of perceptions; 0 if there is none. In lock-step it has no id. */
     private long subscription;
+
     private int every;
     private @Nullable Perception known;
     private @Nullable Perception latest;
+
     /** Acts of the round, in lock-step. */
     private List<Long> doing = List.of();
+
     private long readyFrame = NO_FRAME;
     private long observedFrame = NO_FRAME;
     private final Deque<WorldEvent> events = new ArrayDeque<>();
     private long frameSeen;
+
     /** Frames of the events that came after the last frame that was seen whole. */
     private final List<Long> seenAfter = new ArrayList<>();
+
     private int knownAlready;
     private long missedEvents;
 
@@ -85,7 +96,9 @@ final class Conversation {
         return answers.get(id).isPresent();
     }
 
-    /** @throws AgentException with what the server refused */
+    /**
+     * @throws AgentException with what the server refused
+     */
     <T extends ServerMessage> T answer(long id, Class<T> type) {
         ServerMessage answer = answers.get(id).orElseThrow();
         if (answer instanceof ServerMessage.Error error) {
@@ -161,10 +174,13 @@ final class Conversation {
             Act act = acts[i];
             String item = act.item().orElseGet(() -> welcome.body().orElseThrow());
             boolean last = i == acts.length - 1;
-            Question question = question(id -> {
-                ObjectNode message = Protocol.act(id, item, act.action(), act.arguments());
-                return last ? Protocol.andReady(message, seen) : message;
-            });
+            Question question =
+                    question(
+                            id -> {
+                                ObjectNode message =
+                                        Protocol.act(id, item, act.action(), act.arguments());
+                                return last ? Protocol.andReady(message, seen) : message;
+                            });
             ids.add(question.id());
             lines.writeBytes(question.line());
         }
@@ -180,7 +196,9 @@ final class Conversation {
      * was done are here.
      */
     boolean hasObservation(long frame) {
-        return known != null && known.frame() > observedFrame && known.frame() >= frame
+        return known != null
+                && known.frame() > observedFrame
+                && known.frame() >= frame
                 && isAllDone();
     }
 
@@ -235,8 +253,8 @@ final class Conversation {
             case ServerMessage.Ping ping -> {
                 return Optional.of(encode(Protocol.pong()));
             }
-            case ServerMessage.Bye bye -> throw new DisconnectedException(bye.code(), bye.message(),
-                    bye.hint());
+            case ServerMessage.Bye bye ->
+                    throw new DisconnectedException(bye.code(), bye.message(), bye.hint());
             case ServerMessage.Pong pong -> answer(pong.id(), pong);
             case ServerMessage.Error error -> {
                 if (error.id().isEmpty()) {
@@ -279,7 +297,8 @@ final class Conversation {
 
     /** In lock-step perceptions come without having been asked for. */
     private OptionalLong stream() {
-        return welcome.lockStep().isPresent() ? OptionalLong.empty()
+        return welcome.lockStep().isPresent()
+                ? OptionalLong.empty()
                 : OptionalLong.of(subscription);
     }
 
@@ -329,8 +348,12 @@ final class Conversation {
 
     /** How another connection goes on; empty where that is not possible. */
     Optional<Join> greeting() {
-        return welcome.session().map(session -> join.resuming(welcome.world(),
-                new Join.Resume(session.token(), Math.max(0, frameSeen))));
+        return welcome.session()
+                .map(
+                        session ->
+                                join.resuming(
+                                        welcome.world(),
+                                        new Join.Resume(session.token(), Math.max(0, frameSeen))));
     }
 
     /** Another connection has been welcomed: what has to be said again over it. */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.agent;
 
 import java.nio.ByteBuffer;
@@ -18,14 +19,26 @@ import java.util.Optional;
  * @param items u16; 0 for no item, else its place in the names, from 1
  * @param names of the items that are seen
  */
-public record Image(long id, long frame, double time, String sensor, int width, int height,
-        Optional<ByteBuffer> colour, Optional<ByteBuffer> depth, Optional<ByteBuffer> items,
-        List<String> names) implements ServerMessage {
+public record Image(
+        long id,
+        long frame,
+        double time,
+        String sensor,
+        int width,
+        int height,
+        Optional<ByteBuffer> colour,
+        Optional<ByteBuffer> depth,
+        Optional<ByteBuffer> items,
+        List<String> names)
+        implements ServerMessage {
 
     /** The name of the item at a pixel, counted from the upper left. */
     public Optional<String> find(int x, int y) {
-        ByteBuffer numbers = items.orElseThrow(() -> new IllegalStateException(
-                "the camera " + sensor + " does not tell items"));
+        ByteBuffer numbers =
+                items.orElseThrow(
+                        () ->
+                                new IllegalStateException(
+                                        "the camera " + sensor + " does not tell items"));
         int number = Short.toUnsignedInt(numbers.getShort(2 * (y * width + x)));
         return number > 0 ? Optional.of(names.get(number - 1)) : Optional.empty();
     }

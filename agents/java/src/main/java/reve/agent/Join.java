@@ -1,7 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.agent;
 
 import java.time.Duration;
 import java.util.Optional;
+
 import javax.net.ssl.SSLContext;
 
 /**
@@ -20,9 +22,18 @@ import javax.net.ssl.SSLContext;
  * @param tls whom to trust on a private connection, see {@link Trust}; empty for plain text
  * @param patience longest wait for any answer
  */
-public record Join(String name, String role, Optional<String> world, Optional<String> body,
-        Encoding encoding, Duration grace, Optional<LockStep> lockStep, Optional<Resume> resume,
-        Optional<String> token, Optional<SSLContext> tls, Duration patience) {
+public record Join(
+        String name,
+        String role,
+        Optional<String> world,
+        Optional<String> body,
+        Encoding encoding,
+        Duration grace,
+        Optional<LockStep> lockStep,
+        Optional<Resume> resume,
+        Optional<String> token,
+        Optional<SSLContext> tls,
+        Duration patience) {
 
     private static final Duration PATIENCE = Duration.ofSeconds(10);
 
@@ -36,65 +47,166 @@ public record Join(String name, String role, Optional<String> world, Optional<St
 
     /** As an agent with a body that the world chooses. */
     public static Join as(String name) {
-        return new Join(name, "agent", Optional.empty(), Optional.empty(), Encoding.JSON,
-                Duration.ZERO, Optional.empty(), Optional.empty(), Optional.empty(),
-                Optional.empty(), PATIENCE);
+        return new Join(
+                name,
+                "agent",
+                Optional.empty(),
+                Optional.empty(),
+                Encoding.JSON,
+                Duration.ZERO,
+                Optional.empty(),
+                Optional.empty(),
+                Optional.empty(),
+                Optional.empty(),
+                PATIENCE);
     }
 
     public Join withRole(String newRole) {
-        return new Join(name, newRole, world, body, encoding, grace, lockStep, resume, token, tls,
+        return new Join(
+                name, newRole, world, body, encoding, grace, lockStep, resume, token, tls,
                 patience);
     }
 
     public Join withWorld(String newWorld) {
-        return new Join(name, role, Optional.of(newWorld), body, encoding, grace, lockStep, resume,
-                token, tls, patience);
+        return new Join(
+                name,
+                role,
+                Optional.of(newWorld),
+                body,
+                encoding,
+                grace,
+                lockStep,
+                resume,
+                token,
+                tls,
+                patience);
     }
 
     public Join withBody(String item) {
-        return new Join(name, role, world, Optional.of(item), encoding, grace, lockStep, resume,
-                token, tls, patience);
+        return new Join(
+                name,
+                role,
+                world,
+                Optional.of(item),
+                encoding,
+                grace,
+                lockStep,
+                resume,
+                token,
+                tls,
+                patience);
     }
 
     public Join withEncoding(Encoding newEncoding) {
-        return new Join(name, role, world, body, newEncoding, grace, lockStep, resume, token, tls,
+        return new Join(
+                name,
+                role,
+                world,
+                body,
+                newEncoding,
+                grace,
+                lockStep,
+                resume,
+                token,
+                tls,
                 patience);
     }
 
     public Join withGrace(Duration newGrace) {
-        return new Join(name, role, world, body, encoding, newGrace, lockStep, resume, token, tls,
+        return new Join(
+                name, role, world, body, encoding, newGrace, lockStep, resume, token, tls,
                 patience);
     }
 
     public Join withLockStep(LockStep time) {
-        return new Join(name, role, world, body, encoding, grace, Optional.of(time), resume, token,
-                tls, patience);
+        return new Join(
+                name,
+                role,
+                world,
+                body,
+                encoding,
+                grace,
+                Optional.of(time),
+                resume,
+                token,
+                tls,
+                patience);
     }
 
     public Join withResume(Resume session) {
-        return new Join(name, role, world, body, encoding, grace, lockStep, Optional.of(session),
-                token, tls, patience);
+        return new Join(
+                name,
+                role,
+                world,
+                body,
+                encoding,
+                grace,
+                lockStep,
+                Optional.of(session),
+                token,
+                tls,
+                patience);
     }
 
     public Join withToken(String secret) {
-        return new Join(name, role, world, body, encoding, grace, lockStep, resume,
-                Optional.of(secret), tls, patience);
+        return new Join(
+                name,
+                role,
+                world,
+                body,
+                encoding,
+                grace,
+                lockStep,
+                resume,
+                Optional.of(secret),
+                tls,
+                patience);
     }
 
     public Join withTls(SSLContext trusted) {
-        return new Join(name, role, world, body, encoding, grace, lockStep, resume, token,
-                Optional.of(trusted), patience);
+        return new Join(
+                name,
+                role,
+                world,
+                body,
+                encoding,
+                grace,
+                lockStep,
+                resume,
+                token,
+                Optional.of(trusted),
+                patience);
     }
 
     public Join withPatience(Duration newPatience) {
-        return new Join(name, role, world, body, encoding, grace, lockStep, resume, token, tls,
+        return new Join(
+                name,
+                role,
+                world,
+                body,
+                encoding,
+                grace,
+                lockStep,
+                resume,
+                token,
+                tls,
                 newPatience);
     }
 
     /** How another connection goes on with a session that this one began. */
     Join resuming(String inWorld, Resume session) {
-        return new Join(name, role, Optional.of(inWorld), Optional.empty(), encoding, Duration.ZERO,
-                Optional.empty(), Optional.of(session), token, tls, patience);
+        return new Join(
+                name,
+                role,
+                Optional.of(inWorld),
+                Optional.empty(),
+                encoding,
+                Duration.ZERO,
+                Optional.empty(),
+                Optional.of(session),
+                token,
+                tls,
+                patience);
     }
 
     /** Without its secrets. */

@@ -1,17 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.agent;
+
+import org.msgpack.core.MessageBufferPacker;
+import org.msgpack.core.MessagePack;
+import org.msgpack.core.MessagePacker;
+import org.msgpack.core.MessageUnpacker;
+
+import tools.jackson.databind.JsonNode;
+import tools.jackson.databind.node.ArrayNode;
+import tools.jackson.databind.node.JsonNodeFactory;
+import tools.jackson.databind.node.ObjectNode;
 
 import java.io.IOException;
 import java.io.UncheckedIOException;
 import java.nio.ByteBuffer;
 import java.util.Map;
-import org.msgpack.core.MessageBufferPacker;
-import org.msgpack.core.MessagePack;
-import org.msgpack.core.MessagePacker;
-import org.msgpack.core.MessageUnpacker;
-import tools.jackson.databind.JsonNode;
-import tools.jackson.databind.node.ArrayNode;
-import tools.jackson.databind.node.JsonNodeFactory;
-import tools.jackson.databind.node.ObjectNode;
 
 /** Messages as MessagePack behind their length in 4 bytes, from and to the same trees as JSON. */
 final class Packed {
@@ -26,7 +29,9 @@ final class Packed {
         try (MessageBufferPacker packer = MessagePack.newDefaultBufferPacker()) {
             write(packer, message);
             byte[] bytes = packer.toByteArray();
-            return ByteBuffer.allocate(LENGTH_BYTES + bytes.length).putInt(bytes.length).put(bytes)
+            return ByteBuffer.allocate(LENGTH_BYTES + bytes.length)
+                    .putInt(bytes.length)
+                    .put(bytes)
                     .array();
         } catch (IOException e) {
             throw new UncheckedIOException(e); // it writes to memory

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.agent;
 
 import java.util.LinkedHashMap;
@@ -14,8 +15,8 @@ import java.util.OptionalLong;
  * @param time of the world [s]
  * @param results in lock-step those of what was done in the round before, in order
  */
-public record Perception(OptionalLong id, long frame, double time, List<Item> items,
-        List<ActResult> results)
+public record Perception(
+        OptionalLong id, long frame, double time, List<Item> items, List<ActResult> results)
         implements ServerMessage {
 
     Perception(OptionalLong id, long frame, double time, List<Item> items) {
@@ -38,24 +39,27 @@ public record Perception(OptionalLong id, long frame, double time, List<Item> it
      */
     Perception updated(Update update) {
         if (update.since() != frame) {
-            throw new AgentException("protocol", "an update to frame " + update.since()
-                    + " came after frame " + frame, Optional.empty());
+            throw new AgentException(
+                    "protocol",
+                    "an update to frame " + update.since() + " came after frame " + frame,
+                    Optional.empty());
         }
         var known = new LinkedHashMap<String, Item>();
         items.forEach(item -> known.put(item.name(), item));
         update.left().forEach(known::remove);
         update.entered().forEach(item -> known.put(item.name(), item));
         for (Update.Change change : update.changed()) {
-            Item changed = known.computeIfPresent(change.name(),
-                    (name, item) -> change.applyTo(item));
+            Item changed =
+                    known.computeIfPresent(change.name(), (name, item) -> change.applyTo(item));
             if (changed == null) {
-                throw new AgentException("protocol",
+                throw new AgentException(
+                        "protocol",
                         change.name() + " changed, which the agent does not perceive",
                         Optional.empty());
             }
         }
-        return new Perception(update.id(), update.frame(), update.time(),
-                List.copyOf(known.values()));
+        return new Perception(
+                update.id(), update.frame(), update.time(), List.copyOf(known.values()));
     }
 
     /**
@@ -70,9 +74,14 @@ public record Perception(OptionalLong id, long frame, double time, List<Item> it
      *     none are left out
      * @param capabilities the item's own
      */
-    public record Item(String name, Optional<Location> location, Orientation orientation,
-            Map<String, Object> symbols, Map<String, Map<String, Parameter>> actions,
-            Map<String, List<String>> needs, List<String> capabilities) {}
+    public record Item(
+            String name,
+            Optional<Location> location,
+            Orientation orientation,
+            Map<String, Object> symbols,
+            Map<String, Map<String, Parameter>> actions,
+            Map<String, List<String>> needs,
+            List<String> capabilities) {}
 
     /** A place in the world's frame [m], +Y up. */
     public record Location(double x, double y, double z) {}
@@ -93,6 +102,10 @@ public record Perception(OptionalLong id, long frame, double time, List<Item> it
      * @param min least value of each of them, if there is a bound
      * @param max greatest value of each of them, if there is a bound
      */
-    public record Parameter(String type, OptionalInt components, Optional<String> unit,
-            OptionalDouble min, OptionalDouble max) {}
+    public record Parameter(
+            String type,
+            OptionalInt components,
+            Optional<String> unit,
+            OptionalDouble min,
+            OptionalDouble max) {}
 }

@@ -1,4 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.agent;
+
+import tools.jackson.core.JacksonException;
+import tools.jackson.databind.JsonNode;
+import tools.jackson.databind.json.JsonMapper;
+import tools.jackson.databind.node.ObjectNode;
 
 import java.io.IOException;
 import java.nio.ByteBuffer;
@@ -15,10 +21,6 @@ import java.util.OptionalDouble;
 import java.util.OptionalInt;
 import java.util.OptionalLong;
 import java.util.function.Function;
-import tools.jackson.core.JacksonException;
-import tools.jackson.databind.JsonNode;
-import tools.jackson.databind.json.JsonMapper;
-import tools.jackson.databind.node.ObjectNode;
 
 /** The messages of protocol version 1, as trees that JSON or MessagePack hold. */
 final class Protocol {
@@ -46,8 +48,12 @@ final class Protocol {
             message.put("graceSeconds", join.grace().toMillis() / 1000.0);
         }
         join.lockStep().ifPresent(lockStep -> putTime(message.putObject("time"), lockStep));
-        join.resume().ifPresent(resume -> message.putObject("resume")
-                .put("session", resume.session()).put("frame", resume.frame()));
+        join.resume()
+                .ifPresent(
+                        resume ->
+                                message.putObject("resume")
+                                        .put("session", resume.session())
+                                        .put("frame", resume.frame()));
         join.token().ifPresent(token -> message.put("token", token));
         return message;
     }
@@ -63,11 +69,14 @@ final class Protocol {
         if (!lockStep.deadline().equals(LockStep.DEADLINE)) {
             time.put("deadline", lockStep.deadline().toNanos() / 1e9);
         }
-        lockStep.fallback().ifPresent(act -> {
-            ObjectNode fallback = time.putObject("fallback");
-            act.item().ifPresent(item -> fallback.put("item", item));
-            fallback.put("action", act.action()).set("arguments", arguments(act.arguments()));
-        });
+        lockStep.fallback()
+                .ifPresent(
+                        act -> {
+                            ObjectNode fallback = time.putObject("fallback");
+                            act.item().ifPresent(item -> fallback.put("item", item));
+                            fallback.put("action", act.action())
+                                    .set("arguments", arguments(act.arguments()));
+                        });
     }
 
     static ObjectNode perceive(long id) {
@@ -78,7 +87,9 @@ final class Protocol {
         return message("perceive").put("id", id).put("relations", true);
     }
 
-    /** @param every frames between perceptions, 0 for no more */
+    /**
+     * @param every frames between perceptions, 0 for no more
+     */
     static ObjectNode perceive(long id, int every) {
         return message("perceive").put("id", id).put("every", every);
     }
@@ -106,7 +117,9 @@ final class Protocol {
         return act;
     }
 
-    /** @param frame of the perception that the agent goes by */
+    /**
+     * @param frame of the perception that the agent goes by
+     */
     static ObjectNode ready(OptionalLong frame) {
         ObjectNode message = message("ready");
         frame.ifPresent(seen -> message.put("frame", seen));
@@ -116,8 +129,13 @@ final class Protocol {
     /** What only the role control may say. */
     static ObjectNode command(long id, String type, Map<String, ?> fields) {
         ObjectNode message = message(type).put("id", id);
-        fields.forEach((name, value) -> message.set(name, value instanceof Map<?, ?> map
-                ? JSON.valueToTree(map) : argument(name, value)));
+        fields.forEach(
+                (name, value) ->
+                        message.set(
+                                name,
+                                value instanceof Map<?, ?> map
+                                        ? JSON.valueToTree(map)
+                                        : argument(name, value)));
         return message;
     }
 
@@ -148,30 +166,39 @@ final class Protocol {
                 for (Object element : list) {
                     if (!(element instanceof Number number)) {
                         throw new IllegalArgumentException(
-                                "argument " + name + " is a list with " + element
-                                + ", expected numbers only");
+                                "argument "
+                                        + name
+                                        + " is a list with "
+                                        + element
+                                        + ", expected numbers only");
                     }
                     numbers.add(finite(name, number));
                 }
                 yield JSON.valueToTree(numbers);
             }
-            default -> throw new IllegalArgumentException("argument " + name + " is a "
-                    + value.getClass().getSimpleName()
-                    + ", expected a number, numbers, a text or a truth value");
+            default ->
+                    throw new IllegalArgumentException(
+                            "argument "
+                                    + name
+                                    + " is a "
+                                    + value.getClass().getSimpleName()
+                                    + ", expected a number, numbers, a text or a truth value");
         };
     }
 
     private static Number finite(String name, Number number) {
         if (!Double.isFinite(number.doubleValue())) {
-            throw new IllegalArgumentException("argument " + name + " is " + number
-                    + ", expected a finite number");
+            throw new IllegalArgumentException(
+                    "argument " + name + " is " + number + ", expected a finite number");
         }
         return number;
     }
 
     // ---- what a server says ----
 
-    /** @throws AgentException with code {@code protocol} if the line says nothing of version 1 */
+    /**
+     * @throws AgentException with code {@code protocol} if the line says nothing of version 1
+     */
     static ServerMessage read(String line) {
         try {
             return read(JSON.readTree(line));
@@ -198,33 +225,52 @@ final class Protocol {
             case "perception" -> message.has("since") ? update(message) : perception(message);
             case "image" -> image(message);
             case "result" -> result(message);
-            case "event" -> new WorldEvent(message.required("frame").longValue(),
-                    text(message, "type"), map(message.required("fields"), Protocol::value));
-            case "error" -> new ServerMessage.Error(id(message), text(message, "code"),
-                    text(message, "message"), optional(message, "hint"));
+            case "event" ->
+                    new WorldEvent(
+                            message.required("frame").longValue(),
+                            text(message, "type"),
+                            map(message.required("fields"), Protocol::value));
+            case "error" ->
+                    new ServerMessage.Error(
+                            id(message),
+                            text(message, "code"),
+                            text(message, "message"),
+                            optional(message, "hint"));
             case "ping" -> new ServerMessage.Ping();
             case "pong" -> new ServerMessage.Pong(id(message));
-            case "bye" -> new ServerMessage.Bye(text(message, "code"), text(message, "message"),
-                    optional(message, "hint"));
+            case "bye" ->
+                    new ServerMessage.Bye(
+                            text(message, "code"),
+                            text(message, "message"),
+                            optional(message, "hint"));
             default -> throw new IllegalArgumentException("there is no such message");
         };
     }
 
     private static AgentException noMessage(String line) {
-        return new AgentException("protocol", "the server sent what is no message of protocol "
-                + VERSION + ": " + line.substring(0, Math.min(SHOWN, line.length())),
+        return new AgentException(
+                "protocol",
+                "the server sent what is no message of protocol "
+                        + VERSION
+                        + ": "
+                        + line.substring(0, Math.min(SHOWN, line.length())),
                 Optional.empty());
     }
 
     private static Perception perception(JsonNode message) {
-        return new Perception(id(message), message.required("frame").longValue(),
+        return new Perception(
+                id(message),
+                message.required("frame").longValue(),
                 message.required("time").doubleValue(),
                 list(message.required("items"), Protocol::item));
     }
 
     private static Update update(JsonNode message) {
-        return new Update(id(message), message.required("frame").longValue(),
-                message.required("time").doubleValue(), message.required("since").longValue(),
+        return new Update(
+                id(message),
+                message.required("frame").longValue(),
+                message.required("time").doubleValue(),
+                message.required("since").longValue(),
                 list(message.path("left"), JsonNode::stringValue),
                 list(message.path("entered"), Protocol::item),
                 list(message.path("changed"), Protocol::change));
@@ -235,40 +281,55 @@ final class Protocol {
     }
 
     private static Welcome welcome(JsonNode message) {
-        return new Welcome(id(message), message.required("protocol").intValue(),
-                text(message, "role"), text(message, "agent"), optional(message, "body"),
-                text(message, "world"), message.required("frame").longValue(),
+        return new Welcome(
+                id(message),
+                message.required("protocol").intValue(),
+                text(message, "role"),
+                text(message, "agent"),
+                optional(message, "body"),
+                text(message, "world"),
+                message.required("frame").longValue(),
                 message.required("rate").intValue(),
                 text(message, "encoding", Encoding.JSON.wireName()),
                 message.optional("time").map(Protocol::lockStep),
                 message.optional("session").map(Protocol::ticket),
-                message.path("resumed").asBoolean(false), limits(message.required("limits")));
+                message.path("resumed").asBoolean(false),
+                limits(message.required("limits")));
     }
 
     private static Welcome.Ticket ticket(JsonNode session) {
-        return new Welcome.Ticket(text(session, "token"),
-                session.required("graceSeconds").doubleValue());
+        return new Welcome.Ticket(
+                text(session, "token"), session.required("graceSeconds").doubleValue());
     }
 
     private static Welcome.Limits limits(JsonNode limits) {
-        return new Welcome.Limits(limits.required("lineBytes").intValue(),
+        return new Welcome.Limits(
+                limits.required("lineBytes").intValue(),
                 limits.required("messagesPerSecond").intValue(),
                 limits.required("actsInFlight").intValue(),
                 limits.required("idleSeconds").doubleValue(),
                 limits.required("graceSeconds").doubleValue(),
-                integer(limits, "items"), integer(limits, "worldItems"),
-                integer(limits, "eventBytes"), integer(limits, "worldEventBytes"));
+                integer(limits, "items"),
+                integer(limits, "worldItems"),
+                integer(limits, "eventBytes"),
+                integer(limits, "worldEventBytes"));
     }
 
     private static LockStep lockStep(JsonNode time) {
-        return LockStep.every(time.required("every").intValue()).withDeadline(
-                Duration.ofNanos(Math.round(1e9 * time.required("deadline").doubleValue())));
+        return LockStep.every(time.required("every").intValue())
+                .withDeadline(
+                        Duration.ofNanos(
+                                Math.round(1e9 * time.required("deadline").doubleValue())));
     }
 
     private static Image image(JsonNode message) {
-        return new Image(message.required("id").longValue(), message.required("frame").longValue(),
-                message.required("time").doubleValue(), text(message, "sensor"),
-                message.required("width").intValue(), message.required("height").intValue(),
+        return new Image(
+                message.required("id").longValue(),
+                message.required("frame").longValue(),
+                message.required("time").doubleValue(),
+                text(message, "sensor"),
+                message.required("width").intValue(),
+                message.required("height").intValue(),
                 message.optional("colour").map(Protocol::bytes),
                 message.optional("depth").map(Protocol::bytes),
                 message.optional("items").map(Protocol::bytes),
@@ -276,37 +337,50 @@ final class Protocol {
     }
 
     private static ByteBuffer bytes(JsonNode layer) {
-        return ByteBuffer.wrap(layer.binaryValue()).asReadOnlyBuffer()
+        return ByteBuffer.wrap(layer.binaryValue())
+                .asReadOnlyBuffer()
                 .order(ByteOrder.LITTLE_ENDIAN);
     }
 
     private static ActResult result(JsonNode message) {
         long id = message.required("id").longValue();
         return message.required("accepted").booleanValue()
-                ? new ActResult(id, true, OptionalLong.of(message.required("frame").longValue()),
-                        Optional.empty(), Optional.empty())
-                : new ActResult(id, false, OptionalLong.empty(), Optional.of(text(message, "code")),
+                ? new ActResult(
+                        id,
+                        true,
+                        OptionalLong.of(message.required("frame").longValue()),
+                        Optional.empty(),
+                        Optional.empty())
+                : new ActResult(
+                        id,
+                        false,
+                        OptionalLong.empty(),
+                        Optional.of(text(message, "code")),
                         Optional.of(text(message, "reason")));
     }
 
     private static Perception.Item item(JsonNode item) {
         Update.Change change = change(item);
-        return new Perception.Item(change.name(), change.location(),
+        return new Perception.Item(
+                change.name(),
+                change.location(),
                 change.orientation().orElse(Perception.Orientation.NONE),
-                change.symbols().orElse(Map.of()), change.actions().orElse(Map.of()),
+                change.symbols().orElse(Map.of()),
+                change.actions().orElse(Map.of()),
                 change.needs().orElse(Map.of()),
                 list(item.path("capabilities"), JsonNode::stringValue));
     }
 
     private static Update.Change change(JsonNode item) {
-        return new Update.Change(text(item, "name"),
+        return new Update.Change(
+                text(item, "name"),
                 item.optional("location").map(Protocol::location),
                 item.optional("orientation").map(Protocol::orientation),
                 item.optional("symbols").map(all -> map(all, Protocol::value)),
-                item.optional("actions").map(all ->
-                        map(all, action -> map(action, Protocol::parameter))),
-                item.optional("needs").map(all ->
-                        map(all, names -> list(names, JsonNode::stringValue))));
+                item.optional("actions")
+                        .map(all -> map(all, action -> map(action, Protocol::parameter))),
+                item.optional("needs")
+                        .map(all -> map(all, names -> list(names, JsonNode::stringValue))));
     }
 
     private static Perception.Location location(JsonNode at) {
@@ -314,8 +388,8 @@ final class Protocol {
     }
 
     private static Perception.Orientation orientation(JsonNode turn) {
-        return new Perception.Orientation(number(turn, 0), number(turn, 1), number(turn, 2),
-                number(turn, 3));
+        return new Perception.Orientation(
+                number(turn, 0), number(turn, 1), number(turn, 2), number(turn, 3));
     }
 
     private static double number(JsonNode list, int index) {
@@ -323,9 +397,12 @@ final class Protocol {
     }
 
     private static Perception.Parameter parameter(JsonNode parameter) {
-        return new Perception.Parameter(text(parameter, "type"),
-                integer(parameter, "components"), optional(parameter, "unit"),
-                bound(parameter, "min"), bound(parameter, "max"));
+        return new Perception.Parameter(
+                text(parameter, "type"),
+                integer(parameter, "components"),
+                optional(parameter, "unit"),
+                bound(parameter, "min"),
+                bound(parameter, "max"));
     }
 
     private static OptionalInt integer(JsonNode object, String which) {
@@ -351,7 +428,8 @@ final class Protocol {
         if (value.isBoolean()) {
             return value.booleanValue();
         }
-        return value.isArray() ? value.valueStream().map(Protocol::value).toList()
+        return value.isArray()
+                ? value.valueStream().map(Protocol::value).toList()
                 : value.stringValue();
     }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.agent;
 
 import java.util.Optional;
@@ -7,8 +8,16 @@ import java.util.OptionalLong;
  * What a server says. Closed: an agent that meets anything else speaks another protocol version.
  */
 public sealed interface ServerMessage
-        permits Welcome, Perception, Update, Image, ActResult, WorldEvent, ServerMessage.Error,
-        ServerMessage.Ping, ServerMessage.Pong, ServerMessage.Bye {
+        permits Welcome,
+                Perception,
+                Update,
+                Image,
+                ActResult,
+                WorldEvent,
+                ServerMessage.Error,
+                ServerMessage.Ping,
+                ServerMessage.Pong,
+                ServerMessage.Bye {
 
     /** A message was refused; the connection goes on. */
     record Error(OptionalLong id, String code, String message, Optional<String> hint)

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.agent;
 
 import java.util.List;
@@ -12,19 +13,33 @@ import java.util.OptionalLong;
  * @param since the frame of that perception
  * @param left names of items that are no longer perceived
  */
-record Update(OptionalLong id, long frame, double time, long since, List<String> left,
-        List<Perception.Item> entered, List<Change> changed) implements ServerMessage {
+record Update(
+        OptionalLong id,
+        long frame,
+        double time,
+        long since,
+        List<String> left,
+        List<Perception.Item> entered,
+        List<Change> changed)
+        implements ServerMessage {
 
     /** What is new about an item; empty for what is as before. */
-    record Change(String name, Optional<Perception.Location> location,
-            Optional<Perception.Orientation> orientation, Optional<Map<String, Object>> symbols,
+    record Change(
+            String name,
+            Optional<Perception.Location> location,
+            Optional<Perception.Orientation> orientation,
+            Optional<Map<String, Object>> symbols,
             Optional<Map<String, Map<String, Perception.Parameter>>> actions,
             Optional<Map<String, List<String>>> needs) {
 
         Perception.Item applyTo(Perception.Item item) {
-            return new Perception.Item(name, location.or(item::location),
-                    orientation.orElse(item.orientation()), symbols.orElse(item.symbols()),
-                    actions.orElse(item.actions()), needs.orElse(item.needs()),
+            return new Perception.Item(
+                    name,
+                    location.or(item::location),
+                    orientation.orElse(item.orientation()),
+                    symbols.orElse(item.symbols()),
+                    actions.orElse(item.actions()),
+                    needs.orElse(item.needs()),
                     item.capabilities());
         }
     }

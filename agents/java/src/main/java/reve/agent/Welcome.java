@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.agent;
 
 import java.util.Optional;
@@ -16,9 +17,20 @@ import java.util.OptionalLong;
  * @param session given to who asked for grace
  * @param resumed true if a session goes on after its connection broke
  */
-public record Welcome(OptionalLong id, int protocol, String role, String agent,
-        Optional<String> body, String world, long frame, int rate, String encoding,
-        Optional<LockStep> lockStep, Optional<Ticket> session, boolean resumed, Limits limits)
+public record Welcome(
+        OptionalLong id,
+        int protocol,
+        String role,
+        String agent,
+        Optional<String> body,
+        String world,
+        long frame,
+        int rate,
+        String encoding,
+        Optional<LockStep> lockStep,
+        Optional<Ticket> session,
+        boolean resumed,
+        Limits limits)
         implements ServerMessage {
 
     /**
@@ -43,7 +55,14 @@ public record Welcome(OptionalLong id, int protocol, String role, String agent,
      * @param worldEventBytes most bytes of events in a second of world time that actions of all
      *     agents raise
      */
-    public record Limits(int lineBytes, int messagesPerSecond, int actsInFlight, double idleSeconds,
-            double graceSeconds, OptionalInt items, OptionalInt worldItems, OptionalInt eventBytes,
+    public record Limits(
+            int lineBytes,
+            int messagesPerSecond,
+            int actsInFlight,
+            double idleSeconds,
+            double graceSeconds,
+            OptionalInt items,
+            OptionalInt worldItems,
+            OptionalInt eventBytes,
             OptionalInt worldEventBytes) {}
 }

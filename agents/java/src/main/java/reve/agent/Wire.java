@@ -1,4 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.agent;
+
+import tools.jackson.databind.node.ObjectNode;
 
 import java.io.BufferedInputStream;
 import java.io.ByteArrayOutputStream;
@@ -14,11 +17,11 @@ import java.net.SocketTimeoutException;
 import java.nio.charset.StandardCharsets;
 import java.time.Duration;
 import java.util.Optional;
+
 import javax.net.ssl.SSLContext;
 import javax.net.ssl.SSLException;
 import javax.net.ssl.SSLParameters;
 import javax.net.ssl.SSLSocket;
-import tools.jackson.databind.node.ObjectNode;
 
 /** One connection to a server, which has welcomed us. One thread reads; who writes holds a lock. */
 final class Wire implements Closeable {
@@ -49,16 +52,23 @@ final class Wire implements Closeable {
             connect(socket, address, patience);
             socket.setSoTimeout(patience);
             socket.setTcpNoDelay(true);
-            var wire = new Wire(join.tls().isPresent()
-                    ? secure(socket, address.getHostString(), join.tls().get()) : socket);
+            var wire =
+                    new Wire(
+                            join.tls().isPresent()
+                                    ? secure(socket, address.getHostString(), join.tls().get())
+                                    : socket);
             wire.write(encode(Protocol.hello(join), Encoding.JSON));
             Welcome welcome = wire.awaitWelcome(join.patience());
             socket.setSoTimeout(0);
             return new Opened(wire, welcome);
         } catch (SSLException e) {
             socket.close();
-            throw new DisconnectedException("tls-failed", e.getMessage(), Optional.of(
-                    "does the server speak TLS, and is its certificate one that you trust?"));
+            throw new DisconnectedException(
+                    "tls-failed",
+                    e.getMessage(),
+                    Optional.of(
+                            "does the server speak TLS, and is its certificate one that you"
+                                    + " trust?"));
         } catch (IOException | RuntimeException e) {
             socket.close();
             throw e;
@@ -70,8 +80,14 @@ final class Wire implements Closeable {
         try {
             socket.connect(resolved(address), patienceMillis);
         } catch (ConnectException e) {
-            var named = new ConnectException(address.getHostString() + ":" + address.getPort()
-                    + ": " + e.getMessage() + "; does a server run there?");
+            var named =
+                    new ConnectException(
+                            address.getHostString()
+                                    + ":"
+                                    + address.getPort()
+                                    + ": "
+                                    + e.getMessage()
+                                    + "; does a server run there?");
             named.initCause(e);
             throw named;
         }
@@ -85,8 +101,10 @@ final class Wire implements Closeable {
     /** Shakes hands, and makes sure that the server is the one at that address. */
     private static Socket secure(Socket socket, String host, SSLContext trusted)
             throws IOException {
-        var secure = (SSLSocket) trusted.getSocketFactory()
-                .createSocket(socket, host, socket.getPort(), true);
+        var secure =
+                (SSLSocket)
+                        trusted.getSocketFactory()
+                                .createSocket(socket, host, socket.getPort(), true);
         SSLParameters parameters = secure.getSSLParameters();
         parameters.setEndpointIdentificationAlgorithm("HTTPS");
         secure.setSSLParameters(parameters);
@@ -151,7 +169,8 @@ final class Wire implements Closeable {
     }
 
     static byte[] encode(ObjectNode message, Encoding encoding) {
-        return encoding == Encoding.JSON ? (message + "\n").getBytes(StandardCharsets.UTF_8)
+        return encoding == Encoding.JSON
+                ? (message + "\n").getBytes(StandardCharsets.UTF_8)
                 : Packed.write(message);
     }
 }

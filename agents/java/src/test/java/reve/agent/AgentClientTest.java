@@ -1,13 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.agent;
 
 import static org.assertj.core.api.Assertions.assertThatExceptionOfType;
+
+import org.junit.jupiter.api.Test;
 
 import java.io.IOException;
 import java.net.ConnectException;
 import java.net.InetAddress;
 import java.net.ServerSocket;
 import java.time.Duration;
-import org.junit.jupiter.api.Test;
 
 /** What becomes of a client whose server is none. */
 class AgentClientTest {
@@ -19,10 +21,13 @@ class AgentClientTest {
         try (var silent = new ServerSocket(0, BACKLOG, InetAddress.getLoopbackAddress())) {
             Join ada = Join.as("ada").withPatience(Duration.ofMillis(50));
             assertThatExceptionOfType(AgentException.class)
-                    .isThrownBy(() ->
-                            AgentClient.connect("127.0.0.1", silent.getLocalPort(), ada).close())
+                    .isThrownBy(
+                            () ->
+                                    AgentClient.connect("127.0.0.1", silent.getLocalPort(), ada)
+                                            .close())
                     .withMessageContaining("silent for 0.05 s")
-                    .extracting(AgentException::code).isEqualTo("no-answer");
+                    .extracting(AgentException::code)
+                    .isEqualTo("no-answer");
         }
     }
 
@@ -34,7 +39,7 @@ class AgentClientTest {
         }
         assertThatExceptionOfType(ConnectException.class)
                 .isThrownBy(() -> AgentClient.connect("127.0.0.1", free, "ada").close())
-                .withMessage("127.0.0.1:" + free
-                        + ": Connection refused; does a server run there?");
+                .withMessage(
+                        "127.0.0.1:" + free + ": Connection refused; does a server run there?");
     }
 }

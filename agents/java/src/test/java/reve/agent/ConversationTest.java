@@ -1,6 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.agent;
 
 import static org.assertj.core.api.Assertions.assertThat;
+
+import org.junit.jupiter.api.Test;
 
 import java.time.Duration;
 import java.util.List;
@@ -8,25 +11,44 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.OptionalInt;
 import java.util.OptionalLong;
-import org.junit.jupiter.api.Test;
 
 /** What a client makes of events that it missed, without a connection. */
 class ConversationTest {
 
-    private final Conversation talk = new Conversation(
-            Join.as("ada").withGrace(Duration.ofSeconds(60)),
-            new Welcome(OptionalLong.empty(), 1, "agent", "ada", Optional.of("ada"), "pond", 1, 60,
-                    "json", Optional.empty(), Optional.of(new Welcome.Ticket("secret", 60)), false,
-                    new Welcome.Limits(65_536, 4096, 64, 15, 60, OptionalInt.empty(),
-                            OptionalInt.empty(), OptionalInt.empty(), OptionalInt.empty())));
+    private final Conversation talk =
+            new Conversation(
+                    Join.as("ada").withGrace(Duration.ofSeconds(60)),
+                    new Welcome(
+                            OptionalLong.empty(),
+                            1,
+                            "agent",
+                            "ada",
+                            Optional.of("ada"),
+                            "pond",
+                            1,
+                            60,
+                            "json",
+                            Optional.empty(),
+                            Optional.of(new Welcome.Ticket("secret", 60)),
+                            false,
+                            new Welcome.Limits(
+                                    65_536,
+                                    4096,
+                                    64,
+                                    15,
+                                    60,
+                                    OptionalInt.empty(),
+                                    OptionalInt.empty(),
+                                    OptionalInt.empty(),
+                                    OptionalInt.empty())));
 
     private static WorldEvent said(long frame) {
         return new WorldEvent(frame, "said", Map.of());
     }
 
     private static WorldEvent missed(double first, long last) {
-        return new WorldEvent(last, WorldEvent.MISSED,
-                Map.of("first", first, "last", (double) last));
+        return new WorldEvent(
+                last, WorldEvent.MISSED, Map.of("first", first, "last", (double) last));
     }
 
     private void take(WorldEvent... events) {
@@ -43,10 +65,15 @@ class ConversationTest {
 
     @Test
     void aGapIsAnEventAndCounted() {
-        take(said(3), new WorldEvent(9, WorldEvent.MISSED,
-                Map.of("events", 12.0, "first", 4.0, "last", 9.0)), said(10), missed(11, 12));
+        take(
+                said(3),
+                new WorldEvent(
+                        9, WorldEvent.MISSED, Map.of("events", 12.0, "first", 4.0, "last", 9.0)),
+                said(10),
+                missed(11, 12));
         assertThat(talk.missedEvents()).isEqualTo(13);
-        assertThat(talk.events()).extracting(WorldEvent::type)
+        assertThat(talk.events())
+                .extracting(WorldEvent::type)
                 .containsExactly("said", "missed", "said", "missed");
     }
 

@@ -1,8 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.agent;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatExceptionOfType;
 import static org.assertj.core.api.Assertions.assertThatIllegalArgumentException;
+
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.MethodSource;
+import org.junit.jupiter.params.provider.ValueSource;
+
+import tools.jackson.databind.JsonNode;
+import tools.jackson.databind.json.JsonMapper;
+import tools.jackson.databind.node.ArrayNode;
+import tools.jackson.databind.node.ObjectNode;
 
 import java.io.IOException;
 import java.nio.ByteBuffer;
@@ -22,14 +33,6 @@ import java.util.Optional;
 import java.util.OptionalLong;
 import java.util.function.BiFunction;
 import java.util.stream.Stream;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.params.ParameterizedTest;
-import org.junit.jupiter.params.provider.MethodSource;
-import org.junit.jupiter.params.provider.ValueSource;
-import tools.jackson.databind.JsonNode;
-import tools.jackson.databind.json.JsonMapper;
-import tools.jackson.databind.node.ArrayNode;
-import tools.jackson.databind.node.ObjectNode;
 
 /** The protocol's test vectors, as every client must reproduce them. */
 class ProtocolTest {
@@ -45,7 +48,8 @@ class ProtocolTest {
     }
 
     static Stream<JsonNode> sessionMessages() throws IOException {
-        return vectors("session.jsonl").filter(line -> line.has("server"))
+        return vectors("session.jsonl")
+                .filter(line -> line.has("server"))
                 .map(line -> line.get("server"));
     }
 
@@ -80,22 +84,26 @@ class ProtocolTest {
         } else {
             byte[] mine = Packed.write(said(vector.get("message")));
             assertThat(ByteBuffer.wrap(mine).getInt()).isEqualTo(mine.length - Packed.LENGTH_BYTES);
-            assertSame(Packed.read(Arrays.copyOfRange(mine, Packed.LENGTH_BYTES, mine.length)),
+            assertSame(
+                    Packed.read(Arrays.copyOfRange(mine, Packed.LENGTH_BYTES, mine.length)),
                     vector.get("message"));
         }
     }
 
     @Test
     void updatesAddUp() throws IOException {
-        var messages = vectors("server.jsonl")
-                .map(message -> Protocol.read(message.toString())).toList();
-        Perception perception = messages.stream().filter(Perception.class::isInstance)
-                .map(Perception.class::cast)
-                .filter(message -> message.id().equals(OptionalLong.of(2)))
-                .findFirst().orElseThrow();
+        var messages =
+                vectors("server.jsonl").map(message -> Protocol.read(message.toString())).toList();
+        Perception perception =
+                messages.stream()
+                        .filter(Perception.class::isInstance)
+                        .map(Perception.class::cast)
+                        .filter(message -> message.id().equals(OptionalLong.of(2)))
+                        .findFirst()
+                        .orElseThrow();
         Perception first = perception;
-        List<Update> updates = messages.stream().filter(Update.class::isInstance)
-                .map(Update.class::cast).toList();
+        List<Update> updates =
+                messages.stream().filter(Update.class::isInstance).map(Update.class::cast).toList();
         for (Update update : updates) {
             perception = perception.updated(update);
         }
@@ -118,20 +126,36 @@ class ProtocolTest {
     }
 
     @ParameterizedTest
-    @ValueSource(strings = {"", "null", "[]", "{}", "{\"t\":1}", "{\"t\":\"jump\"}",
-        "{\"t\":\"hello\"}", "{\"t\":\"result\",\"id\":1}",
-        "{\"t\":\"event\",\"frame\":\"x\",\"type\":\"y\",\"fields\":{}}",
-        "{\"t\":\"perception\",\"frame\":1,\"time\":0,\"items\":[{}]}", "{\"t\":\"bye\""})
+    @ValueSource(
+            strings = {
+                "",
+                "null",
+                "[]",
+                "{}",
+                "{\"t\":1}",
+                "{\"t\":\"jump\"}",
+                "{\"t\":\"hello\"}",
+                "{\"t\":\"result\",\"id\":1}",
+                "{\"t\":\"event\",\"frame\":\"x\",\"type\":\"y\",\"fields\":{}}",
+                "{\"t\":\"perception\",\"frame\":1,\"time\":0,\"items\":[{}]}",
+                "{\"t\":\"bye\""
+            })
     void whatIsNoMessageIsRefused(String line) {
-        assertThatExceptionOfType(AgentException.class).isThrownBy(() -> Protocol.read(line))
+        assertThatExceptionOfType(AgentException.class)
+                .isThrownBy(() -> Protocol.read(line))
                 .satisfies(e -> assertThat(e.code()).isEqualTo("protocol"))
                 .withMessageContaining(line);
     }
 
     @Test
     void argumentsThatHaveNoFormAreRefusedBeforeTheyAreSent() {
-        for (Object value : List.of(Double.NaN, List.of(1.0, Double.POSITIVE_INFINITY),
-                List.of("x"), Map.of(), new double[] {Double.NEGATIVE_INFINITY})) {
+        for (Object value :
+                List.of(
+                        Double.NaN,
+                        List.of(1.0, Double.POSITIVE_INFINITY),
+                        List.of("x"),
+                        Map.of(),
+                        new double[] {Double.NEGATIVE_INFINITY})) {
             assertThatIllegalArgumentException()
                     .isThrownBy(() -> Protocol.act(1, "duck", "push", Map.of("impulse", value)))
                     .withMessageContaining("argument impulse");
@@ -143,17 +167,23 @@ class ProtocolTest {
         long id = message.path("id").asLong(0);
         return switch (message.get("t").stringValue()) {
             case "hello" -> Protocol.hello(join(message));
-            case "perceive" -> message.has("every")
-                    ? Protocol.perceive(id, message.get("every").intValue())
-                    : message.has("relations")
-                    ? Protocol.perceiveWithRelations(id)
-                    : Protocol.perceive(id);
+            case "perceive" ->
+                    message.has("every")
+                            ? Protocol.perceive(id, message.get("every").intValue())
+                            : message.has("relations")
+                                    ? Protocol.perceiveWithRelations(id)
+                                    : Protocol.perceive(id);
             case "act" -> {
                 var arguments = new LinkedHashMap<String, Object>();
-                message.get("arguments").properties()
+                message.get("arguments")
+                        .properties()
                         .forEach(e -> arguments.put(e.getKey(), value(e.getValue())));
-                ObjectNode act = Protocol.act(id, message.get("item").stringValue(),
-                        message.get("action").stringValue(), arguments);
+                ObjectNode act =
+                        Protocol.act(
+                                id,
+                                message.get("item").stringValue(),
+                                message.get("action").stringValue(),
+                                arguments);
                 yield message.has("ready") ? Protocol.andReady(act, frame(message)) : act;
             }
             case "look" -> Protocol.look(id, message.get("sensor").stringValue());
@@ -172,43 +202,56 @@ class ProtocolTest {
     }
 
     private static OptionalLong frame(JsonNode message) {
-        return message.has("frame") ? OptionalLong.of(message.get("frame").longValue())
+        return message.has("frame")
+                ? OptionalLong.of(message.get("frame").longValue())
                 : OptionalLong.empty();
     }
 
     private static Join join(JsonNode hello) {
-        Join join = Join.as(hello.get("name").stringValue())
-                .withRole(hello.path("role").asString("agent"))
-                .withGrace(Duration.ofSeconds(hello.path("graceSeconds").asInt(0)))
-                .withEncoding(hello.has("encoding") ? Encoding.MESSAGEPACK : Encoding.JSON);
+        Join join =
+                Join.as(hello.get("name").stringValue())
+                        .withRole(hello.path("role").asString("agent"))
+                        .withGrace(Duration.ofSeconds(hello.path("graceSeconds").asInt(0)))
+                        .withEncoding(hello.has("encoding") ? Encoding.MESSAGEPACK : Encoding.JSON);
         join = with(join, hello, "world", (all, world) -> all.withWorld(world.stringValue()));
         join = with(join, hello, "body", (all, body) -> all.withBody(body.stringValue()));
         join = with(join, hello, "time", (all, time) -> all.withLockStep(lockStep(time)));
-        join = with(join, hello, "resume", (all, resume) -> all.withResume(
-                new Join.Resume(resume.get("session").stringValue(),
-                        resume.get("frame").longValue())));
+        join =
+                with(
+                        join,
+                        hello,
+                        "resume",
+                        (all, resume) ->
+                                all.withResume(
+                                        new Join.Resume(
+                                                resume.get("session").stringValue(),
+                                                resume.get("frame").longValue())));
         return with(join, hello, "token", (all, token) -> all.withToken(token.stringValue()));
     }
 
     private static LockStep lockStep(JsonNode time) {
-        LockStep every = LockStep.every(time.path("every").asInt(1))
-                .withDeadline(Duration.ofNanos((long) (1e9 * time.path("deadline").asDouble(1))));
+        LockStep every =
+                LockStep.every(time.path("every").asInt(1))
+                        .withDeadline(
+                                Duration.ofNanos((long) (1e9 * time.path("deadline").asDouble(1))));
         every = with(every, time, "relations", (all, relations) -> all.withRelations());
         return with(every, time, "fallback", (all, fallback) -> all.withFallback(act(fallback)));
     }
 
     private static Act act(JsonNode act) {
         var arguments = new LinkedHashMap<String, Object>();
-        act.path("arguments").properties()
+        act.path("arguments")
+                .properties()
                 .forEach(e -> arguments.put(e.getKey(), value(e.getValue())));
         String action = act.get("action").stringValue();
-        return act.has("item") ? Act.of(act.get("item").stringValue(), action, arguments)
+        return act.has("item")
+                ? Act.of(act.get("item").stringValue(), action, arguments)
                 : Act.ofBody(action, arguments);
     }
 
     /** Changed by a field, if the message has it. */
-    private static <T> T with(T before, JsonNode message, String field,
-            BiFunction<T, JsonNode, T> change) {
+    private static <T> T with(
+            T before, JsonNode message, String field, BiFunction<T, JsonNode, T> change) {
         return message.has(field) ? change.apply(before, message.get(field)) : before;
     }
 
@@ -242,12 +285,19 @@ class ProtocolTest {
                 if (!w.encoding().equals("json")) {
                     json.put("encoding", w.encoding());
                 }
-                w.lockStep().ifPresent(time -> json.putObject("time").put("mode", "lock-step")
-                        .put("every", time.every())
-                        .put("deadline", time.deadline().toNanos() / 1e9));
-                w.session().ifPresent(session -> json.putObject("session")
-                        .put("token", session.token())
-                        .put("graceSeconds", session.graceSeconds()));
+                w.lockStep()
+                        .ifPresent(
+                                time ->
+                                        json.putObject("time")
+                                                .put("mode", "lock-step")
+                                                .put("every", time.every())
+                                                .put("deadline", time.deadline().toNanos() / 1e9));
+                w.session()
+                        .ifPresent(
+                                session ->
+                                        json.putObject("session")
+                                                .put("token", session.token())
+                                                .put("graceSeconds", session.graceSeconds()));
                 if (w.resumed()) {
                     json.put("resumed", true);
                 }
@@ -260,13 +310,12 @@ class ProtocolTest {
                 w.limits().items().ifPresent(most -> limits.put("items", most));
                 w.limits().worldItems().ifPresent(most -> limits.put("worldItems", most));
                 w.limits().eventBytes().ifPresent(most -> limits.put("eventBytes", most));
-                w.limits().worldEventBytes()
-                        .ifPresent(most -> limits.put("worldEventBytes", most));
+                w.limits().worldEventBytes().ifPresent(most -> limits.put("worldEventBytes", most));
             }
             case Perception p -> {
                 put(json.put("t", "perception"), p.id());
-                ArrayNode items = json.put("frame", p.frame()).put("time", p.time())
-                        .putArray("items");
+                ArrayNode items =
+                        json.put("frame", p.frame()).put("time", p.time()).putArray("items");
                 p.items().forEach(item -> items.add(written(item)));
             }
             case Update u -> {
@@ -277,13 +326,18 @@ class ProtocolTest {
                 putIfAny(json, "changed", u.changed().stream().map(ProtocolTest::written).toList());
             }
             case Image i -> {
-                json.put("t", "image").put("id", i.id()).put("frame", i.frame())
+                json.put("t", "image")
+                        .put("id", i.id())
+                        .put("frame", i.frame())
                         .put("time", i.time());
                 json.put("sensor", i.sensor()).put("width", i.width()).put("height", i.height());
                 i.colour().ifPresent(pixels -> json.put("colour", base64(pixels)));
                 i.depth().ifPresent(pixels -> json.put("depth", base64(pixels)));
-                i.items().ifPresent(pixels -> json.put("items", base64(pixels))
-                        .set("names", JSON.valueToTree(i.names())));
+                i.items()
+                        .ifPresent(
+                                pixels ->
+                                        json.put("items", base64(pixels))
+                                                .set("names", JSON.valueToTree(i.names())));
             }
             case ActResult r -> {
                 json.put("t", "result").put("id", r.id()).put("accepted", r.accepted());
@@ -291,8 +345,11 @@ class ProtocolTest {
                 put(json, "code", r.code());
                 put(json, "reason", r.reason());
             }
-            case WorldEvent e -> json.put("t", "event").put("frame", e.frame())
-                    .put("type", e.type()).set("fields", JSON.valueToTree(e.fields()));
+            case WorldEvent e ->
+                    json.put("t", "event")
+                            .put("frame", e.frame())
+                            .put("type", e.type())
+                            .set("fields", JSON.valueToTree(e.fields()));
             case ServerMessage.Error e -> {
                 put(json.put("t", "error"), e.id());
                 put(json.put("code", e.code()).put("message", e.message()), "hint", e.hint());
@@ -308,7 +365,8 @@ class ProtocolTest {
     }
 
     private static String base64(ByteBuffer bytes) {
-        return StandardCharsets.ISO_8859_1.decode(Base64.getEncoder().encode(bytes.duplicate()))
+        return StandardCharsets.ISO_8859_1
+                .decode(Base64.getEncoder().encode(bytes.duplicate()))
                 .toString();
     }
 
@@ -320,12 +378,24 @@ class ProtocolTest {
 
     /** An item says what it does not say by default. */
     private static JsonNode written(Perception.Item item) {
-        ObjectNode json = (ObjectNode) written(new Update.Change(item.name(), item.location(),
-                Optional.of(item.orientation())
-                        .filter(turn -> !turn.equals(Perception.Orientation.NONE)),
-                Optional.of(item.symbols()).filter(symbols -> !symbols.isEmpty()),
-                Optional.of(item.actions()).filter(actions -> !actions.isEmpty()),
-                Optional.of(item.needs()).filter(needs -> !needs.isEmpty())));
+        ObjectNode json =
+                (ObjectNode)
+                        written(
+                                new Update.Change(
+                                        item.name(),
+                                        item.location(),
+                                        Optional.of(item.orientation())
+                                                .filter(
+                                                        turn ->
+                                                                !turn.equals(
+                                                                        Perception.Orientation
+                                                                                .NONE)),
+                                        Optional.of(item.symbols())
+                                                .filter(symbols -> !symbols.isEmpty()),
+                                        Optional.of(item.actions())
+                                                .filter(actions -> !actions.isEmpty()),
+                                        Optional.of(item.needs())
+                                                .filter(needs -> !needs.isEmpty())));
         if (!item.capabilities().isEmpty()) {
             json.set("capabilities", JSON.valueToTree(item.capabilities()));
         }
@@ -336,37 +406,66 @@ class ProtocolTest {
         ObjectNode json = JSON.createObjectNode().put("name", change.name());
         change.location()
                 .ifPresent(at -> json.putArray("location").add(at.x()).add(at.y()).add(at.z()));
-        change.orientation().ifPresent(turn ->
-                json.putArray("orientation")
-                        .add(turn.x()).add(turn.y()).add(turn.z()).add(turn.w()));
+        change.orientation()
+                .ifPresent(
+                        turn ->
+                                json.putArray("orientation")
+                                        .add(turn.x())
+                                        .add(turn.y())
+                                        .add(turn.z())
+                                        .add(turn.w()));
         change.symbols().ifPresent(symbols -> json.set("symbols", JSON.valueToTree(symbols)));
         change.needs().ifPresent(needs -> json.set("needs", JSON.valueToTree(needs)));
-        change.actions().ifPresent(all -> {
-            ObjectNode actions = json.putObject("actions");
-            all.forEach((action, parameters) -> {
-                ObjectNode one = actions.putObject(action);
-                parameters.forEach((name, parameter) -> {
-                    ObjectNode fields = one.putObject(name).put("type", parameter.type());
-                    parameter.components().ifPresent(count -> fields.put("components", count));
-                    put(fields, "unit", parameter.unit());
-                    parameter.min().ifPresent(bound -> fields.put("min", bound));
-                    parameter.max().ifPresent(bound -> fields.put("max", bound));
-                });
-            });
-        });
+        change.actions()
+                .ifPresent(
+                        all -> {
+                            ObjectNode actions = json.putObject("actions");
+                            all.forEach(
+                                    (action, parameters) -> {
+                                        ObjectNode one = actions.putObject(action);
+                                        parameters.forEach(
+                                                (name, parameter) -> {
+                                                    ObjectNode fields =
+                                                            one.putObject(name)
+                                                                    .put("type", parameter.type());
+                                                    parameter
+                                                            .components()
+                                                            .ifPresent(
+                                                                    count ->
+                                                                            fields.put(
+                                                                                    "components",
+                                                                                    count));
+                                                    put(fields, "unit", parameter.unit());
+                                                    parameter
+                                                            .min()
+                                                            .ifPresent(
+                                                                    bound ->
+                                                                            fields.put(
+                                                                                    "min", bound));
+                                                    parameter
+                                                            .max()
+                                                            .ifPresent(
+                                                                    bound ->
+                                                                            fields.put(
+                                                                                    "max", bound));
+                                                });
+                                    });
+                        });
         return json;
     }
 
     /** A message of the server without what an item says by saying nothing. */
     private static JsonNode understood(JsonNode message) {
         for (String list : List.of("items", "entered")) {
-            message.path(list).forEach(item -> {
-                for (String field : List.of("symbols", "actions")) {
-                    if (item.path(field).isEmpty()) {
-                        item.asObject().remove(field);
-                    }
-                }
-            });
+            message.path(list)
+                    .forEach(
+                            item -> {
+                                for (String field : List.of("symbols", "actions")) {
+                                    if (item.path(field).isEmpty()) {
+                                        item.asObject().remove(field);
+                                    }
+                                }
+                            });
         }
         return message;
     }
@@ -381,7 +480,8 @@ class ProtocolTest {
 
     private static void assertSame(JsonNode actual, JsonNode expected) {
         assertThat(actual.equals(ProtocolTest::compareLeaves, expected))
-                .as("expected %s%n but was %s", expected, actual).isTrue();
+                .as("expected %s%n but was %s", expected, actual)
+                .isTrue();
     }
 
     private static int compareLeaves(JsonNode a, JsonNode b) {
@@ -392,8 +492,10 @@ class ProtocolTest {
     }
 
     private static Stream<JsonNode> vectors(String file) throws IOException {
-        String root = Objects.requireNonNull(System.getProperty("reve.root"),
-                "set -Dreve.root to the folder of the project");
+        String root =
+                Objects.requireNonNull(
+                        System.getProperty("reve.root"),
+                        "set -Dreve.root to the folder of the project");
         return Files.readAllLines(Path.of(root, "agents/protocol/vectors", file)).stream()
                 .map(JSON::readTree);
     }

@@ -1,9 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.access;
 
-import java.util.List;
 import reve.core.world.ActionCall;
 import reve.core.world.ActionRefused;
 import reve.core.world.Parameter;
+
+import java.util.List;
 
 /**
  * An action written in Java, which world files name: {@code lift: {java: NAME}}. Providers are

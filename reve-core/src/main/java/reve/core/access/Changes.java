@@ -1,15 +1,6 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.access;
 
-import java.util.ArrayList;
-import java.util.Arrays;
-import java.util.HashMap;
-import java.util.HashSet;
-import java.util.LinkedHashMap;
-import java.util.LinkedHashSet;
-import java.util.List;
-import java.util.Map;
-import java.util.Optional;
-import java.util.Set;
 import reve.core.unit.Unit;
 import reve.core.world.ActionCall;
 import reve.core.world.ActionRefused;
@@ -24,6 +15,17 @@ import reve.core.world.ScalarType;
 import reve.core.world.SemanticAspect;
 import reve.core.world.WorldEvent;
 
+import java.util.ArrayList;
+import java.util.Arrays;
+import java.util.HashMap;
+import java.util.HashSet;
+import java.util.LinkedHashMap;
+import java.util.LinkedHashSet;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.Set;
+
 /**
  * Does the effects of one call, all or none: everything that can fail is checked first, against the
  * world as it was before and the physics that earlier effects give, as two subjects may be the same
@@ -32,6 +34,7 @@ import reve.core.world.WorldEvent;
 final class Changes {
     private static final String PHYSICS = "physics.";
     private static final String SEMANTIC = "semantic.";
+
     /** A speed below which a kick leaves a body at rest on an axis [m/s]. */
     private static final double SLOWEST = 1e-30;
 
@@ -61,16 +64,22 @@ final class Changes {
                 throw new IllegalArgumentException(
                         "action " + action + " has two effects that change " + effect.changes());
             }
-            if (removes && effect instanceof Effect.Create create
+            if (removes
+                    && effect instanceof Effect.Create create
                     && (!create.definition().references().isEmpty()
                             || create.definition().parent().isPresent())) {
-                throw new IllegalArgumentException("action " + action
-                        + " removes an item and creates one that refers to others");
+                throw new IllegalArgumentException(
+                        "action "
+                                + action
+                                + " removes an item and creates one that refers to others");
             }
-            if (attaches && effect instanceof Effect.SetProperty set
+            if (attaches
+                    && effect instanceof Effect.SetProperty set
                     && set.property().equals("mass")) {
-                throw new IllegalArgumentException("action " + action
-                        + " attaches an item and sets a mass; what is attached has none");
+                throw new IllegalArgumentException(
+                        "action "
+                                + action
+                                + " attaches an item and sets a mass; what is attached has none");
             }
         }
     }
@@ -96,7 +105,8 @@ final class Changes {
     void make() {
         call.events().take(call.quota().agent(), call.frame(), eventBytes);
         if (!created.isEmpty()) {
-            call.world().addAll(created, call.quota().agent())
+            call.world()
+                    .addAll(created, call.quota().agent())
                     .forEach(item -> call.world().arrests().suspect(item.id()));
         }
         all.forEach(Runnable::run);
@@ -143,8 +153,11 @@ final class Changes {
         double[] force = numbers(effect.force(), 3, Effect.Force.UNIT);
         requireFits(item.name(), column(item, "appliedForce"), force);
         Forces forces = call.world().forces();
-        var added = new Forces.Force(item.id(), List.of(force[0], force[1], force[2]),
-                forces.frames(effect.seconds()));
+        var added =
+                new Forces.Force(
+                        item.id(),
+                        List.of(force[0], force[1], force[2]),
+                        forces.frames(effect.seconds()));
         return suspect(item, () -> forces.add(added));
     }
 
@@ -153,8 +166,12 @@ final class Changes {
         PropertyDescriptor column = column(item, effect.property());
         double[] values = numbers(effect.to(), column.components(), column.unit());
         if (item.parent().isPresent() && effect.property().equals("mass") && values[0] != 0) {
-            throw new ActionRefused("attached", item.name() + " is attached to "
-                    + item.parent().get().name() + ": its mass stays 0");
+            throw new ActionRefused(
+                    "attached",
+                    item.name()
+                            + " is attached to "
+                            + item.parent().get().name()
+                            + ": its mass stays 0");
         }
         return setting(item, effect.property(), values);
     }
@@ -162,8 +179,8 @@ final class Changes {
     private Runnable location(Item item, Effect.SetLocation effect) throws ActionRefused {
         requireBody(item);
         double[] to = numbers(effect.to(), 3, Effect.SetLocation.UNIT);
-        requireFits(item.name(),
-                call.world().table(item.kind()).column("position").descriptor(), to);
+        requireFits(
+                item.name(), call.world().table(item.kind()).column("position").descriptor(), to);
         return suspect(item, () -> item.physical().setLocation(to[0], to[1], to[2]));
     }
 
@@ -171,8 +188,8 @@ final class Changes {
         requireBody(item);
         double[] to = numbers(effect.to(), 4, Unit.ONE);
         if (to[0] == 0 && to[1] == 0 && to[2] == 0 && to[3] == 0) {
-            throw new ActionRefused("not-a-rotation",
-                    item.name() + " cannot be turned by the zero quaternion");
+            throw new ActionRefused(
+                    "not-a-rotation", item.name() + " cannot be turned by the zero quaternion");
         }
         return () -> item.physical().setOrientation(to[0], to[1], to[2], to[3]);
     }
@@ -183,8 +200,7 @@ final class Changes {
     }
 
     private Runnable attach(Item child, Item parent) throws ActionRefused {
-        attempt("cannot-attach",
-                () -> call.world().requireAttachable(child.id(), parent.id()));
+        attempt("cannot-attach", () -> call.world().requireAttachable(child.id(), parent.id()));
         return () -> call.world().attach(child.id(), parent.id());
     }
 
@@ -209,7 +225,7 @@ final class Changes {
             give(item, effect.definition().kind(), given.getKey(), given.getValue());
         }
         created.add(item.build());
-        return () -> { };
+        return () -> {};
     }
 
     private void give(ItemDefinition.Builder item, String kind, String name, Operand value)
@@ -243,8 +259,7 @@ final class Changes {
             fields.put(given.getKey(), given.getValue().symbol(call));
         }
         List<WorldEvent> raised = new ArrayList<>();
-        attempt("no-value",
-                () -> raised.add(new WorldEvent(call.frame(), effect.event(), fields)));
+        attempt("no-value", () -> raised.add(new WorldEvent(call.frame(), effect.event(), fields)));
         WorldEvent event = raised.getFirst();
         eventBytes += event.bytes();
         return () -> call.world().raise(event);
@@ -273,17 +288,29 @@ final class Changes {
     private Object symbolValue(String item, String symbol, Operand to) throws ActionRefused {
         Object value = to.symbol(call);
         Object[] checked = new Object[1];
-        attempt("not-a-symbol", () -> checked[0] = SemanticAspect.requireSettable(
-                call.world().prototype(), item, symbol, inItsUnit(symbol, to, value)));
+        attempt(
+                "not-a-symbol",
+                () ->
+                        checked[0] =
+                                SemanticAspect.requireSettable(
+                                        call.world().prototype(),
+                                        item,
+                                        symbol,
+                                        inItsUnit(symbol, to, value)));
         return checked[0];
     }
 
     /** An expression gives SI units; a symbol with a declared unit is kept in that. */
     private Object inItsUnit(String symbol, Operand to, Object value) {
-        Unit unit = call.world().prototype().symbol(symbol).map(declared -> declared.unit())
-                .orElse(Unit.ONE);
+        Unit unit =
+                call.world()
+                        .prototype()
+                        .symbol(symbol)
+                        .map(declared -> declared.unit())
+                        .orElse(Unit.ONE);
         return to instanceof Operand.Computed && value instanceof Double number
-                ? number / unit.scale() : value;
+                ? number / unit.scale()
+                : value;
     }
 
     private Colour colour(Operand to) throws ActionRefused {
@@ -298,23 +325,23 @@ final class Changes {
         requirePhysics(item);
         double mass = physics(item, "mass")[0];
         if (mass == 0) {
-            throw new ActionRefused("immovable",
-                    item.name() + " has mass 0: no " + by + " can move it");
+            throw new ActionRefused(
+                    "immovable", item.name() + " has mass 0: no " + by + " can move it");
         }
         return mass;
     }
 
     private static void requireBody(Item item) throws ActionRefused {
         if (item.physical().isEmpty()) {
-            throw new ActionRefused("not-a-body",
-                    item.name() + " is a " + item.kind() + ", expected a body");
+            throw new ActionRefused(
+                    "not-a-body", item.name() + " is a " + item.kind() + ", expected a body");
         }
     }
 
     private static void requirePhysics(Item item) throws ActionRefused {
         if (item.physics().isEmpty()) {
-            throw new ActionRefused("no-physics",
-                    item.name() + " is scenery: its physics aspect is empty");
+            throw new ActionRefused(
+                    "no-physics", item.name() + " is scenery: its physics aspect is empty");
         }
     }
 
@@ -322,8 +349,15 @@ final class Changes {
             throws ActionRefused {
         Optional<String> why = Possible.refusal(column, values);
         if (why.isPresent()) {
-            throw new ActionRefused("out-of-range", column.name() + " of " + item
-                    + " cannot become " + text(values) + ": " + why.get());
+            throw new ActionRefused(
+                    "out-of-range",
+                    column.name()
+                            + " of "
+                            + item
+                            + " cannot become "
+                            + text(values)
+                            + ": "
+                            + why.get());
         }
     }
 
@@ -336,9 +370,14 @@ final class Changes {
     }
 
     private PropertyDescriptor column(String kind, String property) throws ActionRefused {
-        return call.world().prototype().find(kind, property).orElseThrow(() ->
-                new ActionRefused("no-such-property",
-                        "items of kind " + kind + " have no property " + property));
+        return call.world()
+                .prototype()
+                .find(kind, property)
+                .orElseThrow(
+                        () ->
+                                new ActionRefused(
+                                        "no-such-property",
+                                        "items of kind " + kind + " have no property " + property));
     }
 
     /** So many finite numbers. */
@@ -349,8 +388,14 @@ final class Changes {
             finite &= Double.isFinite(number);
         }
         if (numbers.length != count || !finite) {
-            throw new ActionRefused("no-value", "found " + Arrays.toString(numbers) + ", expected "
-                    + count + " finite " + (count == 1 ? "number" : "numbers"));
+            throw new ActionRefused(
+                    "no-value",
+                    "found "
+                            + Arrays.toString(numbers)
+                            + ", expected "
+                            + count
+                            + " finite "
+                            + (count == 1 ? "number" : "numbers"));
         }
         for (double number : numbers) {
             Optional<String> why = ScalarType.F64.refusal(number);

@@ -1,19 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.access;
 
-import java.util.List;
 import reve.core.world.Action;
 import reve.core.world.ActionCall;
 import reve.core.world.ActionRefused;
 import reve.core.world.Parameter;
 
+import java.util.List;
+
 /**
  * An action made of {@link Effect}s, as world files declare them. All effects happen or none.
  * Immutable.
  */
-public record DeclaredAction(String name, String doc, List<Parameter> parameters, Terms terms,
-        List<Effect> effects) implements Action {
+public record DeclaredAction(
+        String name, String doc, List<Parameter> parameters, Terms terms, List<Effect> effects)
+        implements Action {
 
-    /** @throws IllegalArgumentException if two effects change the same */
+    /**
+     * @throws IllegalArgumentException if two effects change the same
+     */
     public DeclaredAction {
         parameters = List.copyOf(parameters);
         effects = List.copyOf(effects);
@@ -21,8 +26,8 @@ public record DeclaredAction(String name, String doc, List<Parameter> parameters
     }
 
     /** An action that anybody can perform at any time. */
-    public DeclaredAction(String name, String doc, List<Parameter> parameters,
-            List<Effect> effects) {
+    public DeclaredAction(
+            String name, String doc, List<Parameter> parameters, List<Effect> effects) {
         this(name, doc, parameters, Terms.NONE, effects);
     }
 

@@ -1,10 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.access;
+
+import reve.core.unit.Unit;
+import reve.core.world.ItemDefinition;
 
 import java.util.Collections;
 import java.util.LinkedHashMap;
 import java.util.Map;
-import reve.core.unit.Unit;
-import reve.core.world.ItemDefinition;
 
 /** One thing that an action does to an item, as data. {@link Changes} does it. Immutable. */
 public sealed interface Effect {

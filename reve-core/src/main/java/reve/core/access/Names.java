@@ -1,13 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.access;
 
-import java.util.ArrayList;
-import java.util.List;
 import reve.core.rule.Bindings;
 import reve.core.rule.Expression;
 import reve.core.rule.Scope;
 import reve.core.world.ActionCall;
 import reve.core.world.ActionRefused;
 import reve.core.world.Parameter;
+
+import java.util.ArrayList;
+import java.util.List;
 
 /** What the names of an action's expressions stand for in one call. */
 final class Names {

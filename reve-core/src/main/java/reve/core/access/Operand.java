@@ -1,6 +1,6 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.access;
 
-import java.util.List;
 import reve.core.rule.Bindings;
 import reve.core.rule.EvaluationException;
 import reve.core.rule.Expression;
@@ -8,6 +8,8 @@ import reve.core.unit.Unit;
 import reve.core.world.ActionCall;
 import reve.core.world.ActionRefused;
 import reve.core.world.Parameter;
+
+import java.util.List;
 
 /** Where an effect takes its value from. */
 public sealed interface Operand {
@@ -109,7 +111,8 @@ public sealed interface Operand {
     /** The same text, truth value or list every time. */
     record Symbol(Object value) implements Operand {
         public Symbol {
-            if (!(value instanceof String || value instanceof Boolean
+            if (!(value instanceof String
+                    || value instanceof Boolean
                     || value instanceof List<?>)) {
                 throw new IllegalArgumentException(
                         value + " is neither a text nor true or false nor a list");

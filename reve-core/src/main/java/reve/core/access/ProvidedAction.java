@@ -1,11 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.access;
 
-import java.util.List;
-import java.util.ServiceLoader;
 import reve.core.world.Action;
 import reve.core.world.ActionCall;
 import reve.core.world.ActionRefused;
 import reve.core.world.Parameter;
+
+import java.util.List;
+import java.util.ServiceLoader;
 
 /** An action whose effects an {@link ActionProvider} decides. Immutable. */
 public record ProvidedAction(String name, String doc, Terms terms, ActionProvider provider)
@@ -18,7 +20,8 @@ public record ProvidedAction(String name, String doc, Terms terms, ActionProvide
      */
     public static List<ActionProvider> providers() {
         return ServiceLoader.load(ActionProvider.class).stream()
-                .map(ServiceLoader.Provider::get).toList();
+                .map(ServiceLoader.Provider::get)
+                .toList();
     }
 
     @Override
@@ -40,8 +43,8 @@ public record ProvidedAction(String name, String doc, Terms terms, ActionProvide
             Changes.requireCompatible(name, effects);
             changes = Changes.prepare(call, effects);
         } catch (RuntimeException | LinkageError | StackOverflowError failed) {
-            throw new ActionRefused("action-failed", "action " + provider.name() + " failed",
-                    failed);
+            throw new ActionRefused(
+                    "action-failed", "action " + provider.name() + " failed", failed);
         }
         changes.make();
     }

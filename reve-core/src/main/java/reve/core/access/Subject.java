@@ -1,11 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.access;
 
-import java.util.Optional;
 import reve.core.world.ActionCall;
 import reve.core.world.ActionRefused;
 import reve.core.world.Item;
 import reve.core.world.Parameter;
 import reve.core.world.ParameterType;
+
+import java.util.Optional;
 
 /**
  * Which item an effect is about.
@@ -15,6 +17,7 @@ import reve.core.world.ParameterType;
 public record Subject(String name) {
     /** The item whose action it is. */
     public static final Subject ITEM = new Subject("item");
+
     /** The body that acts. */
     public static final Subject ACTOR = new Subject("actor");
 
@@ -27,14 +30,21 @@ public record Subject(String name) {
         return new Subject(parameter.name());
     }
 
-    /** @throws ActionRefused {@code no-actor}, {@code no-such-item} or {@code not-a-body} */
+    /**
+     * @throws ActionRefused {@code no-actor}, {@code no-such-item} or {@code not-a-body}
+     */
     Item in(ActionCall call) throws ActionRefused {
         if (equals(ITEM)) {
             return call.target();
         }
         if (equals(ACTOR)) {
-            return call.actor().orElseThrow(() -> new ActionRefused("no-actor",
-                    "the action needs somebody who does it, with a body in the world"));
+            return call.actor()
+                    .orElseThrow(
+                            () ->
+                                    new ActionRefused(
+                                            "no-actor",
+                                            "the action needs somebody who does it, with a body in"
+                                                    + " the world"));
         }
         return named(call, name);
     }
@@ -44,12 +54,19 @@ public record Subject(String name) {
         String wanted = call.arguments().text(parameter);
         Optional<Item> found = call.world().find(wanted);
         if (found.isEmpty()) {
-            throw new ActionRefused("no-such-item",
-                    "`" + parameter + "`: the world has no item " + wanted);
+            throw new ActionRefused(
+                    "no-such-item", "`" + parameter + "`: the world has no item " + wanted);
         }
         if (found.get().physical().isEmpty()) {
-            throw new ActionRefused("not-a-body", "`" + parameter + "`: " + wanted + " is a "
-                    + found.get().kind() + ", expected a body");
+            throw new ActionRefused(
+                    "not-a-body",
+                    "`"
+                            + parameter
+                            + "`: "
+                            + wanted
+                            + " is a "
+                            + found.get().kind()
+                            + ", expected a body");
         }
         return found.get();
     }

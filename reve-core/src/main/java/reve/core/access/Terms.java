@@ -1,7 +1,6 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.access;
 
-import java.util.ArrayList;
-import java.util.List;
 import reve.core.rule.Bindings;
 import reve.core.rule.EvaluationException;
 import reve.core.rule.Expression;
@@ -9,6 +8,9 @@ import reve.core.world.Action;
 import reve.core.world.ActionCall;
 import reve.core.world.ActionRefused;
 import reve.core.world.Item;
+
+import java.util.ArrayList;
+import java.util.List;
 
 /**
  * On which terms an action may be performed. Immutable.
@@ -45,12 +47,21 @@ public record Terms(List<String> needs, List<Expression> conditions) {
         List<String> has = call.capabilities();
         List<String> lacks = needs.stream().filter(need -> !has.contains(need)).toList();
         if (!lacks.isEmpty()) {
-            throw new ActionRefused("not-capable", "action " + action.name() + " of "
-                    + call.target().name() + " needs the capability " + quoted(lacks) + "; "
-                    + actor.name() + " has "
-                    + (has.isEmpty() ? "none" : "only " + quoted(has))
-                    + (has.containsAll(actor.access().capabilities())
-                            ? "" : " by this agent's token"));
+            throw new ActionRefused(
+                    "not-capable",
+                    "action "
+                            + action.name()
+                            + " of "
+                            + call.target().name()
+                            + " needs the capability "
+                            + quoted(lacks)
+                            + "; "
+                            + actor.name()
+                            + " has "
+                            + (has.isEmpty() ? "none" : "only " + quoted(has))
+                            + (has.containsAll(actor.access().capabilities())
+                                    ? ""
+                                    : " by this agent's token"));
         }
     }
 
@@ -59,8 +70,9 @@ public record Terms(List<String> needs, List<Expression> conditions) {
         call.world().activity().begin(new Evaluating("condition", condition, call.target()));
         try {
             if (!condition.truth(names)) {
-                throw new ActionRefused("condition-failed", "`" + condition.text()
-                        + "` does not hold: " + found(condition, names));
+                throw new ActionRefused(
+                        "condition-failed",
+                        "`" + condition.text() + "` does not hold: " + found(condition, names));
             }
         } catch (EvaluationException failed) {
             throw new ActionRefused("condition-failed", failed.getMessage());

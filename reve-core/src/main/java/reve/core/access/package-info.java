@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /**
  * What an item lets others do to it: actions as lists of effects, declared in world files or
  * decided by Java code, with the terms on which they may be performed. The contract that they share

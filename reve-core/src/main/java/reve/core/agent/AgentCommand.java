@@ -1,9 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
-import java.util.function.Consumer;
 import reve.core.frame.Command;
 import reve.core.frame.FrameEvent;
 import reve.core.world.World;
+
+import java.util.function.Consumer;
 
 /** What an agent wants of the world, done on the world's thread in ACT. */
 public final class AgentCommand implements Command {
@@ -13,7 +15,9 @@ public final class AgentCommand implements Command {
     private final AgentInput input;
     private final Consumer<Outcome> done;
 
-    /** @param done told how it went, on the world's thread */
+    /**
+     * @param done told how it went, on the world's thread
+     */
     AgentCommand(Members members, long sequence, AgentInput input, Consumer<Outcome> done) {
         this.members = members;
         this.sequence = sequence;

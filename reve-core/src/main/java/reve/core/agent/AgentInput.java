@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import java.util.Collections;
@@ -64,6 +65,8 @@ public sealed interface AgentInput {
         }
     }
 
-    /** @param reason a code, for the others */
+    /**
+     * @param reason a code, for the others
+     */
     record Leave(String agent, String reason) implements AgentInput {}
 }

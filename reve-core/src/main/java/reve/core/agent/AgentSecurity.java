@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import java.util.Optional;
@@ -5,8 +6,8 @@ import java.util.Optional;
 /**
  * How a server knows its clients, and they it.
  *
- * @param tokens who may come in, and with which rights; without, whoever can connect
- *     has all of them
+ * @param tokens who may come in, and with which rights; without, whoever can connect has all of
+ *     them
  * @param tls what connections are kept private with; without, they are plain text
  */
 public record AgentSecurity(Optional<TokenFile> tokens, Optional<ServerTls> tls) {

@@ -1,4 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
+
+import reve.core.frame.Pacing;
 
 import java.io.Closeable;
 import java.io.IOException;
@@ -19,7 +22,6 @@ import java.util.Set;
 import java.util.regex.Pattern;
 import java.util.stream.Collectors;
 import java.util.stream.Stream;
-import reve.core.frame.Pacing;
 
 /**
  * Lets agents join worlds over TCP, protocol version 1. Each world goes on at its own pace whatever
@@ -33,36 +35,48 @@ public final class AgentServer implements AutoCloseable {
     private static final Pattern NAME = Pattern.compile("[A-Za-z0-9][A-Za-z0-9_.-]{0,63}");
     private static final int BACKLOG = 512;
     private static final int CHECKS_PER_DEADLINE = 4;
+
     /** So that a flood of connections does not keep the others waiting. */
     private static final int ACCEPTED_PER_TURN = 16;
+
     /** Least time between two looks at clients that have sent all that they may. */
     private static final long THROTTLE_NANOS = 10_000_000;
 
     private final AgentServerConfig config;
     private final Counters counters = new Counters();
     private final RateLimitedLog log = new RateLimitedLog(10, "agents");
+
     /** Of its own, so that a flood of connections hides nothing that is said of agents. */
     private final RateLimitedLog strangersLog =
             new RateLimitedLog(1, "clients that have not said hello");
+
     private final List<ServedWorld> worlds;
     private final EventLoop loop;
     private final ServerSocketChannel listening;
     private final InetSocketAddress address;
     private final SelectionKey accepting;
+
     /** The event loop's own. */
     private final Set<Connection> connections = new HashSet<>();
+
     private final Strangers strangers;
     private final Writers writers = new Writers(Runtime.getRuntime().availableProcessors());
     private final SlowReaders<Connection> slowReaders = new SlowReaders<>();
+
     /** They have sent all that they may. The event loop's own. */
     private List<Connection> throttled = new ArrayList<>();
+
     private long readThrottledNanos = System.nanoTime();
     private final Optional<AuditLog> audit;
+
     /** The event loop's own, as long as it runs. */
     private final List<FileProblem> fileProblems;
+
     private final Attempts attempts = new Attempts();
+
     /** Sessions without a token that wait for their client to come back. Guarded by itself. */
     private final Set<Session> kept = new HashSet<>();
+
     private volatile boolean closed;
 
     /**
@@ -73,8 +87,9 @@ public final class AgentServer implements AutoCloseable {
      * @throws BindException naming the address if it cannot be had
      * @throws IOException if the audit file cannot be written
      */
-    public static AgentServer start(AgentServerConfig config, List<WorldPort> ports,
-            ServerProblems problems) throws IOException {
+    public static AgentServer start(
+            AgentServerConfig config, List<WorldPort> ports, ServerProblems problems)
+            throws IOException {
         ServerSocketChannel listening = listen(config.address());
         try {
             var server = new AgentServer(config, ports, listening, openAudit(config), problems);
@@ -93,8 +108,12 @@ public final class AgentServer implements AutoCloseable {
                 : Optional.empty();
     }
 
-    private AgentServer(AgentServerConfig config, List<WorldPort> ports,
-            ServerSocketChannel listening, Optional<AuditLog> audit, ServerProblems problems)
+    private AgentServer(
+            AgentServerConfig config,
+            List<WorldPort> ports,
+            ServerSocketChannel listening,
+            Optional<AuditLog> audit,
+            ServerProblems problems)
             throws IOException {
         this.audit = audit;
         this.config = config;
@@ -102,34 +121,58 @@ public final class AgentServer implements AutoCloseable {
         int all = config.limits().maxConnections();
         this.strangers = new Strangers(all - all / 4);
         this.listening = listening;
-        this.address = new InetSocketAddress(config.address().getAddress(),
-                ((InetSocketAddress) listening.getLocalAddress()).getPort());
-        this.loop = new EventLoop(log, new LoopWork(),
-                shortest(config.timeouts()) / CHECKS_PER_DEADLINE);
+        this.address =
+                new InetSocketAddress(
+                        config.address().getAddress(),
+                        ((InetSocketAddress) listening.getLocalAddress()).getPort());
+        this.loop =
+                new EventLoop(
+                        log, new LoopWork(), shortest(config.timeouts()) / CHECKS_PER_DEADLINE);
         this.accepting = loop.register(listening, SelectionKey.OP_ACCEPT, key -> accept());
         // A world in real time has frames to make while agents are served; so do others beside it.
         boolean helps = ports.size() == 1 && ports.getFirst().loop().pacing() == Pacing.FAST;
-        this.worlds = ports.stream()
-                .map(port -> new ServedWorld(this, port, helps ? loop : LockStep.Waiting.IDLE))
-                .toList();
+        this.worlds =
+                ports.stream()
+                        .map(
+                                port ->
+                                        new ServedWorld(
+                                                this, port, helps ? loop : LockStep.Waiting.IDLE))
+                        .toList();
     }
 
-    private static List<FileProblem> fileProblems(AgentSecurity security,
-            Optional<AuditLog> audit, ServerProblems listener) {
+    private static List<FileProblem> fileProblems(
+            AgentSecurity security, Optional<AuditLog> audit, ServerProblems listener) {
         var problems = new ArrayList<FileProblem>();
-        audit.ifPresent(log ->
-                problems.add(new FileProblem("audit", log::problem, log::solved, listener)));
-        security.tokens().ifPresent(tokens ->
-                problems.add(new FileProblem("tokens", tokens::problem, tokens::solved, listener)));
-        security.tls().ifPresent(tls ->
-                problems.add(new FileProblem("tls", tls::problem, tls::solved, listener)));
+        audit.ifPresent(
+                log -> problems.add(new FileProblem("audit", log::problem, log::solved, listener)));
+        security.tokens()
+                .ifPresent(
+                        tokens ->
+                                problems.add(
+                                        new FileProblem(
+                                                "tokens",
+                                                tokens::problem,
+                                                tokens::solved,
+                                                listener)));
+        security.tls()
+                .ifPresent(
+                        tls ->
+                                problems.add(
+                                        new FileProblem(
+                                                "tls", tls::problem, tls::solved, listener)));
         return List.copyOf(problems);
     }
 
     private static long shortest(AgentTimeouts timeouts) {
-        return Stream.of(timeouts.hello(), timeouts.line(), timeouts.idle(), timeouts.write(),
+        return Stream.of(
+                        timeouts.hello(),
+                        timeouts.line(),
+                        timeouts.idle(),
+                        timeouts.write(),
                         timeouts.linger())
-                .mapToLong(Duration::toNanos).min().orElseThrow();
+                .mapToLong(Duration::toNanos)
+                .min()
+                .orElseThrow();
     }
 
     /** Where it listens, with the port it got. */
@@ -155,12 +198,14 @@ public final class AgentServer implements AutoCloseable {
             return;
         }
         worlds.forEach(ServedWorld::close);
-        loop.later(() -> {
-            closed = true;
-            closeQuietly(listening);
-            connections.forEach(
-                    connection -> connection.end(Ending.regular("closing", "the server ends")));
-        });
+        loop.later(
+                () -> {
+                    closed = true;
+                    closeQuietly(listening);
+                    connections.forEach(
+                            connection ->
+                                    connection.end(Ending.regular("closing", "the server ends")));
+                });
         try {
             if (!loop.join(2 * config.timeouts().linger().toMillis())) {
                 loop.stop();
@@ -213,7 +258,9 @@ public final class AgentServer implements AutoCloseable {
             readThrottled();
             config.security().tls().ifPresent(ServerTls::refresh);
             fileProblems.forEach(FileProblem::check);
-            config.security().tokens().map(TokenFile::current)
+            config.security()
+                    .tokens()
+                    .map(TokenFile::current)
                     .ifPresent(current -> worlds.forEach(world -> world.checkTokens(current)));
             if (accepting.isValid()) {
                 accepting.interestOps(SelectionKey.OP_ACCEPT);
@@ -316,20 +363,26 @@ public final class AgentServer implements AutoCloseable {
 
     /** The server may send nothing without a record. */
     static Ending notRecorded() {
-        return Ending.refused("not-recorded",
+        return Ending.refused(
+                "not-recorded",
                 "the server sends nothing without a record, and cannot write it now",
                 "try again later");
     }
 
-    private Session resume(Connection connection, ClientMessage.Hello hello,
-            ClientMessage.Resume resume) throws Ending {
-        Optional<Session> found = meant(hello.world()).stream()
-                .flatMap(world -> world.find(hello.name()).stream())
-                .filter(session -> session.hasSecret(resume.session())).findFirst();
+    private Session resume(
+            Connection connection, ClientMessage.Hello hello, ClientMessage.Resume resume)
+            throws Ending {
+        Optional<Session> found =
+                meant(hello.world()).stream()
+                        .flatMap(world -> world.find(hello.name()).stream())
+                        .filter(session -> session.hasSecret(resume.session()))
+                        .findFirst();
         if (found.isEmpty()) {
             countWrong(connection);
-            throw Ending.refused("no-such-session",
-                    "there is no session of " + Text.quote(hello.name())
+            throw Ending.refused(
+                    "no-such-session",
+                    "there is no session of "
+                            + Text.quote(hello.name())
                             + " with this token, or it has ended",
                     "say hello without resume");
         }
@@ -340,23 +393,30 @@ public final class AgentServer implements AutoCloseable {
 
     /** The world that is named, or the only one that is open to the client. */
     private ServedWorld requireWorld(Optional<String> name, Rights rights) throws Ending {
-        List<ServedWorld> open = meant(Optional.empty()).stream()
-                .filter(world -> rights.opensWorld(world.name())).toList();
+        List<ServedWorld> open =
+                meant(Optional.empty()).stream()
+                        .filter(world -> rights.opensWorld(world.name()))
+                        .toList();
         List<ServedWorld> meant = name.isPresent() || open.isEmpty() ? meant(name) : open;
         if (meant.size() == 1) {
             return meant.getFirst();
         }
-        String problem = name.map(unknown -> "this server has no world " + Text.quote(unknown))
-                .orElse("this server has " + open.size() + " worlds");
-        String names = open.stream().map(world -> Text.quote(world.name()))
-                .collect(Collectors.joining(" or "));
+        String problem =
+                name.map(unknown -> "this server has no world " + Text.quote(unknown))
+                        .orElse("this server has " + open.size() + " worlds");
+        String names =
+                open.stream()
+                        .map(world -> Text.quote(world.name()))
+                        .collect(Collectors.joining(" or "));
         throw Ending.refused("no-such-world", problem, "say hello with \"world\": " + names);
     }
 
     /** The worlds of that name, or all; not those that have ended. */
     private List<ServedWorld> meant(Optional<String> name) {
-        return worlds.stream().filter(world -> !world.hasEnded())
-                .filter(world -> name.isEmpty() || name.get().equals(world.name())).toList();
+        return worlds.stream()
+                .filter(world -> !world.hasEnded())
+                .filter(world -> name.isEmpty() || name.get().equals(world.name()))
+                .toList();
     }
 
     /** What the client's token says it may; nothing where the server asks for none. */
@@ -369,7 +429,8 @@ public final class AgentServer implements AutoCloseable {
                 config.security().tokens().get().find(hello.token().orElse(""));
         if (token.isEmpty()) {
             countWrong(connection);
-            throw Ending.refused("bad-token",
+            throw Ending.refused(
+                    "bad-token",
                     "this server takes a token, and there was none or a wrong one",
                     "say hello with the \"token\" that whoever runs the server gave you");
         }
@@ -379,30 +440,37 @@ public final class AgentServer implements AutoCloseable {
     /** Only what is wrong counts: a right token opens the server from any address. */
     private void countWrong(Connection connection) throws Ending {
         if (!attempts.take(connection.address(), System.nanoTime())) {
-            throw Ending.cut("too-many-attempts",
+            throw Ending.cut(
+                    "too-many-attempts",
                     "too many wrong tokens came from your address; try again later");
         }
     }
 
-    private static void requireOpen(ClientMessage.Hello hello, Role role,
-            Optional<AgentToken> token, ServedWorld world) throws Ending {
+    private static void requireOpen(
+            ClientMessage.Hello hello, Role role, Optional<AgentToken> token, ServedWorld world)
+            throws Ending {
         Rights rights = token.map(AgentToken::rights).orElse(Rights.ALL);
         if (token.isPresent() && !token.get().name().equals(hello.name())) {
-            throw Ending.refused("not-permitted",
+            throw Ending.refused(
+                    "not-permitted",
                     "your token is for another name than " + Text.quote(hello.name()),
                     "say hello with the name that it was made for");
         }
         if (!rights.roles().contains(role)) {
-            throw Ending.refused("not-permitted",
+            throw Ending.refused(
+                    "not-permitted",
                     "your token does not open the role " + role.wireName(),
                     "it opens " + rights.roles().stream().map(Role::wireName).sorted().toList());
         }
         if (hello.lockStep().isPresent() && !rights.lockStep()) {
-            throw Ending.refused("not-permitted", "your token does not let the world wait for you",
+            throw Ending.refused(
+                    "not-permitted",
+                    "your token does not let the world wait for you",
                     "leave out time, or ask for a token with lock-step");
         }
         if (!rights.opensWorld(world.name())) {
-            throw Ending.refused("not-permitted",
+            throw Ending.refused(
+                    "not-permitted",
                     "your token does not open the world " + world.name(),
                     "ask whoever runs the server for one that does");
         }
@@ -417,8 +485,12 @@ public final class AgentServer implements AutoCloseable {
                 return true;
             }
         }
-        log.warn(() -> session + " leaves at once: " + most
-                + " sessions without a token wait for their clients already");
+        log.warn(
+                () ->
+                        session
+                                + " leaves at once: "
+                                + most
+                                + " sessions without a token wait for their clients already");
         return false;
     }
 
@@ -443,17 +515,25 @@ public final class AgentServer implements AutoCloseable {
 
     private static Role requireAcceptable(ClientMessage.Hello hello) throws Ending {
         if (hello.protocol() != PROTOCOL) {
-            throw Ending.refused("protocol-unsupported",
+            throw Ending.refused(
+                    "protocol-unsupported",
                     "this server does not speak protocol " + hello.protocol(),
                     "say hello with \"protocol\":" + PROTOCOL);
         }
         if (!isName(hello.name())) {
-            throw Ending.refused("bad-name", Text.quote(hello.name()) + " is no name for an agent",
+            throw Ending.refused(
+                    "bad-name",
+                    Text.quote(hello.name()) + " is no name for an agent",
                     "use 1 to 64 of A-Z a-z 0-9 _ . - and begin with a letter or digit");
         }
-        return Role.of(hello.role()).orElseThrow(() -> Ending.refused("role-unsupported",
-                "this server does not know the role " + Text.quote(hello.role()),
-                "it knows " + Role.names()));
+        return Role.of(hello.role())
+                .orElseThrow(
+                        () ->
+                                Ending.refused(
+                                        "role-unsupported",
+                                        "this server does not know the role "
+                                                + Text.quote(hello.role()),
+                                        "it knows " + Role.names()));
     }
 
     /** Whether a client may be called that. */
@@ -470,9 +550,15 @@ public final class AgentServer implements AutoCloseable {
             return listening.bind(address, BACKLOG);
         } catch (IOException e) {
             closeQuietly(listening);
-            var unbound = new BindException("cannot serve agents on " + address.getHostString()
-                    + " port " + address.getPort() + ": " + e.getMessage()
-                    + "; name another address or port (0: any free one)");
+            var unbound =
+                    new BindException(
+                            "cannot serve agents on "
+                                    + address.getHostString()
+                                    + " port "
+                                    + address.getPort()
+                                    + ": "
+                                    + e.getMessage()
+                                    + "; name another address or port (0: any free one)");
             unbound.initCause(e);
             throw unbound;
         }
@@ -502,8 +588,11 @@ public final class AgentServer implements AutoCloseable {
         try {
             var client = (InetSocketAddress) channel.getRemoteAddress();
             if (!strangers.haveRoomFor(client.getAddress())) {
-                turnAway(channel, Ending.cut("too-many-connections",
-                        "too many connections from your address have not said hello"));
+                turnAway(
+                        channel,
+                        Ending.cut(
+                                "too-many-connections",
+                                "too many connections from your address have not said hello"));
                 return;
             }
             var connection = new Connection(this, wire(channel));
@@ -516,13 +605,16 @@ public final class AgentServer implements AutoCloseable {
     }
 
     private Wire wire(SocketChannel channel) {
-        return config.security().tls().isEmpty() ? Wire.of(channel)
+        return config.security().tls().isEmpty()
+                ? Wire.of(channel)
                 : new TlsWire(channel, config.security().tls().get().engine());
     }
 
     private Ending full() {
-        return Ending.cut("too-many-connections",
-                "the server has " + config.limits().maxConnections()
+        return Ending.cut(
+                "too-many-connections",
+                "the server has "
+                        + config.limits().maxConnections()
                         + " clients, which is all it takes");
     }
 

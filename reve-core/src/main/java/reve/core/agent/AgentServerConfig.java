@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import java.net.InetAddress;
@@ -14,20 +15,26 @@ import java.util.Optional;
  * @param audit where a record of all that clients are told is appended
  * @param security how clients and server know each other
  */
-public record AgentServerConfig(InetSocketAddress address, AgentLimits limits,
-        AgentTimeouts timeouts, Optional<AuditPlan> audit, AgentSecurity security) {
+public record AgentServerConfig(
+        InetSocketAddress address,
+        AgentLimits limits,
+        AgentTimeouts timeouts,
+        Optional<AuditPlan> audit,
+        AgentSecurity security) {
 
     /**
-     * @throws IllegalArgumentException if other machines reach the address and there are no
-     *     tokens or no TLS
+     * @throws IllegalArgumentException if other machines reach the address and there are no tokens
+     *     or no TLS
      */
     public AgentServerConfig {
         if (address.isUnresolved()) {
             throw new IllegalArgumentException("there is no address of " + address.getHostString());
         }
         if (!address.getAddress().isLoopbackAddress() && !security.isComplete()) {
-            throw new IllegalArgumentException("agents cannot be served on "
-                    + address.getHostString() + " without tokens and TLS: other machines reach it");
+            throw new IllegalArgumentException(
+                    "agents cannot be served on "
+                            + address.getHostString()
+                            + " without tokens and TLS: other machines reach it");
         }
     }
 
@@ -43,8 +50,8 @@ public record AgentServerConfig(InetSocketAddress address, AgentLimits limits,
 
     /** The protocol's limits on any address. */
     public static AgentServerConfig on(InetSocketAddress address, AgentSecurity security) {
-        return new AgentServerConfig(address, AgentLimits.PROTOCOL, AgentTimeouts.PROTOCOL,
-                Optional.empty(), security);
+        return new AgentServerConfig(
+                address, AgentLimits.PROTOCOL, AgentTimeouts.PROTOCOL, Optional.empty(), security);
     }
 
     /** The same, with a record of all that clients are told. */
@@ -66,9 +73,17 @@ public record AgentServerConfig(InetSocketAddress address, AgentLimits limits,
     }
 
     private AgentServerConfig with(Duration deadline, Optional<Duration> waiting) {
-        var other = new AgentTimeouts(timeouts.hello(), timeouts.line(), timeouts.idle(),
-                timeouts.flood(), timeouts.write(), timeouts.grace(), deadline, waiting,
-                timeouts.linger());
+        var other =
+                new AgentTimeouts(
+                        timeouts.hello(),
+                        timeouts.line(),
+                        timeouts.idle(),
+                        timeouts.flood(),
+                        timeouts.write(),
+                        timeouts.grace(),
+                        deadline,
+                        waiting,
+                        timeouts.linger());
         return new AgentServerConfig(address, limits, other, audit, security);
     }
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 /**
@@ -15,6 +16,15 @@ package reve.core.agent;
  * @param cut connections that the server ended for breaking a limit
  * @param unrecorded messages sent without the record that was asked for
  */
-public record AgentStats(long connections, long open, long agents, long joined, long lines,
-        long errors, long perceptions, long actsAccepted, long actsRefused, long cut,
+public record AgentStats(
+        long connections,
+        long open,
+        long agents,
+        long joined,
+        long lines,
+        long errors,
+        long perceptions,
+        long actsAccepted,
+        long actsRefused,
+        long cut,
         long unrecorded) {}

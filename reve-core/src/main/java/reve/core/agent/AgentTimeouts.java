@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import java.time.Duration;
@@ -18,16 +19,32 @@ import java.util.Optional;
  *     (see {@link Allowance}); without, there is no limit
  * @param linger how long a finished connection may take to go
  */
-public record AgentTimeouts(Duration hello, Duration line, Duration idle, Duration flood,
-        Duration write, Duration grace, Duration deadline,
-        Optional<Duration> waiting, Duration linger) {
+public record AgentTimeouts(
+        Duration hello,
+        Duration line,
+        Duration idle,
+        Duration flood,
+        Duration write,
+        Duration grace,
+        Duration deadline,
+        Optional<Duration> waiting,
+        Duration linger) {
 
-    public static final AgentTimeouts PROTOCOL = new AgentTimeouts(
-            Duration.ofSeconds(2), Duration.ofSeconds(10), Duration.ofSeconds(15),
-            Duration.ofSeconds(10), Duration.ofSeconds(5), Duration.ofSeconds(60),
-            Duration.ofSeconds(1), Optional.of(Duration.ofSeconds(10)), Duration.ofSeconds(1));
+    public static final AgentTimeouts PROTOCOL =
+            new AgentTimeouts(
+                    Duration.ofSeconds(2),
+                    Duration.ofSeconds(10),
+                    Duration.ofSeconds(15),
+                    Duration.ofSeconds(10),
+                    Duration.ofSeconds(5),
+                    Duration.ofSeconds(60),
+                    Duration.ofSeconds(1),
+                    Optional.of(Duration.ofSeconds(10)),
+                    Duration.ofSeconds(1));
 
-    /** @throws IllegalArgumentException if one is shorter than a millisecond */
+    /**
+     * @throws IllegalArgumentException if one is shorter than a millisecond
+     */
     public AgentTimeouts {
         requirePositive("hello", hello);
         requirePositive("line", line);
@@ -42,8 +59,8 @@ public record AgentTimeouts(Duration hello, Duration line, Duration idle, Durati
 
     private static void requirePositive(String name, Duration time) {
         if (time.toMillis() <= 0) {
-            throw new IllegalArgumentException("timeout " + name + " is " + time.toMillis()
-                    + " ms, expected more than 0");
+            throw new IllegalArgumentException(
+                    "timeout " + name + " is " + time.toMillis() + " ms, expected more than 0");
         }
     }
 }

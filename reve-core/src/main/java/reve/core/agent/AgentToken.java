@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import java.nio.charset.StandardCharsets;
@@ -24,16 +25,19 @@ public record AgentToken(String name, String sha256, Rights rights, Optional<Ins
     private static final int SECRET_BYTES = 16;
     private static final int ID_LENGTH = 8;
 
-    /** @throws IllegalArgumentException naming what is wrong */
+    /**
+     * @throws IllegalArgumentException naming what is wrong
+     */
     public AgentToken {
         if (!AgentServer.isName(name)) {
             throw new IllegalArgumentException(
-                    Text.quote(name) + " is no name for a client; expected 1 to 64 of A-Z a-z"
+                    Text.quote(name)
+                            + " is no name for a client; expected 1 to 64 of A-Z a-z"
                             + " 0-9 _ . -, beginning with a letter or digit");
         }
         if (!sha256.matches("[0-9a-f]{64}")) {
-            throw new IllegalArgumentException("sha256 of the token of " + name
-                    + " is not 64 hexadecimal digits");
+            throw new IllegalArgumentException(
+                    "sha256 of the token of " + name + " is not 64 hexadecimal digits");
         }
         if (rights.roles().isEmpty()) {
             throw new IllegalArgumentException(
@@ -47,7 +51,9 @@ public record AgentToken(String name, String sha256, Rights rights, Optional<Ins
         return new Issued(secret, new AgentToken(name, hash(secret), rights, expires));
     }
 
-    /** @param secret for the client, kept nowhere else */
+    /**
+     * @param secret for the client, kept nowhere else
+     */
     public record Issued(String secret, AgentToken token) {
         @Override
         public String toString() {
@@ -64,8 +70,10 @@ public record AgentToken(String name, String sha256, Rights rights, Optional<Ins
 
     static String hash(String secret) {
         try {
-            return HexFormat.of().formatHex(MessageDigest.getInstance("SHA-256")
-                    .digest(secret.getBytes(StandardCharsets.UTF_8)));
+            return HexFormat.of()
+                    .formatHex(
+                            MessageDigest.getInstance("SHA-256")
+                                    .digest(secret.getBytes(StandardCharsets.UTF_8)));
         } catch (NoSuchAlgorithmException e) {
             throw new IllegalStateException("every Java runtime has SHA-256", e);
         }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import java.nio.ByteBuffer;
@@ -13,6 +14,7 @@ final class Allowance {
 
     /** Part of the time that comes back. */
     static final double REFILL = 0.1;
+
     /** Part of the whole that must have come back before a spent allowance counts again. */
     static final double RESTORED = 0.5;
 
@@ -21,13 +23,17 @@ final class Allowance {
     private final double fullNanos;
     private double leftNanos;
     private long countedNanos;
+
     /** In this frame an agent was not ready yet. */
     private boolean noted;
+
     private volatile ByteBuffer home = ByteBuffer.allocate(0);
     private volatile long answeredNanos;
     private volatile boolean spent;
 
-    /** @param full the whole; without, there is no limit */
+    /**
+     * @param full the whole; without, there is no limit
+     */
     Allowance(Optional<Duration> full, long nowNanos) {
         this.fullNanos = full.map(time -> (double) time.toNanos()).orElse(NO_LIMIT);
         this.leftNanos = fullNanos;

@@ -1,4 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
+
+import org.jspecify.annotations.Nullable;
 
 import java.nio.ByteBuffer;
 import java.time.Duration;
@@ -9,7 +12,6 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.concurrent.atomic.AtomicInteger;
 import java.util.function.Consumer;
-import org.jspecify.annotations.Nullable;
 
 /**
  * Bounds how long agents in lock-step keep others waiting. Others are agents in real time, and
@@ -24,14 +26,19 @@ final class Allowances {
     private final Optional<Duration> full;
     private final Consumer<Allowance> judged;
     private final AtomicInteger realTime = new AtomicInteger();
+
     /** By token; of all agents without one. Guarded by this. */
     private final Map<Optional<String>, Allowance> all = new HashMap<>();
+
     /** Of agents that were not ready when the frame was due, and those that are spent. */
     private final List<Allowance> noted = new ArrayList<>();
+
     private boolean hasBegun;
     private long begunNanos;
+
     /** When the frame has to begin at the world's rate. */
     private long wantedNanos;
+
     private boolean othersWait;
 
     /**
@@ -54,8 +61,9 @@ final class Allowances {
      * @param home network address that the agent comes from
      */
     synchronized Allowance of(Optional<AgentToken> token, ByteBuffer home, long nowNanos) {
-        Allowance its = all.computeIfAbsent(token.map(AgentToken::name),
-                name -> new Allowance(full, nowNanos));
+        Allowance its =
+                all.computeIfAbsent(
+                        token.map(AgentToken::name), name -> new Allowance(full, nowNanos));
         its.comeFrom(home);
         return its;
     }
@@ -67,7 +75,8 @@ final class Allowances {
 
     /** The longest that the agent may keep others waiting in a round [ns]. */
     long longestWaitNanos(Turn turn) {
-        return turn.allowance().isSpent() ? Math.min(turn.deadlineNanos(), frameNanos)
+        return turn.allowance().isSpent()
+                ? Math.min(turn.deadlineNanos(), frameNanos)
                 : turn.deadlineNanos();
     }
 
@@ -123,7 +132,8 @@ final class Allowances {
 
     /** How long others still wait for an agent [ns], if they do; negative if no longer. */
     long nanosecondsLeft(Turn turn, long nowNanos) {
-        return othersWait ? wantedNanos - nowNanos + turn.allowance().left(frameNanos)
+        return othersWait
+                ? wantedNanos - nowNanos + turn.allowance().left(frameNanos)
                 : Long.MAX_VALUE;
     }
 
@@ -155,8 +165,8 @@ final class Allowances {
         Turn first = null;
         long firstNanos = 0;
         for (Turn turn : turns) {
-            if (turn.isHere() && (another == null
-                    || !turn.allowance().isNeighbourOf(another.allowance()))) {
+            if (turn.isHere()
+                    && (another == null || !turn.allowance().isNeighbourOf(another.allowance()))) {
                 long ready = turn.allowance().answeredBetween(wantedNanos, nowNanos);
                 if (first == null || ready - firstNanos < 0) {
                     first = turn;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import java.net.Inet6Address;
@@ -10,9 +11,8 @@ import java.util.Map;
 /**
  * Bounds how often clients of one address may offer a wrong secret: {@value #BURST} times at once,
  * then one time a second. What is wrong beyond that is cut as too much; a right secret is never
- * asked about here, so that an attacker does not lock out others of its address. Remembers the
- * last {@value #ADDRESSES} addresses; those of one IPv6 network of 64 bits count as one. Any
- * thread.
+ * asked about here, so that an attacker does not lock out others of its address. Remembers the last
+ * {@value #ADDRESSES} addresses; those of one IPv6 network of 64 bits count as one. Any thread.
  */
 final class Attempts {
 
@@ -22,14 +22,15 @@ final class Attempts {
     private static final double PER_NANO = 1e-9;
     private static final int NETWORK_BYTES = 8;
 
-    private final Map<ByteBuffer, Left> left = new LinkedHashMap<>(16, 0.75f, true) {
-        private static final long serialVersionUID = 1;
+    private final Map<ByteBuffer, Left> left =
+            new LinkedHashMap<>(16, 0.75f, true) {
+                private static final long serialVersionUID = 1;
 
-        @Override
-        protected boolean removeEldestEntry(Map.Entry<ByteBuffer, Left> eldest) {
-            return size() > ADDRESSES;
-        }
-    };
+                @Override
+                protected boolean removeEldestEntry(Map.Entry<ByteBuffer, Left> eldest) {
+                    return size() > ADDRESSES;
+                }
+            };
 
     private record Left(double attempts, long atNanos) {}
 
@@ -46,7 +47,8 @@ final class Attempts {
 
     private double attempts(ByteBuffer network, long nowNanos) {
         Left before = left.get(network);
-        return before == null ? BURST
+        return before == null
+                ? BURST
                 : Math.min(BURST, before.attempts + (nowNanos - before.atNanos) * PER_NANO);
     }
 

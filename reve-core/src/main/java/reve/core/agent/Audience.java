@@ -1,4 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
+
+import reve.core.agent.Mentions.Mention;
+import reve.core.space.Box;
+import reve.core.space.BoxIndex;
+import reve.core.space.Found;
+import reve.core.world.ItemId;
 
 import java.lang.foreign.MemorySegment;
 import java.util.ArrayList;
@@ -11,17 +18,12 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
 import java.util.stream.LongStream;
-import reve.core.agent.Mentions.Mention;
-import reve.core.space.Box;
-import reve.core.space.BoxIndex;
-import reve.core.space.Found;
-import reve.core.world.ItemId;
 
 /**
- * Who may hear of an event, so that it costs what is perceived of it and not as much as there
- * are agents: whoever was shown one of its items, or has a sensor that may reach one now. It
- * finds too many rather than too few: what an agent hears, its {@link Senses} decide. The event
- * loop's thread.
+ * Who may hear of an event, so that it costs what is perceived of it and not as much as there are
+ * agents: whoever was shown one of its items, or has a sensor that may reach one now. It finds too
+ * many rather than too few: what an agent hears, its {@link Senses} decide. The event loop's
+ * thread.
  */
 final class Audience {
 
@@ -29,6 +31,7 @@ final class Audience {
 
     // What agents with sensors were shown.
     private final Map<Session, Showing> showings = new IdentityHashMap<>();
+
     /** Brought up to date when there are events. */
     private final Map<ItemId, Set<Session>> viewers = new HashMap<>();
 
@@ -38,8 +41,10 @@ final class Audience {
     private final List<Session> reachingAll = new ArrayList<>();
     private final List<Session> within = new ArrayList<>();
     private boolean hasLockStep;
+
     /** What sensors may reach, by the place of who has them in the list above. */
     private final BoxIndex reaches = new BoxIndex();
+
     private double[] lows = {};
     private double[] highs = {};
     private long[] keys = {};
@@ -47,6 +52,7 @@ final class Audience {
 
     private static final class Showing {
         private List<Seen> newest = List.of();
+
         /** Those of whose items the member counts as a viewer. */
         private List<Seen> counted = List.of();
     }
@@ -65,19 +71,21 @@ final class Audience {
     }
 
     private void countViewers() {
-        showings.forEach((member, showing) -> {
-            if (showing.counted != showing.newest) {
-                update(member, showing.counted, showing.newest);
-                showing.counted = showing.newest;
-            }
-        });
+        showings.forEach(
+                (member, showing) -> {
+                    if (showing.counted != showing.newest) {
+                        update(member, showing.counted, showing.newest);
+                        showing.counted = showing.newest;
+                    }
+                });
     }
 
     /** Two lists in the order of ids, merged. */
     private void update(Session member, List<Seen> before, List<Seen> now) {
         int old = 0;
         for (Seen seen : now) {
-            while (old < before.size() && before.get(old) != seen
+            while (old < before.size()
+                    && before.get(old) != seen
                     && before.get(old).id().compareTo(seen.id()) < 0) {
                 hides(member, before.get(old++).id());
             }
@@ -94,10 +102,12 @@ final class Audience {
     }
 
     private void hides(Session member, ItemId item) {
-        viewers.computeIfPresent(item, (id, all) -> {
-            all.remove(member);
-            return all.isEmpty() ? null : all;
-        });
+        viewers.computeIfPresent(
+                item,
+                (id, all) -> {
+                    all.remove(member);
+                    return all.isEmpty() ? null : all;
+                });
     }
 
     /** Takes the members as they are in the frame that the observatory has read. */
@@ -120,8 +130,11 @@ final class Audience {
                 reachingAll.add(member);
             }
         }
-        reaches.build(MemorySegment.ofArray(keys), MemorySegment.ofArray(lows),
-                MemorySegment.ofArray(highs), within.size());
+        reaches.build(
+                MemorySegment.ofArray(keys),
+                MemorySegment.ofArray(lows),
+                MemorySegment.ofArray(highs),
+                within.size());
     }
 
     private void reserve(int count) {

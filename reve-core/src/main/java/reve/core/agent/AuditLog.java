@@ -1,4 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.core.disk.OwnedFile;
+import reve.core.disk.Reason;
+import reve.core.text.Visible;
+
+import tools.jackson.databind.node.ObjectNode;
 
 import java.io.Closeable;
 import java.io.IOException;
@@ -18,11 +27,6 @@ import java.util.Optional;
 import java.util.function.LongSupplier;
 import java.util.regex.Matcher;
 import java.util.regex.Pattern;
-import org.jspecify.annotations.Nullable;
-import reve.core.disk.OwnedFile;
-import reve.core.disk.Reason;
-import reve.core.text.Visible;
-import tools.jackson.databind.node.ObjectNode;
 
 /**
  * A record of exactly what each client was told, and when: one JSON object per message, appended to
@@ -48,13 +52,16 @@ final class AuditLog implements Closeable {
     private final LongSupplier nanos;
     private OwnedFile out;
     private long size;
+
     /** Size at which the file is rotated [bytes]. */
     private long fullSize;
+
     /** The file ends in the middle of a record. */
     private boolean torn;
 
     /** Messages without a record since the file could not be written. */
     private long missing;
+
     private Instant missingSince = Instant.EPOCH;
     private long triedNanos;
     private @Nullable String failure;
@@ -62,12 +69,16 @@ final class AuditLog implements Closeable {
     private String lastGap = "";
     private long unrecorded;
 
-    /** @throws IOException if the file cannot be appended to, or holds something else */
+    /**
+     * @throws IOException if the file cannot be appended to, or holds something else
+     */
     AuditLog(AuditPlan plan) throws IOException {
         this(plan, InstantSource.system(), System::nanoTime);
     }
 
-    /** @param nanos what {@link System#nanoTime} is */
+    /**
+     * @param nanos what {@link System#nanoTime} is
+     */
     AuditLog(AuditPlan plan, InstantSource clock, LongSupplier nanos) throws IOException {
         this.plan = plan;
         this.file = plan.file();
@@ -98,8 +109,9 @@ final class AuditLog implements Closeable {
             long end = in.size();
             long next = lineBefore(in, end);
             if (!isRecord(in, 0) || next > 0 && !isRecord(in, lineBefore(in, next - 1))) {
-                throw new IOException("it is there already and holds something else than an audit "
-                        + "record; name another file, or move it away");
+                throw new IOException(
+                        "it is there already and holds something else than an audit "
+                                + "record; name another file, or move it away");
             }
             return next == end;
         }
@@ -124,8 +136,11 @@ final class AuditLog implements Closeable {
     private static boolean isRecord(FileChannel in, long start) throws IOException {
         ByteBuffer some = ByteBuffer.allocate(HEAD_BYTES);
         in.read(some, start);
-        String line = new String(some.array(), 0, some.position(), StandardCharsets.UTF_8)
-                .lines().findFirst().orElse("");
+        String line =
+                new String(some.array(), 0, some.position(), StandardCharsets.UTF_8)
+                        .lines()
+                        .findFirst()
+                        .orElse("");
         Matcher head = HEAD.matcher(line);
         return some.position() == 0 || !line.isEmpty() && (head.lookingAt() || head.hitEnd());
     }
@@ -139,14 +154,28 @@ final class AuditLog implements Closeable {
         if (!isWritable()) {
             return leaveOut();
         }
-        String json = encoding == Encoding.JSON
-                ? withoutPixels(StandardCharsets.UTF_8
-                        .decode(line.slice(0, line.remaining() - 1)).toString())
-                : MessagePackReader.read(
-                        line.slice(Encoding.LENGTH_BYTES, line.remaining() - Encoding.LENGTH_BYTES),
-                        AuditLog::hash).toString();
-        return write("{\"at\":\"" + clock.instant() + "\",\"world\":\"" + world
-                + "\",\"client\":\"" + client + "\",\"message\":" + withoutSecret(json) + "}")
+        String json =
+                encoding == Encoding.JSON
+                        ? withoutPixels(
+                                StandardCharsets.UTF_8
+                                        .decode(line.slice(0, line.remaining() - 1))
+                                        .toString())
+                        : MessagePackReader.read(
+                                        line.slice(
+                                                Encoding.LENGTH_BYTES,
+                                                line.remaining() - Encoding.LENGTH_BYTES),
+                                        AuditLog::hash)
+                                .toString();
+        return write(
+                        "{\"at\":\""
+                                + clock.instant()
+                                + "\",\"world\":\""
+                                + world
+                                + "\",\"client\":\""
+                                + client
+                                + "\",\"message\":"
+                                + withoutSecret(json)
+                                + "}")
                 || leaveOut();
     }
 
@@ -172,14 +201,23 @@ final class AuditLog implements Closeable {
         if (failure == null && !out.isInPlace()) {
             beginAnew();
             if (failure == null) {
-                return Optional.of("the audit record " + file + " was moved or removed; a new one"
-                        + " begins there, which lacks what was recorded before");
+                return Optional.of(
+                        "the audit record "
+                                + file
+                                + " was moved or removed; a new one"
+                                + " begins there, which lacks what was recorded before");
             }
         }
-        return isWritable() ? Optional.ofNullable(rotationFailure)
-                : Optional.of("what clients are sent cannot be recorded in " + file + ": " + failure
-                        + (plan.required() ? "; clients are disconnected until it can"
-                        : "; they are served without a record"));
+        return isWritable()
+                ? Optional.ofNullable(rotationFailure)
+                : Optional.of(
+                        "what clients are sent cannot be recorded in "
+                                + file
+                                + ": "
+                                + failure
+                                + (plan.required()
+                                        ? "; clients are disconnected until it can"
+                                        : "; they are served without a record"));
     }
 
     /** What to say when there is no problem any more. */
@@ -220,10 +258,22 @@ final class AuditLog implements Closeable {
             return false;
         }
         failure = null;
-        if (write("{\"at\":\"" + clock.instant() + "\",\"unrecorded\":" + missing
-                + ",\"since\":\"" + missingSince + "\"}")) {
-            lastGap = plan.required() ? ""
-                    : "; " + missing + " messages since " + missingSince + " have no record";
+        if (write(
+                "{\"at\":\""
+                        + clock.instant()
+                        + "\",\"unrecorded\":"
+                        + missing
+                        + ",\"since\":\""
+                        + missingSince
+                        + "\"}")) {
+            lastGap =
+                    plan.required()
+                            ? ""
+                            : "; "
+                                    + missing
+                                    + " messages since "
+                                    + missingSince
+                                    + " have no record";
             missing = 0;
             return true;
         }
@@ -231,8 +281,10 @@ final class AuditLog implements Closeable {
     }
 
     private boolean write(String record) {
-        ByteBuffer bytes = ByteBuffer.wrap(((torn ? "\n" : "") + Visible.json(record) + "\n")
-                .getBytes(StandardCharsets.UTF_8));
+        ByteBuffer bytes =
+                ByteBuffer.wrap(
+                        ((torn ? "\n" : "") + Visible.json(record) + "\n")
+                                .getBytes(StandardCharsets.UTF_8));
         if (size > 0 && size + bytes.remaining() > fullSize) {
             rotate();
         }
@@ -296,8 +348,14 @@ final class AuditLog implements Closeable {
 
     private void rotationFailed(IOException e) {
         fullSize = size + plan.maxBytes();
-        rotationFailure = "the audit record " + file + " cannot be rotated: " + Reason.of(e)
-                + "; it grows beyond " + plan.maxBytes() + " bytes";
+        rotationFailure =
+                "the audit record "
+                        + file
+                        + " cannot be rotated: "
+                        + Reason.of(e)
+                        + "; it grows beyond "
+                        + plan.maxBytes()
+                        + " bytes";
     }
 
     private static String withoutPixels(String json) {
@@ -324,7 +382,8 @@ final class AuditLog implements Closeable {
 
     private static String withoutSecret(String json) {
         return json.startsWith("{\"t\":\"welcome\"")
-                ? SECRET.matcher(json).replaceFirst("…") : json;
+                ? SECRET.matcher(json).replaceFirst("…")
+                : json;
     }
 
     @Override

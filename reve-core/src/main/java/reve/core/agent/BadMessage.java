@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 /** A line was refused; the connection goes on. No stack trace: a hostile client can cause many. */

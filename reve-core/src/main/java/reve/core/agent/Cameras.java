@@ -1,9 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
+
+import reve.core.world.ItemId;
+import reve.core.world.Sensor;
 
 import java.util.List;
 import java.util.Optional;
-import reve.core.world.ItemId;
-import reve.core.world.Sensor;
 
 /** Takes the pictures of cameras that bodies carry. */
 public interface Cameras {
@@ -19,8 +21,15 @@ public interface Cameras {
      * @param items u16; 0 where no item is in range, else its place in the names, from 1
      * @param names of the items that are seen
      */
-    record Photo(long frame, double time, int width, int height, Optional<byte[]> colour,
-            Optional<byte[]> depth, Optional<byte[]> items, List<String> names) {}
+    record Photo(
+            long frame,
+            double time,
+            int width,
+            int height,
+            Optional<byte[]> colour,
+            Optional<byte[]> depth,
+            Optional<byte[]> items,
+            List<String> names) {}
 
     /** Told once how it went, on any thread. */
     interface Answer {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import java.util.Map;
@@ -47,9 +48,18 @@ sealed interface ClientMessage {
      * @param resume the session it goes on with
      * @param token the secret that opens the server for it
      */
-    record Hello(long id, int protocol, String name, String role, Optional<String> world,
-            Optional<String> body, String encoding, double graceSeconds,
-            Optional<LockStep> lockStep, Optional<Resume> resume, Optional<String> token)
+    record Hello(
+            long id,
+            int protocol,
+            String name,
+            String role,
+            Optional<String> world,
+            Optional<String> body,
+            String encoding,
+            double graceSeconds,
+            Optional<LockStep> lockStep,
+            Optional<Resume> resume,
+            Optional<String> token)
             implements ClientMessage {
 
         /** Without its secrets. */
@@ -67,7 +77,10 @@ sealed interface ClientMessage {
      * @param deadlineSeconds longest wait
      * @param fallback what its body does when it is late
      */
-    record LockStep(int every, boolean relations, double deadlineSeconds,
+    record LockStep(
+            int every,
+            boolean relations,
+            double deadlineSeconds,
             Optional<AgentInput.Fallback> fallback) {}
 
     /**
@@ -84,7 +97,9 @@ sealed interface ClientMessage {
         static final int ONCE = -1;
     }
 
-    /** @param sensor one of its body's cameras */
+    /**
+     * @param sensor one of its body's cameras
+     */
     record Look(long id, String sensor) implements ClientMessage {}
 
     /**
@@ -107,8 +122,13 @@ sealed interface ClientMessage {
      * @param arguments Double, List of Double, String or Boolean by parameter name
      * @param ready if it is all that the agent does in this round
      */
-    record Act(long id, String item, String action, Map<String, Object> arguments,
-            Optional<Ready> ready) implements Request {}
+    record Act(
+            long id,
+            String item,
+            String action,
+            Map<String, Object> arguments,
+            Optional<Ready> ready)
+            implements Request {}
 
     /** What only the role control may say. */
     sealed interface Control extends Request {}
@@ -119,26 +139,38 @@ sealed interface ClientMessage {
 
     record Step(long id, int frames) implements Control {}
 
-    /** @param parameters of its laws, in SI units */
+    /**
+     * @param parameters of its laws, in SI units
+     */
     record LoadLaw(long id, String library, Map<String, Double> parameters) implements Control {}
 
     record UnloadLaw(long id, String library) implements Control {}
 
-    /** @param value Double, List of Double, String or Boolean */
+    /**
+     * @param value Double, List of Double, String or Boolean
+     */
     record Edit(long id, String item, String property, Object value) implements Control {}
 
     record Picture(long id) implements Control {}
 
-    /** @param image the name under which the world is kept as it is now */
+    /**
+     * @param image the name under which the world is kept as it is now
+     */
     record Snapshot(long id, String image) implements Control {}
 
-    /** @param image the name under which the world was kept; without, its beginning */
+    /**
+     * @param image the name under which the world was kept; without, its beginning
+     */
     record Rewind(long id, Optional<String> image) implements Control {}
 
-    /** @param file name of the world file */
+    /**
+     * @param file name of the world file
+     */
     record Save(long id, String file) implements Control {}
 
-    /** @param frames that a copy of the world is to make */
+    /**
+     * @param frames that a copy of the world is to make
+     */
     record Fork(long id, int frames) implements Control {}
 
     record ShutDown(long id) implements Control {}

@@ -1,12 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
-import java.util.Arrays;
 import org.jspecify.annotations.Nullable;
 
+import java.util.Arrays;
+
 /**
- * Which commands a client has given, by their ids, so that one sent twice is done once. Of the
- * last {@value #REMEMBERED} it knows the result; an id that could be older is not taken. Guarded
- * by its session.
+ * Which commands a client has given, by their ids, so that one sent twice is done once. Of the last
+ * {@value #REMEMBERED} it knows the result; an id that could be older is not taken. Guarded by its
+ * session.
  *
  * <p>Results are kept for as long as a client plays, and most say the same: they are kept as
  * numbers, so that they cost little memory and collectors of garbage need not look at each.
@@ -23,8 +25,10 @@ final class CommandLog {
     // Finished commands, by turns; room grows as it is needed.
     private long[] ids = new long[FEW];
     private long[] frames = new long[FEW];
+
     /** What is more than accepted. */
     private @Nullable ServerMessage[] others = new ServerMessage[FEW];
+
     private int count;
     private int oldest;
 

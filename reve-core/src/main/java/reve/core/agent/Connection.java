@@ -1,4 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
+
+import org.jspecify.annotations.Nullable;
 
 import java.io.IOException;
 import java.net.InetAddress;
@@ -11,22 +14,24 @@ import java.util.OptionalLong;
 import java.util.concurrent.atomic.AtomicBoolean;
 import java.util.function.Supplier;
 import java.util.regex.Pattern;
+
 import javax.net.ssl.SSLException;
-import org.jspecify.annotations.Nullable;
 
 /**
  * One connection, and the session behind it once it has said hello. However it ends, it ends once,
  * with a reason: then what waits is written, and what the client still sends is read and thrown
- * away until it closes too, since its last lines would else reset the connection before it has
- * read its bye.
+ * away until it closes too, since its last lines would else reset the connection before it has read
+ * its bye.
  */
 final class Connection implements EventLoop.Handler {
 
     private static final int MAX_DRAINED_BYTES = 1024 * 1024;
     private static final Pattern HTTP = Pattern.compile("^[A-Z]{3,10} .* HTTP/");
     private static final ByteBuffer NOTHING = ByteBuffer.allocate(0);
+
     /** What large perceptions cost besides the time to write them: memory, until they are read. */
     private static final long NANOS_PER_LARGE_BYTE = 4;
+
     /** So much of a write has to go in the time that one may take. */
     private static final int PROGRESS_BYTES = 64 * 1024;
 
@@ -42,18 +47,25 @@ final class Connection implements EventLoop.Handler {
     private final FrameReader messages;
     private final SelectionKey key;
     private ByteBuffer unsent = NOTHING;
+
     /** Since when no more than {@link #PROGRESS_BYTES} of it have gone. */
     private long unsentSinceNanos;
+
     /** What of it had gone then. */
     private int progress;
+
     /** What is written holds a perception. */
     private boolean perceives;
+
     private long perceivedBytes;
     private int errors;
+
     /** Not read at the moment. */
     private boolean held;
+
     /** Since when it has always sent more than was taken; 0 if it has not. */
     private long floodingSinceNanos;
+
     private boolean shut;
     private int drained;
 
@@ -103,8 +115,14 @@ final class Connection implements EventLoop.Handler {
     /** Queues a message for the client; ends the connection if too much is waiting. */
     void send(ServerMessage message) {
         if (!outbox.offer(message.in(encoding))) {
-            end(Ending.cut("too-slow", "more than " + limits.outboxMessages() + " messages or "
-                    + limits.outboxBytes() + " bytes wait to be read"));
+            end(
+                    Ending.cut(
+                            "too-slow",
+                            "more than "
+                                    + limits.outboxMessages()
+                                    + " messages or "
+                                    + limits.outboxBytes()
+                                    + " bytes wait to be read"));
         }
     }
 
@@ -129,7 +147,9 @@ final class Connection implements EventLoop.Handler {
         }
     }
 
-    /** @return false if it has ended before */
+    /**
+     * @return false if it has ended before
+     */
     private synchronized boolean leave(Ending why) {
         if (hasEnded()) {
             return false;
@@ -150,8 +170,13 @@ final class Connection implements EventLoop.Handler {
     private void report(Ending why) {
         Session client = session;
         RateLimitedLog log = client == null ? server.strangersLog() : server.log();
-        Supplier<String> line = () -> (client == null ? "a client at " + address : client)
-                + " left: " + why.code() + ": " + why.getMessage();
+        Supplier<String> line =
+                () ->
+                        (client == null ? "a client at " + address : client)
+                                + " left: "
+                                + why.code()
+                                + ": "
+                                + why.getMessage();
         if (why.isCut()) {
             log.warn(line);
         } else {
@@ -185,9 +210,12 @@ final class Connection implements EventLoop.Handler {
                     close();
                 }
             } else if (isStuck() && nowNanos - unsentSinceNanos > timeouts.write().toNanos()) {
-                end(Ending.cut("too-slow",
-                        "a write took longer than " + timeouts.write().toMillis() / 1000.0
-                                + " s for 64 KiB"));
+                end(
+                        Ending.cut(
+                                "too-slow",
+                                "a write took longer than "
+                                        + timeouts.write().toMillis() / 1000.0
+                                        + " s for 64 KiB"));
                 close();
             } else if (!held) {
                 messages.checkTime(nowNanos);
@@ -199,8 +227,11 @@ final class Connection implements EventLoop.Handler {
 
     /** More waits to be read than the server keeps, and this client has waited the longest. */
     void giveUp() {
-        end(Ending.cut("too-slow", "too much waits to be read by clients, and you have not read"
-                + " for the longest time"));
+        end(
+                Ending.cut(
+                        "too-slow",
+                        "too much waits to be read by clients, and you have not read"
+                                + " for the longest time"));
         close();
     }
 
@@ -219,23 +250,25 @@ final class Connection implements EventLoop.Handler {
     // ---- reading ----
 
     private void read() {
-        guard(() -> {
-            if (hasEnded()) {
-                drain();
-                return;
-            }
-            if (held) {
-                pause(); // its wire had something to say of its own
-                return;
-            }
-            do {
-                boolean open = messages.fill(wire);
-                takeAll();
-                if (!open) {
-                    throw Ending.regular("lost", "the client closed the connection without a bye");
-                }
-            } while (wire.hasReceived() && !held && !hasEnded());
-        });
+        guard(
+                () -> {
+                    if (hasEnded()) {
+                        drain();
+                        return;
+                    }
+                    if (held) {
+                        pause(); // its wire had something to say of its own
+                        return;
+                    }
+                    do {
+                        boolean open = messages.fill(wire);
+                        takeAll();
+                        if (!open) {
+                            throw Ending.regular(
+                                    "lost", "the client closed the connection without a bye");
+                        }
+                    } while (wire.hasReceived() && !held && !hasEnded());
+                });
     }
 
     private interface Reading {
@@ -286,9 +319,12 @@ final class Connection implements EventLoop.Handler {
         if (floodingSinceNanos == 0) {
             floodingSinceNanos = now;
         } else if (now - floodingSinceNanos > timeouts.flood().toNanos()) {
-            throw Ending.cut("too-many-messages",
-                    "for " + timeouts.flood().toMillis() / 1000.0
-                            + " s there were always more than " + limits.messagesPerSecond()
+            throw Ending.cut(
+                    "too-many-messages",
+                    "for "
+                            + timeouts.flood().toMillis() / 1000.0
+                            + " s there were always more than "
+                            + limits.messagesPerSecond()
                             + " messages in a second");
         }
         pause();
@@ -318,8 +354,8 @@ final class Connection implements EventLoop.Handler {
     }
 
     /**
-     * An error in the server, even of the virtual machine: the agent must not stay behind
-     * in the world.
+     * An error in the server, even of the virtual machine: the agent must not stay behind in the
+     * world.
      */
     private void fail(Throwable error) {
         server.log().error("serving a connection failed", error);
@@ -332,8 +368,8 @@ final class Connection implements EventLoop.Handler {
 
     private void take(ByteBuffer bytes) throws Ending {
         if (session == null && isHttp(bytes)) {
-            throw Ending.cut("no-http",
-                    "this is no web server; a browser would let any page speak to it");
+            throw Ending.cut(
+                    "no-http", "this is no web server; a browser would let any page speak to it");
         }
         try {
             handle(MessageReader.read(bytes, encoding));
@@ -366,16 +402,19 @@ final class Connection implements EventLoop.Handler {
             return;
         }
         switch (message) {
-            case ClientMessage.Hello again -> throw new BadMessage(again.id(), "hello-again",
-                    "this connection is " + agent + " already",
-                    "open another connection for another agent");
+            case ClientMessage.Hello again ->
+                    throw new BadMessage(
+                            again.id(),
+                            "hello-again",
+                            "this connection is " + agent + " already",
+                            "open another connection for another agent");
             case ClientMessage.Perceive perceive -> agent.perceive(perceive);
             case ClientMessage.Look look -> agent.look(look);
             case ClientMessage.Act act -> agent.request(act);
             case ClientMessage.Control control -> hold(agent, control);
             case ClientMessage.Ready ready -> agent.ready(ready);
             case ClientMessage.Ping ping -> send(new ServerMessage.Pong(ping.id()));
-            case ClientMessage.Pong pong -> { }
+            case ClientMessage.Pong pong -> {}
             case ClientMessage.Bye bye -> throw Ending.regular("goodbye", "the agent said bye");
         }
     }
@@ -383,16 +422,19 @@ final class Connection implements EventLoop.Handler {
     /** What may take its time is done on a thread of its own; meanwhile the client is not read. */
     private void hold(Session client, ClientMessage.Control control) {
         pause();
-        Thread.ofVirtual().name("agent control").start(() -> {
-            try {
-                client.request(control);
-                server.loop().later(() -> release(null));
-            } catch (BadMessage e) {
-                server.loop().later(() -> release(e));
-            } catch (Throwable e) {
-                fail(e);
-            }
-        });
+        Thread.ofVirtual()
+                .name("agent control")
+                .start(
+                        () -> {
+                            try {
+                                client.request(control);
+                                server.loop().later(() -> release(null));
+                            } catch (BadMessage e) {
+                                server.loop().later(() -> release(e));
+                            } catch (Throwable e) {
+                                fail(e);
+                            }
+                        });
     }
 
     private void release(@Nullable BadMessage refused) {
@@ -401,12 +443,13 @@ final class Connection implements EventLoop.Handler {
             return;
         }
         key.interestOpsOr(SelectionKey.OP_READ);
-        guard(() -> {
-            if (refused != null) {
-                refuse(refused);
-            }
-            takeAll();
-        });
+        guard(
+                () -> {
+                    if (refused != null) {
+                        refuse(refused);
+                    }
+                    takeAll();
+                });
         if (!held && wire.isOpen()) {
             read(); // the wire may hold what the key says nothing of
         }
@@ -414,14 +457,23 @@ final class Connection implements EventLoop.Handler {
 
     private synchronized void greet(ClientMessage message) throws BadMessage, Ending {
         if (!(message instanceof ClientMessage.Hello hello)) {
-            throw new BadMessage(message.id(), "hello-expected", "the first message must be hello",
+            throw new BadMessage(
+                    message.id(),
+                    "hello-expected",
+                    "the first message must be hello",
                     "send {\"t\":\"hello\",\"protocol\":1,\"name\":\"ada\"}");
         }
         if (!hasEnded()) {
-            encoding = Encoding.of(hello.encoding()).orElseThrow(() -> Ending.refused(
-                    "encoding-unsupported",
-                    "this server does not write " + Text.quote(hello.encoding()),
-                    "say hello with \"encoding\":\"json\" or \"encoding\":\"msgpack\""));
+            encoding =
+                    Encoding.of(hello.encoding())
+                            .orElseThrow(
+                                    () ->
+                                            Ending.refused(
+                                                    "encoding-unsupported",
+                                                    "this server does not write "
+                                                            + Text.quote(hello.encoding()),
+                                                    "say hello with \"encoding\":\"json\" or"
+                                                            + " \"encoding\":\"msgpack\""));
             session = server.greet(this, hello);
             server.known(this);
         }
@@ -484,13 +536,19 @@ final class Connection implements EventLoop.Handler {
         } finally {
             Session client = session;
             if (perceives && client != null) {
-                client.perceptionCost().wrote(System.nanoTime() - begin
-                        + NANOS_PER_LARGE_BYTE * Math.max(0, perceivedBytes - Pen.BUFFER_BYTES));
+                client.perceptionCost()
+                        .wrote(
+                                System.nanoTime()
+                                        - begin
+                                        + NANOS_PER_LARGE_BYTE
+                                                * Math.max(0, perceivedBytes - Pen.BUFFER_BYTES));
             }
         }
     }
 
-    /** @return true if nothing is left to be written */
+    /**
+     * @return true if nothing is left to be written
+     */
     private boolean writeWaiting(Pen pen) throws IOException, Ending {
         while (writeUnsent()) {
             Bytes out = pen.bytes();
@@ -512,24 +570,35 @@ final class Connection implements EventLoop.Handler {
         Session client = session;
         switch (next) {
             case Outbox.Message message -> out.put(message.bytes());
-            case Outbox.Missed missed -> out.put(ServerMessage.Event.missed(
-                    OptionalLong.of(missed.events()), missed.first(), missed.last()).in(encoding));
+            case Outbox.Missed missed ->
+                    out.put(
+                            ServerMessage.Event.missed(
+                                            OptionalLong.of(missed.events()),
+                                            missed.first(),
+                                            missed.last())
+                                    .in(encoding));
             case Outbox.Perception seen -> {
                 perceives = true;
                 int from = out.size();
-                Objects.requireNonNull(client).world().publisher().telling()
+                Objects.requireNonNull(client)
+                        .world()
+                        .publisher()
+                        .telling()
                         .write(out, difference, encoding, seen);
                 perceivedBytes += out.size() - from;
             }
         }
-        if (client != null && server.audit().isPresent() && !server.audit().get()
-                .told(client.world().name(), client.name(), encoding, out.view(start))) {
+        if (client != null
+                && server.audit().isPresent()
+                && !server.audit()
+                        .get()
+                        .told(client.world().name(), client.name(), encoding, out.view(start))) {
             throw AgentServer.notRecorded();
         }
     }
 
     private void send(Bytes out, ByteBuffer piece) throws IOException {
-        for (int sent = 0; sent < out.size() && !isStuck();) {
+        for (int sent = 0; sent < out.size() && !isStuck(); ) {
             out.get(sent, piece.clear());
             wire.write(piece.flip());
             sent += piece.position();
@@ -542,7 +611,9 @@ final class Connection implements EventLoop.Handler {
         }
     }
 
-    /** @return true if nothing is left of what was to be written */
+    /**
+     * @return true if nothing is left of what was to be written
+     */
     private boolean writeUnsent() throws IOException {
         if (isStuck()) {
             writePieces();

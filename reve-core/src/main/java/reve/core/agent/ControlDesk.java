@@ -1,17 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
-import java.util.Optional;
-import java.util.concurrent.atomic.AtomicBoolean;
-import java.util.concurrent.atomic.AtomicLong;
-import java.util.function.Consumer;
 import reve.core.frame.Command;
 import reve.core.frame.FrameEvent;
 import reve.core.world.ActionRefused;
 import reve.core.world.World;
 
+import java.util.Optional;
+import java.util.concurrent.atomic.AtomicBoolean;
+import java.util.concurrent.atomic.AtomicLong;
+import java.util.function.Consumer;
+
 /**
- * Has commands done, each where it belongs: the world's queue, its frame loop, or the
- * program. Any thread.
+ * Has commands done, each where it belongs: the world's queue, its frame loop, or the program. Any
+ * thread.
  */
 final class ControlDesk {
 
@@ -23,6 +25,7 @@ final class ControlDesk {
     private final RateLimitedLog log;
     private final AtomicLong sequence = new AtomicLong();
     private final AtomicBoolean promptDue = new AtomicBoolean();
+
     /** World's thread. */
     private boolean executesPrompt;
 
@@ -48,26 +51,37 @@ final class ControlDesk {
     void submit(Session session, ClientMessage.Request request) {
         switch (request) {
             case ClientMessage.Act act -> {
-                if (offer(session, act, new AgentInput.Act(session.name(), act.item(), act.action(),
-                        act.arguments()))) {
+                if (offer(
+                        session,
+                        act,
+                        new AgentInput.Act(
+                                session.name(), act.item(), act.action(), act.arguments()))) {
                     act.ready().ifPresent(session::endRound);
                 }
             }
-            case ClientMessage.Edit edit -> offer(session, edit, new AgentInput.Edit(
-                    session.name(), edit.item(), edit.property(), edit.value()));
+            case ClientMessage.Edit edit ->
+                    offer(
+                            session,
+                            edit,
+                            new AgentInput.Edit(
+                                    session.name(), edit.item(), edit.property(), edit.value()));
             case ClientMessage.Pause pause -> accept(session, pause, port.loop().pause());
             case ClientMessage.Run run -> {
                 accept(session, run, port.loop().frame());
                 port.loop().resume();
                 executePrompt();
             }
-            case ClientMessage.Step step -> between(session, step, () -> {
-                long last = port.loop().resume(step.frames());
-                executePrompt();
-                return last;
-            });
-            case ClientMessage.Snapshot snapshot -> between(session, snapshot,
-                    () -> images.keep(snapshot.image()));
+            case ClientMessage.Step step ->
+                    between(
+                            session,
+                            step,
+                            () -> {
+                                long last = port.loop().resume(step.frames());
+                                executePrompt();
+                                return last;
+                            });
+            case ClientMessage.Snapshot snapshot ->
+                    between(session, snapshot, () -> images.keep(snapshot.image()));
             case ClientMessage.Rewind rewind -> rewind(session, rewind);
             case ClientMessage.Save save -> studies.save(session, save);
             case ClientMessage.Fork fork -> studies.fork(session, fork);
@@ -75,12 +89,16 @@ final class ControlDesk {
                 accept(session, shutDown, port.loop().frame());
                 port.loop().stop();
             }
-            case ClientMessage.LoadLaw load -> change(session, load, true,
-                    () -> port.control().loadLaw(load.library(), load.parameters()));
-            case ClientMessage.UnloadLaw unload -> change(session, unload, true,
-                    () -> port.control().unloadLaw(unload.library()));
-            case ClientMessage.Picture picture -> change(session, picture, false,
-                    () -> port.control().picture());
+            case ClientMessage.LoadLaw load ->
+                    change(
+                            session,
+                            load,
+                            true,
+                            () -> port.control().loadLaw(load.library(), load.parameters()));
+            case ClientMessage.UnloadLaw unload ->
+                    change(session, unload, true, () -> port.control().unloadLaw(unload.library()));
+            case ClientMessage.Picture picture ->
+                    change(session, picture, false, () -> port.control().picture());
         }
     }
 
@@ -93,24 +111,33 @@ final class ControlDesk {
      * now, if that has room for it.
      */
     void lockStep(AgentInput news) {
-        port.commands().offer(command(news, outcome -> {
-            if (outcome instanceof Outcome.Failed failed) {
-                publisher.withFrame(() -> log.error(
-                        "the fallback of agent " + news.agent() + " failed", failed.cause()));
-            }
-        }));
+        port.commands()
+                .offer(
+                        command(
+                                news,
+                                outcome -> {
+                                    if (outcome instanceof Outcome.Failed failed) {
+                                        publisher.withFrame(
+                                                () ->
+                                                        log.error(
+                                                                "the fallback of agent "
+                                                                        + news.agent()
+                                                                        + " failed",
+                                                                failed.cause()));
+                                    }
+                                }));
     }
 
     private boolean offer(Session session, ClientMessage.Request request, AgentInput input) {
-        return offer(session, request,
-                command(input, outcome -> deliver(session, request, outcome)));
+        return offer(
+                session, request, command(input, outcome -> deliver(session, request, outcome)));
     }
 
     private boolean offer(Session session, ClientMessage.Request request, Command command) {
         boolean taken = port.commands().offer(command);
         if (!taken) {
-            session.refuse(request, "world-busy",
-                    "the world has more to do than fits into a frame");
+            session.refuse(
+                    request, "world-busy", "the world has more to do than fits into a frame");
         } else if (command.isPrompt()) {
             executePrompt();
         }
@@ -129,15 +156,17 @@ final class ControlDesk {
     /** Has operators' commands executed before the next frame, which agents may hold up. */
     private void executePrompt() {
         if (!promptDue.getAndSet(true)) {
-            port.loop().betweenFrames(() -> {
-                promptDue.set(false);
-                executesPrompt = true;
-                try {
-                    port.loop().executePrompt(port.commands());
-                } finally {
-                    executesPrompt = false;
-                }
-            });
+            port.loop()
+                    .betweenFrames(
+                            () -> {
+                                promptDue.set(false);
+                                executesPrompt = true;
+                                try {
+                                    port.loop().executePrompt(port.commands());
+                                } finally {
+                                    executesPrompt = false;
+                                }
+                            });
         }
     }
 
@@ -145,16 +174,20 @@ final class ControlDesk {
 
     /** Something done between frames. */
     private interface Errand {
-        /** @return the frame that it took effect in */
+        /**
+         * @return the frame that it took effect in
+         */
         long run() throws ActionRefused;
     }
 
     /** The answer is on its way before the next frame is made. */
     private void between(Session session, ClientMessage.Request request, Errand errand) {
-        port.loop().betweenFrames(() -> {
-            Outcome outcome = outcome(errand);
-            publisher.later(() -> answer(session, request, outcome));
-        });
+        port.loop()
+                .betweenFrames(
+                        () -> {
+                            Outcome outcome = outcome(errand);
+                            publisher.later(() -> answer(session, request, outcome));
+                        });
     }
 
     private Outcome outcome(Errand errand) {
@@ -169,13 +202,18 @@ final class ControlDesk {
 
     private void rewind(Session session, ClientMessage.Rewind rewind) {
         try {
-            Optional<WorldControl.Image> beginning = rewind.image().isPresent() ? Optional.empty()
-                    : Optional.of(port.control().beginning());
-            between(session, rewind, () -> {
-                Rewound rewound = images.rewind(session.name(), rewind.image(), beginning);
-                publisher.later(() -> publisher.tellRewound(rewound));
-                return rewound.frame();
-            });
+            Optional<WorldControl.Image> beginning =
+                    rewind.image().isPresent()
+                            ? Optional.empty()
+                            : Optional.of(port.control().beginning());
+            between(
+                    session,
+                    rewind,
+                    () -> {
+                        Rewound rewound = images.rewind(session.name(), rewind.image(), beginning);
+                        publisher.later(() -> publisher.tellRewound(rewound));
+                        return rewound.frame();
+                    });
         } catch (ActionRefused e) {
             answer(session, rewind, refused(e, 0));
         } catch (RuntimeException e) {
@@ -189,13 +227,23 @@ final class ControlDesk {
         WorldControl.Change prepare() throws ActionRefused;
     }
 
-    /** @param isPrompt false if it is about the next frame itself */
-    private void change(Session session, ClientMessage.Request request, boolean isPrompt,
+    /**
+     * @param isPrompt false if it is about the next frame itself
+     */
+    private void change(
+            Session session,
+            ClientMessage.Request request,
+            boolean isPrompt,
             Preparation preparation) {
         try {
             WorldControl.Change change = preparation.prepare();
-            var command = new ChangeCommand(session.name(), sequence.incrementAndGet(), isPrompt,
-                    change, outcome -> deliver(session, request, outcome));
+            var command =
+                    new ChangeCommand(
+                            session.name(),
+                            sequence.incrementAndGet(),
+                            isPrompt,
+                            change,
+                            outcome -> deliver(session, request, outcome));
             if (!offer(session, request, command)) {
                 change.drop();
             }
@@ -211,8 +259,13 @@ final class ControlDesk {
     }
 
     /** A prepared change on its way through the world's queue. */
-    private record ChangeCommand(String origin, long sequence, boolean isPrompt,
-            WorldControl.Change change, Consumer<Outcome> done) implements Command {
+    private record ChangeCommand(
+            String origin,
+            long sequence,
+            boolean isPrompt,
+            WorldControl.Change change,
+            Consumer<Outcome> done)
+            implements Command {
 
         @Override
         public void execute(World world, FrameEvent event) {
@@ -231,18 +284,29 @@ final class ControlDesk {
 
     private void answer(Session session, ClientMessage.Request request, Outcome outcome) {
         switch (outcome) {
-            case Outcome.Done done -> session.finish(request,
-                    new ServerMessage.Accepted(request.id(), done.frame()), done.frame());
-            case Outcome.Refused no -> session.finish(request,
-                    new ServerMessage.Refused(request.id(), no.code(), no.reason()), no.frame());
+            case Outcome.Done done ->
+                    session.finish(
+                            request,
+                            new ServerMessage.Accepted(request.id(), done.frame()),
+                            done.frame());
+            case Outcome.Refused no ->
+                    session.finish(
+                            request,
+                            new ServerMessage.Refused(request.id(), no.code(), no.reason()),
+                            no.frame());
             case Outcome.Failed failed -> {
                 String what = describe(request);
                 log.error(what + " failed", failed.cause());
-                session.finish(request, new ServerMessage.Refused(request.id(), "action-failed",
-                        what + " failed; the server's log says why"), failed.frame());
+                session.finish(
+                        request,
+                        new ServerMessage.Refused(
+                                request.id(),
+                                "action-failed",
+                                what + " failed; the server's log says why"),
+                        failed.frame());
             }
-            case Outcome.Joined joined -> { }
-            case Outcome.Absent absent -> { }
+            case Outcome.Joined joined -> {}
+            case Outcome.Absent absent -> {}
         }
     }
 

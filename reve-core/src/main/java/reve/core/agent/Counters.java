@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import java.util.concurrent.atomic.LongAdder;
@@ -17,8 +18,17 @@ final class Counters {
     final LongAdder cut = new LongAdder();
 
     AgentStats read(long unrecorded) {
-        return new AgentStats(connections.sum(), open.sum(), agents.sum(), joined.sum(),
-                lines.sum(), errors.sum(), perceptions.sum(), actsAccepted.sum(),
-                actsRefused.sum(), cut.sum(), unrecorded);
+        return new AgentStats(
+                connections.sum(),
+                open.sum(),
+                agents.sum(),
+                joined.sum(),
+                lines.sum(),
+                errors.sum(),
+                perceptions.sum(),
+                actsAccepted.sum(),
+                actsRefused.sum(),
+                cut.sum(),
+                unrecorded);
     }
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import java.util.ArrayList;
@@ -8,6 +9,7 @@ final class Difference {
 
     private final List<String> left = new ArrayList<>();
     private final List<Seen> entered = new ArrayList<>();
+
     /** Pairs: as an item was and as it is. */
     private final List<Seen> changed = new ArrayList<>();
 

@@ -1,4 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
+
+import reve.core.world.Action;
+import reve.core.world.ItemSymbols;
+import reve.core.world.Parameter;
+import reve.core.world.ParameterType;
 
 import java.util.LinkedHashMap;
 import java.util.List;
@@ -6,10 +12,6 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.SortedSet;
 import java.util.concurrent.ConcurrentHashMap;
-import reve.core.world.Action;
-import reve.core.world.ItemSymbols;
-import reve.core.world.Parameter;
-import reve.core.world.ParameterType;
 
 /** One version of what is symbolic about an item, as messages hold it. */
 final class EncodedItem {
@@ -31,10 +33,12 @@ final class EncodedItem {
         return actions;
     }
 
-    /** @param which names of the symbols that are perceived; empty for all */
+    /**
+     * @param which names of the symbols that are perceived; empty for all
+     */
     Fragment symbols(Optional<SortedSet<String>> which) {
-        return symbols.computeIfAbsent(which,
-                names -> new Fragment(writer -> writer.value(symbolValues(names))));
+        return symbols.computeIfAbsent(
+                which, names -> new Fragment(writer -> writer.value(symbolValues(names))));
     }
 
     /** The symbols that are perceived, by name. */
@@ -47,7 +51,8 @@ final class EncodedItem {
     /** The capabilities that actions need, by their names; actions that need none are left out. */
     Map<String, Object> needs() {
         var needs = new LinkedHashMap<String, Object>();
-        source.actions().stream().filter(action -> !action.needs().isEmpty())
+        source.actions().stream()
+                .filter(action -> !action.needs().isEmpty())
                 .forEach(action -> needs.put(action.name(), List.copyOf(action.needs())));
         return needs;
     }
@@ -56,8 +61,8 @@ final class EncodedItem {
         var actions = new LinkedHashMap<String, Object>();
         for (Action action : item.actions()) {
             var parameters = new LinkedHashMap<String, Object>();
-            action.parameters().forEach(
-                    parameter -> parameters.put(parameter.name(), parameter(parameter)));
+            action.parameters()
+                    .forEach(parameter -> parameters.put(parameter.name(), parameter(parameter)));
             actions.put(action.name(), parameters);
         }
         return actions;
@@ -65,12 +70,14 @@ final class EncodedItem {
 
     private static Map<String, Object> parameter(Parameter parameter) {
         var fields = new LinkedHashMap<String, Object>();
-        fields.put("type", switch (parameter.type()) {
-            case NUMBER -> "number";
-            case TEXT -> "text";
-            case TRUTH -> "truth";
-            case ITEM -> "item";
-        });
+        fields.put(
+                "type",
+                switch (parameter.type()) {
+                    case NUMBER -> "number";
+                    case TEXT -> "text";
+                    case TRUTH -> "truth";
+                    case ITEM -> "item";
+                });
         if (parameter.type() == ParameterType.NUMBER) {
             fields.put("components", parameter.components());
             fields.put("unit", parameter.unit().symbol());

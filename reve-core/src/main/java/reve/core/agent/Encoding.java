@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import java.util.Arrays;
@@ -79,7 +80,8 @@ enum Encoding {
 
     static Optional<Encoding> of(String wireName) {
         return Arrays.stream(values())
-                .filter(encoding -> encoding.wireName.equals(wireName)).findFirst();
+                .filter(encoding -> encoding.wireName.equals(wireName))
+                .findFirst();
     }
 
     /** One value. */

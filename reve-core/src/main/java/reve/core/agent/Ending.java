@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import java.util.Optional;
@@ -32,7 +33,8 @@ final class Ending extends Exception {
      * The same whoever or whatever is called that: not every client may know which items there are.
      */
     static Ending nameTaken(String name) {
-        return refused("name-taken",
+        return refused(
+                "name-taken",
                 "another client, or an item of the world, is called " + Text.quote(name),
                 "say hello with another name");
     }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import java.util.ArrayDeque;
@@ -59,8 +60,11 @@ final class EventLog {
     List<HeardEvent.Told> after(long frame, Encoding encoding) {
         var events = new ArrayList<HeardEvent.Told>();
         if (lastForgotten > frame) {
-            events.add(HeardEvent.Told.of(ServerMessage.Event.missed(OptionalLong.empty(),
-                    frame + 1, lastForgotten), encoding));
+            events.add(
+                    HeardEvent.Told.of(
+                            ServerMessage.Event.missed(
+                                    OptionalLong.empty(), frame + 1, lastForgotten),
+                            encoding));
         }
         long last = Math.max(frame, lastForgotten);
         for (Kept each : kept) {

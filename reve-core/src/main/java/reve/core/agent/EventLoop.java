@@ -1,4 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
+
+import reve.core.frame.FrameClock;
 
 import java.io.IOException;
 import java.nio.channels.SelectableChannel;
@@ -10,16 +13,16 @@ import java.util.concurrent.TimeUnit;
 import java.util.concurrent.locks.LockSupport;
 import java.util.concurrent.locks.ReentrantLock;
 import java.util.function.BooleanSupplier;
-import reve.core.frame.FrameClock;
 
 /**
- * Reads, writes and works for all agents, on one thread at a time: its own, or another that
- * has nothing better to do. It waits for sockets, for other threads and for the clock, never
- * for a client.
+ * Reads, writes and works for all agents, on one thread at a time: its own, or another that has
+ * nothing better to do. It waits for sockets, for other threads and for the clock, never for a
+ * client.
  */
 final class EventLoop implements LockStep.Waiting {
 
     private static final long NAP_NANOS = 5_000_000;
+
     /**
      * As long as this a world's thread looks for what comes before it sleeps, if what it waited for
      * last came within that time: to wake a thread on an idle processor takes longer than most of
@@ -50,20 +53,29 @@ final class EventLoop implements LockStep.Waiting {
     private final Work work;
     private final long checkNanos;
     private final Thread thread;
+
     /** Held by the thread that works. */
     private final ReentrantLock duty = new ReentrantLock();
+
     private final Queue<Runnable> tasks = new ConcurrentLinkedQueue<>();
     private long checkedNanos = System.nanoTime();
+
     /** What was waited for last was there within {@link #AWAKE_NANOS}. */
     private boolean quick;
+
     /** Somebody brought work since this turn began. */
     private volatile boolean woken;
+
     private volatile boolean selecting;
+
     /** Another thread works at times; the loop's own looks only whether it still does. */
     private volatile boolean taken;
+
     private volatile boolean stopped;
 
-    /** @param checkNanos time between two looks at the deadlines */
+    /**
+     * @param checkNanos time between two looks at the deadlines
+     */
     EventLoop(RateLimitedLog log, Work work, long checkNanos) throws IOException {
         this.log = log;
         this.work = work;
@@ -164,8 +176,8 @@ final class EventLoop implements LockStep.Waiting {
     }
 
     /**
-     * First what there is to do, then waits for more: so that whoever serves leaves nothing
-     * read behind.
+     * First what there is to do, then waits for more: so that whoever serves leaves nothing read
+     * behind.
      */
     private void turn(long mostNanos, long awakeNanos) {
         try {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import java.util.Optional;
@@ -16,7 +17,10 @@ final class FileProblem {
      * @param problem what is wrong now
      * @param solved what to say when nothing is wrong any more
      */
-    FileProblem(String source, Supplier<Optional<String>> problem, Supplier<String> solved,
+    FileProblem(
+            String source,
+            Supplier<Optional<String>> problem,
+            Supplier<String> solved,
             ServerProblems listener) {
         this.source = source;
         this.problem = problem;

@@ -1,7 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
-import java.util.function.Consumer;
 import org.jspecify.annotations.Nullable;
+
+import java.util.function.Consumer;
 
 /**
  * A value that is encoded when first needed, for all messages that hold it. Threads that need it at

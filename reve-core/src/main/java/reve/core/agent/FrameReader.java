@@ -1,10 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
+
+import org.jspecify.annotations.Nullable;
 
 import java.io.IOException;
 import java.nio.ByteBuffer;
 import java.nio.channels.ReadableByteChannel;
 import java.util.Arrays;
-import org.jspecify.annotations.Nullable;
 
 /**
  * Cuts what a client sends into messages: lines of JSON, or MessagePack behind its length; within
@@ -15,6 +17,7 @@ final class FrameReader {
 
     /** For who has not said hello: many may come and say nothing. */
     private static final int FIRST_BYTES = 128;
+
     private static final int INITIAL_BYTES = 1024;
     private static final int KEPT_BYTES = 16 * 1024;
 
@@ -32,7 +35,9 @@ final class FrameReader {
     private long waitingSince = System.nanoTime();
     private long helloBytes;
 
-    /** @param ping asks a silent client whether it is still there */
+    /**
+     * @param ping asks a silent client whether it is still there
+     */
     FrameReader(AgentServerConfig config, Runnable ping) {
         this.limits = config.limits();
         this.timeouts = config.timeouts();
@@ -49,8 +54,8 @@ final class FrameReader {
     }
 
     /**
-     * Reads what has arrived, or some of it. Whatever was whole before has been taken by
-     * {@link #next}.
+     * Reads what has arrived, or some of it. Whatever was whole before has been taken by {@link
+     * #next}.
      *
      * @return false where the client closed the connection
      * @throws Ending if the client broke a limit
@@ -60,16 +65,16 @@ final class FrameReader {
         int room = buffer.capacity() - end;
         if (!greeted) {
             if (helloBytes >= limits.helloBytes()) {
-                throw Ending.cut("hello-too-long",
-                        "no hello within " + limits.helloBytes() + " bytes");
+                throw Ending.cut(
+                        "hello-too-long", "no hello within " + limits.helloBytes() + " bytes");
             }
             room = (int) Math.min(room, limits.helloBytes() - helloBytes);
         }
         int count = in.read(buffer.limit(end + room).position(end));
         drained = buffer.hasRemaining();
         if (count > 0 && !greeted && helloBytes == 0 && buffer.get(end) == TlsWire.HANDSHAKE) {
-            throw Ending.refused("tls-unsupported", "this server speaks no TLS",
-                    "connect without TLS");
+            throw Ending.refused(
+                    "tls-unsupported", "this server speaks no TLS", "connect without TLS");
         }
         if (count > 0) {
             if (start == end && greeted) {
@@ -85,8 +90,8 @@ final class FrameReader {
     /**
      * The next whole message.
      *
-     * @return it without line end or length, valid until the next call; null if it has
-     *     not arrived yet
+     * @return it without line end or length, valid until the next call; null if it has not arrived
+     *     yet
      * @throws Ending if the client broke a limit
      */
     @Nullable ByteBuffer next() throws Ending {
@@ -113,16 +118,17 @@ final class FrameReader {
             return;
         }
         if (!greeted) {
-            throw Ending.cut("hello-late",
-                    "no hello within " + seconds(timeouts.hello().toMillis()));
+            throw Ending.cut(
+                    "hello-late", "no hello within " + seconds(timeouts.hello().toMillis()));
         }
         if (begun) {
-            throw Ending.cut("line-late",
+            throw Ending.cut(
+                    "line-late",
                     "a line was not complete after " + seconds(timeouts.line().toMillis()));
         }
         if (pinged) {
-            throw Ending.cut("idle",
-                    "no answer to a ping within " + seconds(timeouts.idle().toMillis()));
+            throw Ending.cut(
+                    "idle", "no answer to a ping within " + seconds(timeouts.idle().toMillis()));
         }
         ping.run();
         pinged = true;
@@ -151,8 +157,12 @@ final class FrameReader {
         }
         int length = buffer.limit(end).getInt(start);
         if (length < 0 || length > limits.lineBytes() - Encoding.LENGTH_BYTES) {
-            throw Ending.cut("line-too-long", "a message of " + Integer.toUnsignedString(length)
-                    + " bytes is longer than " + limits.lineBytes());
+            throw Ending.cut(
+                    "line-too-long",
+                    "a message of "
+                            + Integer.toUnsignedString(length)
+                            + " bytes is longer than "
+                            + limits.lineBytes());
         }
         if (end - start - Encoding.LENGTH_BYTES < length) {
             return null;
@@ -165,8 +175,8 @@ final class FrameReader {
 
     private void makeRoom() throws Ending {
         if (end - start >= limits.lineBytes()) {
-            throw Ending.cut("line-too-long",
-                    "a line is longer than " + limits.lineBytes() + " bytes");
+            throw Ending.cut(
+                    "line-too-long", "a line is longer than " + limits.lineBytes() + " bytes");
         }
         byte[] bytes = buffer.array();
         if (start == end) {
@@ -183,8 +193,9 @@ final class FrameReader {
             end -= start;
             start = 0;
         } else if (end == bytes.length) {
-            buffer = ByteBuffer.wrap(
-                    Arrays.copyOf(bytes, Math.min(2 * bytes.length, limits.lineBytes())));
+            buffer =
+                    ByteBuffer.wrap(
+                            Arrays.copyOf(bytes, Math.min(2 * bytes.length, limits.lineBytes())));
         }
     }
 

@@ -1,10 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
+
+import reve.core.world.WorldEvent;
 
 import java.util.BitSet;
 import java.util.HashMap;
 import java.util.LinkedHashMap;
 import java.util.Map;
-import reve.core.world.WorldEvent;
 
 /**
  * An event as agents hear of it, made and encoded once for all who are told the same. The event
@@ -41,7 +43,9 @@ final class HeardEvent {
         return event;
     }
 
-    /** @param fields which of the event's fields are told, by their place */
+    /**
+     * @param fields which of the event's fields are told, by their place
+     */
     Told with(BitSet fields, Encoding encoding) {
         return told.computeIfAbsent(new Hearing(fields, encoding), this::make);
     }
@@ -54,7 +58,7 @@ final class HeardEvent {
                 fields.put(field.getKey(), field.getValue());
             }
         }
-        return Told.of(new ServerMessage.Event(event.frame(), event.type(), fields),
-                hearing.encoding);
+        return Told.of(
+                new ServerMessage.Event(event.frame(), event.type(), fields), hearing.encoding);
     }
 }

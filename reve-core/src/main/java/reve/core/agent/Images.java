@@ -1,17 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
-import java.util.LinkedHashMap;
-import java.util.Map;
-import java.util.Optional;
-import java.util.TreeMap;
 import reve.core.world.ActionRefused;
 import reve.core.world.ItemId;
 import reve.core.world.World;
 import reve.core.world.WorldEvent;
 
+import java.util.LinkedHashMap;
+import java.util.Map;
+import java.util.Optional;
+import java.util.TreeMap;
+
 /**
- * What clients of the role control keep of a world by name, to go back to. World's thread,
- * between frames.
+ * What clients of the role control keep of a world by name, to go back to. World's thread, between
+ * frames.
  */
 final class Images {
 
@@ -24,7 +26,9 @@ final class Images {
     private final Members members;
     private final Map<String, Kept> kept = new TreeMap<>();
 
-    /** @param bodies of the agents that were in the world */
+    /**
+     * @param bodies of the agents that were in the world
+     */
     private record Kept(WorldControl.Image image, Map<String, ItemId> bodies) {}
 
     Images(WorldPort port, Members members) {
@@ -39,9 +43,12 @@ final class Images {
      */
     long keep(String name) throws ActionRefused {
         if (kept.size() >= MAX_NAMES && !kept.containsKey(name)) {
-            throw new ActionRefused("too-many-images",
-                    MAX_NAMES + " images are kept, which is the most; a snapshot under one of"
-                            + " their names replaces it: " + kept.keySet());
+            throw new ActionRefused(
+                    "too-many-images",
+                    MAX_NAMES
+                            + " images are kept, which is the most; a snapshot under one of"
+                            + " their names replaces it: "
+                            + kept.keySet());
         }
         Kept before = kept.remove(name);
         if (before != null) {
@@ -59,8 +66,8 @@ final class Images {
      */
     Rewound rewind(String agent, Optional<String> name, Optional<WorldControl.Image> beginning)
             throws ActionRefused {
-        Kept target = name.isPresent()
-                ? find(name.get()) : new Kept(beginning.orElseThrow(), Map.of());
+        Kept target =
+                name.isPresent() ? find(name.get()) : new Kept(beginning.orElseThrow(), Map.of());
         long frame = target.image.rewind();
         World world = port.loop().world();
         var fields = new LinkedHashMap<String, Object>();
@@ -73,8 +80,11 @@ final class Images {
     private Kept find(String name) throws ActionRefused {
         Kept found = kept.get(name);
         if (found == null) {
-            throw new ActionRefused("no-such-image", "no image is called " + Text.quote(name)
-                    + (kept.isEmpty() ? "; none is kept" : "; kept are " + kept.keySet()));
+            throw new ActionRefused(
+                    "no-such-image",
+                    "no image is called "
+                            + Text.quote(name)
+                            + (kept.isEmpty() ? "; none is kept" : "; kept are " + kept.keySet()));
         }
         return found;
     }

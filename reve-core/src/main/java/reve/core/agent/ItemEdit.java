@@ -1,9 +1,6 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
-import java.util.Arrays;
-import java.util.List;
-import java.util.Optional;
-import java.util.regex.Pattern;
 import reve.core.world.ActionRefused;
 import reve.core.world.Colour;
 import reve.core.world.Item;
@@ -12,6 +9,11 @@ import reve.core.world.PropertyDescriptor;
 import reve.core.world.ScalarType;
 import reve.core.world.World;
 
+import java.util.Arrays;
+import java.util.List;
+import java.util.Optional;
+import java.util.regex.Pattern;
+
 /** Sets one property of an item by its name, for operators. World's thread. */
 final class ItemEdit {
 
@@ -19,10 +21,18 @@ final class ItemEdit {
 
     private ItemEdit() {}
 
-    /** @throws ActionRefused if there is no such item or property, or the value does not fit */
+    /**
+     * @throws ActionRefused if there is no such item or property, or the value does not fit
+     */
     static void apply(World world, AgentInput.Edit edit) throws ActionRefused {
-        Item item = world.find(edit.item()).orElseThrow(() -> new ActionRefused("no-such-item",
-                "the world has no item " + Text.quote(edit.item())));
+        Item item =
+                world.find(edit.item())
+                        .orElseThrow(
+                                () ->
+                                        new ActionRefused(
+                                                "no-such-item",
+                                                "the world has no item "
+                                                        + Text.quote(edit.item())));
         String[] path = edit.property().split("\\.", 2);
         if (path.length < 2) {
             throw noSuchProperty(edit.property());
@@ -30,8 +40,9 @@ final class ItemEdit {
         try {
             switch (path[0]) {
                 case "physical" -> setPhysical(world, item, path[1], edit.value());
-                case "physics" -> setPhysics(world, item, path[1],
-                        numbers(item, edit.property(), edit.value()));
+                case "physics" ->
+                        setPhysics(
+                                world, item, path[1], numbers(item, edit.property(), edit.value()));
                 case "semantic" -> setSymbol(item, path[1], edit.value());
                 default -> throw noSuchProperty(edit.property());
             }
@@ -42,8 +53,10 @@ final class ItemEdit {
 
     private static void setPhysics(World world, Item item, String property, double[] values)
             throws ActionRefused {
-        Optional<PropertyDescriptor> column = world.prototype().find(item.kind(), property)
-                .filter(known -> known.components() == values.length);
+        Optional<PropertyDescriptor> column =
+                world.prototype()
+                        .find(item.kind(), property)
+                        .filter(known -> known.components() == values.length);
         Optional<String> why = column.flatMap(known -> Possible.refusal(known, values));
         if (why.isPresent()) {
             throw outOfRange(item, "physics." + property, values, why.get());
@@ -52,18 +65,30 @@ final class ItemEdit {
         world.arrests().suspect(item.id());
     }
 
-    private static ActionRefused outOfRange(Item item, String property, double[] values,
-            String why) {
-        return new ActionRefused("out-of-range", "item " + item.name() + ": " + property + " is "
-                + (values.length == 1 ? values[0] : Arrays.toString(values)) + "; " + why);
+    private static ActionRefused outOfRange(
+            Item item, String property, double[] values, String why) {
+        return new ActionRefused(
+                "out-of-range",
+                "item "
+                        + item.name()
+                        + ": "
+                        + property
+                        + " is "
+                        + (values.length == 1 ? values[0] : Arrays.toString(values))
+                        + "; "
+                        + why);
     }
 
     /** A saved world has to be read again, so the name is one that a world file may have. */
     private static void setSymbol(Item item, String symbol, Object value) {
         if (!SYMBOL.matcher(symbol).matches()) {
-            throw new IllegalArgumentException("item " + item.name() + ": " + Text.quote(symbol)
-                    + " is no name of a symbol; expected a letter, then letters, digits, - or _,"
-                    + " at most 64 in all");
+            throw new IllegalArgumentException(
+                    "item "
+                            + item.name()
+                            + ": "
+                            + Text.quote(symbol)
+                            + " is no name of a symbol; expected a letter, then letters, digits, -"
+                            + " or _, at most 64 in all");
         }
         item.semantic().set(symbol, value);
     }
@@ -86,8 +111,10 @@ final class ItemEdit {
     }
 
     private static ActionRefused noSuchProperty(String property) {
-        return new ActionRefused("no-such-property",
-                "there is no property " + Text.quote(property)
+        return new ActionRefused(
+                "no-such-property",
+                "there is no property "
+                        + Text.quote(property)
                         + "; expected physical.location, physical.orientation, physical.colour,"
                         + " physics.NAME or semantic.NAME");
     }
@@ -104,14 +131,20 @@ final class ItemEdit {
             throws ActionRefused {
         double[] numbers = numbers(item, property, value);
         if (numbers.length != count) {
-            throw new IllegalArgumentException("item " + item.name() + ": " + property + " is "
-                    + numbers.length + " numbers, expected " + count);
+            throw new IllegalArgumentException(
+                    "item "
+                            + item.name()
+                            + ": "
+                            + property
+                            + " is "
+                            + numbers.length
+                            + " numbers, expected "
+                            + count);
         }
         return numbers;
     }
 
-    private static double[] numbers(Item item, String property, Object value)
-            throws ActionRefused {
+    private static double[] numbers(Item item, String property, Object value) throws ActionRefused {
         double[] numbers = given(item, property, value);
         for (double number : numbers) {
             Optional<String> why = ScalarType.F64.refusal(number);
@@ -126,9 +159,15 @@ final class ItemEdit {
         return switch (value) {
             case Double number -> new double[] {number};
             case List<?> list -> list.stream().mapToDouble(number -> (Double) number).toArray();
-            default -> throw new IllegalArgumentException("item " + item.name() + ": " + property
-                    + " is " + (value instanceof String text ? Text.quote(text) : value)
-                    + ", expected numbers");
+            default ->
+                    throw new IllegalArgumentException(
+                            "item "
+                                    + item.name()
+                                    + ": "
+                                    + property
+                                    + " is "
+                                    + (value instanceof String text ? Text.quote(text) : value)
+                                    + ", expected numbers");
         };
     }
 }

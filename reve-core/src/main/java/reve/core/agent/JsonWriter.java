@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import java.util.Base64;
@@ -8,6 +9,7 @@ final class JsonWriter implements MessageWriter {
     private static final String HEX = "0123456789abcdef";
 
     private final Bytes out;
+
     /** True behind a value: another one follows behind a comma. */
     private boolean behindValue;
 

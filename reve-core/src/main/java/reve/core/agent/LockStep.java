@@ -1,17 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
+
+import reve.core.frame.FrameClock;
+import reve.core.frame.FrameGate;
 
 import java.util.Arrays;
 import java.util.concurrent.atomic.AtomicInteger;
 import java.util.function.BooleanSupplier;
 import java.util.function.Consumer;
-import reve.core.frame.FrameClock;
-import reve.core.frame.FrameGate;
 
 /**
  * Holds the world until all agents in lock-step are ready whose round it is, or their deadlines
  * have passed. All are waited for at once, from the moment when the world could go on; nobody is
- * late before the world goes on without it. Agents that keep others waiting have
- * {@link Allowances} for it.
+ * late before the world goes on without it. Agents that keep others waiting have {@link Allowances}
+ * for it.
  */
 final class LockStep implements FrameGate {
 
@@ -25,31 +27,39 @@ final class LockStep implements FrameGate {
 
     /** Never changed, only replaced, with this held. */
     private volatile Turn[] turns = NOBODY;
+
     /** The place of one who was found missing: asked first, so that each is asked once a frame. */
     private volatile int missing;
+
     /** How many wait to be let into the world, which takes a frame. */
     private final AtomicInteger coming = new AtomicInteger();
+
     /** The frame that is held, {@link #NO_FRAME} if none is. */
     private volatile long held = NO_FRAME;
+
     /** Loop's thread: the frame that is due, and since when. */
     private long due = NO_FRAME;
+
     private long dueSinceNanos;
 
     /** How the frame loop's thread waits for agents. */
     interface Waiting {
 
         /** Does nothing else. */
-        Waiting IDLE = new Waiting() {
-            @Override
-            public void await(long nanoseconds, BooleanSupplier enough, FrameClock clock) {
-                clock.park(nanoseconds);
-            }
+        Waiting IDLE =
+                new Waiting() {
+                    @Override
+                    public void await(long nanoseconds, BooleanSupplier enough, FrameClock clock) {
+                        clock.park(nanoseconds);
+                    }
 
-            @Override
-            public void wake() {}
-        };
+                    @Override
+                    public void wake() {}
+                };
 
-        /** @param enough true if there is nothing to wait for any more */
+        /**
+         * @param enough true if there is nothing to wait for any more
+         */
         void await(long nanoseconds, BooleanSupplier enough, FrameClock clock);
 
         /** Ends it; the thread is unparked, too. Any thread. */
@@ -190,7 +200,8 @@ final class LockStep implements FrameGate {
     }
 
     private long nanosecondsLeft(Turn turn, long nowNanos) {
-        return Math.min(dueSinceNanos + turn.deadlineNanos() - nowNanos,
+        return Math.min(
+                dueSinceNanos + turn.deadlineNanos() - nowNanos,
                 allowances.nanosecondsLeft(turn, nowNanos));
     }
 
@@ -210,8 +221,7 @@ final class LockStep implements FrameGate {
 
     @Override
     public void await(long nanoseconds, BooleanSupplier disturbed, FrameClock clock) {
-        waiting.await(nanoseconds,
-                () -> disturbed.getAsBoolean() || !isAnybodyAwaited(due), clock);
+        waiting.await(nanoseconds, () -> disturbed.getAsBoolean() || !isAnybodyAwaited(due), clock);
     }
 
     @Override

@@ -1,11 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
+
+import reve.core.world.ItemId;
+import reve.core.world.Sensor;
 
 import java.util.HashMap;
 import java.util.Map;
 import java.util.OptionalLong;
 import java.util.function.Consumer;
-import reve.core.world.ItemId;
-import reve.core.world.Sensor;
 
 /**
  * The pictures that one client asks its body's cameras for: one at a time, each at its camera's
@@ -18,6 +20,7 @@ final class Looks {
     private final String client;
     private final Consumer<ServerMessage> told;
     private final Map<String, Long> lastFrames = new HashMap<>();
+
     /** The question whose answer is on its way. */
     private OptionalLong pending = OptionalLong.empty();
 
@@ -32,35 +35,53 @@ final class Looks {
         this.told = told;
     }
 
-    /** @throws BadMessage if another picture is on its way, or it is too early */
+    /**
+     * @throws BadMessage if another picture is on its way, or it is too early
+     */
     void take(ClientMessage.Look look, ItemId body, Sensor camera) throws BadMessage {
         if (pending.equals(OptionalLong.of(look.id()))) {
             return; // asked again over another connection: the answer is on its way
         }
         if (pending.isPresent()) {
-            throw new BadMessage(look.id(), "look-pending",
-                    "the picture asked for before is still on its way", "wait for it");
+            throw new BadMessage(
+                    look.id(),
+                    "look-pending",
+                    "the picture asked for before is still on its way",
+                    "wait for it");
         }
         requireTurn(look, camera, world.publisher().published());
         pending = OptionalLong.of(look.id());
-        world.cameras().take(body, camera, new Cameras.Answer() {
-            @Override
-            public void taken(Cameras.Photo photo) {
-                world.publisher().later(() -> show(look, camera, photo));
-            }
+        world.cameras()
+                .take(
+                        body,
+                        camera,
+                        new Cameras.Answer() {
+                            @Override
+                            public void taken(Cameras.Photo photo) {
+                                world.publisher().later(() -> show(look, camera, photo));
+                            }
 
-            @Override
-            public void refused(String reason) {
-                world.publisher().later(() -> tell(
-                        new ServerMessage.Error(look.id(), "no-picture", reason, "try again")));
-            }
+                            @Override
+                            public void refused(String reason) {
+                                world.publisher()
+                                        .later(
+                                                () ->
+                                                        tell(
+                                                                new ServerMessage.Error(
+                                                                        look.id(),
+                                                                        "no-picture",
+                                                                        reason,
+                                                                        "try again")));
+                            }
 
-            @Override
-            public void failed(RuntimeException cause) {
-                log.error("a picture for " + client + " could not be drawn", cause);
-                refused("the picture could not be drawn; the server's log says why");
-            }
-        });
+                            @Override
+                            public void failed(RuntimeException cause) {
+                                log.error("a picture for " + client + " could not be drawn", cause);
+                                refused(
+                                        "the picture could not be drawn; the server's log says"
+                                                + " why");
+                            }
+                        });
     }
 
     /** A camera shows the frame that it showed last, or one that is so many frames later. */
@@ -68,9 +89,14 @@ final class Looks {
         long last = lastFrames.getOrDefault(camera.name(), Long.MIN_VALUE / 2);
         long next = last + camera.every();
         if (frame > last && frame < next) {
-            throw new BadMessage(look.id(), "not-yet",
-                    "the camera " + Text.quote(camera.name()) + " takes a picture every "
-                            + camera.every() + " frames",
+            throw new BadMessage(
+                    look.id(),
+                    "not-yet",
+                    "the camera "
+                            + Text.quote(camera.name())
+                            + " takes a picture every "
+                            + camera.every()
+                            + " frames",
                     "look again from frame " + next + " on");
         }
     }

@@ -1,16 +1,6 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
-import java.util.HashMap;
-import java.util.HashSet;
-import java.util.LinkedHashMap;
-import java.util.List;
-import java.util.Map;
-import java.util.Optional;
-import java.util.OptionalInt;
-import java.util.Set;
-import java.util.TreeMap;
-import java.util.TreeSet;
-import java.util.stream.Collectors;
 import reve.core.file.AgentPolicy;
 import reve.core.text.Visible;
 import reve.core.world.Action;
@@ -31,6 +21,18 @@ import reve.core.world.World;
 import reve.core.world.WorldEvent;
 import reve.core.world.WorldPrototype;
 
+import java.util.HashMap;
+import java.util.HashSet;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.OptionalInt;
+import java.util.Set;
+import java.util.TreeMap;
+import java.util.TreeSet;
+import java.util.stream.Collectors;
+
 /**
  * The agents that are in a world, and the one place where what they want is checked and done. The
  * same inputs in the same frames and order give the same world, whether they come from connections
@@ -39,10 +41,24 @@ import reve.core.world.WorldPrototype;
 public final class Members {
 
     /** Codes of the world's own refusals whose reasons tell more of it than that. */
-    private static final Set<String> TELLING = Set.of("condition-failed", "no-value", "immovable",
-            "no-physics", "not-a-body", "attached", "not-attached", "cannot-attach",
-            "cannot-create", "cannot-remove", "no-such-item", "no-such-property", "out-of-range",
-            "not-a-rotation", "not-a-colour", "not-a-symbol");
+    private static final Set<String> TELLING =
+            Set.of(
+                    "condition-failed",
+                    "no-value",
+                    "immovable",
+                    "no-physics",
+                    "not-a-body",
+                    "attached",
+                    "not-attached",
+                    "cannot-attach",
+                    "cannot-create",
+                    "cannot-remove",
+                    "no-such-item",
+                    "no-such-property",
+                    "out-of-range",
+                    "not-a-rotation",
+                    "not-a-colour",
+                    "not-a-symbol");
 
     /** The action has an error of its own, which is for the log. */
     private static final String ACTION_FAILED = "action-failed";
@@ -63,16 +79,34 @@ public final class Members {
      * @param needsSight true if one of them needs a line of sight
      * @param rights of the agent
      */
-    private record Body(ItemId id, String name, boolean made, OptionalInt place,
-            List<Sensor> sensors, List<Sensor> ofActions, boolean needsSight, Rights rights) {
+    private record Body(
+            ItemId id,
+            String name,
+            boolean made,
+            OptionalInt place,
+            List<Sensor> sensors,
+            List<Sensor> ofActions,
+            boolean needsSight,
+            Rights rights) {
 
-        Body(ItemId id, String name, boolean made, OptionalInt place, List<Sensor> sensors,
+        Body(
+                ItemId id,
+                String name,
+                boolean made,
+                OptionalInt place,
+                List<Sensor> sensors,
                 Rights rights) {
-            this(id, name, made, place, sensors,
+            this(
+                    id,
+                    name,
+                    made,
+                    place,
+                    sensors,
                     sensors.stream()
                             .filter(sensor -> sensor.aspects().contains(Sensor.Aspect.ACCESS))
                             .toList(),
-                    sensors.stream().anyMatch(Sensor::lineOfSight), rights);
+                    sensors.stream().anyMatch(Sensor::lineOfSight),
+                    rights);
         }
 
         Optional<Item> in(World world) {
@@ -82,7 +116,8 @@ public final class Members {
         /** Those of the item that the agent may use. */
         List<String> capabilities(Item item) {
             List<String> all = item.access().capabilities();
-            return rights.capabilities().isEmpty() ? all
+            return rights.capabilities().isEmpty()
+                    ? all
                     : all.stream().filter(rights::opensCapability).toList();
         }
     }
@@ -114,9 +149,13 @@ public final class Members {
         } catch (Ending e) {
             return new Outcome.Refused(frame, e.code(), e.getMessage(), e.hint());
         } catch (ActionRefused e) {
-            return e.code().equals(ACTION_FAILED) ? new Outcome.Failed(frame, e)
-                    : new Outcome.Refused(frame, e.code(),
-                            Visible.line(String.valueOf(e.getMessage())), Optional.empty());
+            return e.code().equals(ACTION_FAILED)
+                    ? new Outcome.Failed(frame, e)
+                    : new Outcome.Refused(
+                            frame,
+                            e.code(),
+                            Visible.line(String.valueOf(e.getMessage())),
+                            Optional.empty());
         } catch (RuntimeException e) {
             return new Outcome.Failed(frame, e);
         }
@@ -146,13 +185,14 @@ public final class Members {
      *     more and have left
      */
     Map<String, Outcome> rewound(World world, long frame, Map<String, ItemId> then) {
-        then.forEach((agent, id) -> {
-            Body now = bodies.get(agent);
-            if ((now == null || !now.made()) && isMade(world, id)) {
-                String body = world.item(id).name();
-                Departure.of(world, id).raise(world, frame, agent, body);
-            }
-        });
+        then.forEach(
+                (agent, id) -> {
+                    Body now = bodies.get(agent);
+                    if ((now == null || !now.made()) && isMade(world, id)) {
+                        String body = world.item(id).name();
+                        Departure.of(world, id).raise(world, frame, agent, body);
+                    }
+                });
         var outcomes = new TreeMap<String, Outcome>();
         for (String agent : List.copyOf(new TreeMap<>(bodies).keySet())) {
             outcomes.put(agent, rewound(world, frame, agent, Optional.ofNullable(then.get(agent))));
@@ -180,8 +220,13 @@ public final class Members {
             throws Ending {
         Optional<Item> own = then.filter(id -> isMade(world, id)).flatMap(world::find);
         if (own.isPresent()) {
-            return new Body(own.get().id(), own.get().name(), true, before.place(),
-                    own.get().sensors(), before.rights());
+            return new Body(
+                    own.get().id(),
+                    own.get().name(),
+                    true,
+                    before.place(),
+                    own.get().sensors(),
+                    before.rights());
         }
         return make(world, agent, policy.template().orElseThrow(), before.place(), before.rights());
     }
@@ -208,8 +253,11 @@ public final class Members {
     }
 
     private static void raiseActed(World world, long frame, AgentInput.Act act) {
-        world.raise(new WorldEvent(frame, "acted",
-                fields("agent", act.agent(), "item", act.item(), "action", act.action())));
+        world.raise(
+                new WorldEvent(
+                        frame,
+                        "acted",
+                        fields("agent", act.agent(), "item", act.item(), "action", act.action())));
     }
 
     private Outcome late(World world, long frame, AgentInput.Late late) throws ActionRefused {
@@ -223,13 +271,18 @@ public final class Members {
             world.raise(new WorldEvent(frame, "late", fields));
         }
         if (late.away()) {
-            world.raise(new WorldEvent(frame, "away",
-                    fields("agent", late.agent(), "body", body.name())));
+            world.raise(
+                    new WorldEvent(
+                            frame, "away", fields("agent", late.agent(), "body", body.name())));
         }
         if (late.fallback().isPresent() && mayAct(late.agent(), frame)) {
             AgentInput.Fallback fallback = late.fallback().get();
-            var act = new AgentInput.Act(late.agent(), fallback.item().orElse(body.name()),
-                    fallback.action(), fallback.arguments());
+            var act =
+                    new AgentInput.Act(
+                            late.agent(),
+                            fallback.item().orElse(body.name()),
+                            fallback.action(),
+                            fallback.arguments());
             perform(world, frame, body, act);
             if (late.told()) {
                 raiseActed(world, frame, act);
@@ -243,8 +296,8 @@ public final class Members {
         if (body == null) {
             return new Outcome.Absent();
         }
-        world.raise(new WorldEvent(frame, "back",
-                fields("agent", back.agent(), "body", body.name())));
+        world.raise(
+                new WorldEvent(frame, "back", fields("agent", back.agent(), "body", body.name())));
         return new Outcome.Done(frame);
     }
 
@@ -259,15 +312,17 @@ public final class Members {
         }
     }
 
-    private void act(World world, long frame, Body body, AgentInput.Act act)
-            throws ActionRefused {
+    private void act(World world, long frame, Body body, AgentInput.Act act) throws ActionRefused {
         Item item = find(world, body, act.item());
         if (!sensesActions(world, body, item)) {
-            throw new ActionRefused("no-such-action",
+            throw new ActionRefused(
+                    "no-such-action",
                     "you sense no actions of the item " + Text.quote(item.name()));
         }
-        Action action = item.access().find(act.action())
-                .orElseThrow(() -> noSuchAction(item, act.action()));
+        Action action =
+                item.access()
+                        .find(act.action())
+                        .orElseThrow(() -> noSuchAction(item, act.action()));
         Arguments arguments = Arguments.check(action, act.arguments());
         for (Parameter parameter : action.parameters()) {
             if (parameter.type() == ParameterType.ITEM && !body.sensors.isEmpty()) {
@@ -275,9 +330,18 @@ public final class Members {
             }
         }
         Optional<Item> actor = body.in(world);
-        perform(action, body, new ActionCall(world, frame, item, actor, arguments,
-                actor.map(body::capabilities).orElse(List.of()),
-                new ItemQuota(act.agent(), policy.items(), policy.worldItems()), events));
+        perform(
+                action,
+                body,
+                new ActionCall(
+                        world,
+                        frame,
+                        item,
+                        actor,
+                        arguments,
+                        actor.map(body::capabilities).orElse(List.of()),
+                        new ItemQuota(act.agent(), policy.items(), policy.worldItems()),
+                        events));
     }
 
     /** To who senses only some things, a refusal does not tell what the action found. */
@@ -288,8 +352,14 @@ public final class Members {
             if (body.sensors.isEmpty() || !TELLING.contains(e.code())) {
                 throw e;
             }
-            throw new ActionRefused(e.code(), "the action " + Text.quote(action.name())
-                    + " of item " + Text.quote(call.target().name()) + " cannot be done now", e);
+            throw new ActionRefused(
+                    e.code(),
+                    "the action "
+                            + Text.quote(action.name())
+                            + " of item "
+                            + Text.quote(call.target().name())
+                            + " cannot be done now",
+                    e);
         }
     }
 
@@ -299,12 +369,16 @@ public final class Members {
     private Item find(World world, Body body, String name) throws ActionRefused {
         Optional<Item> item = world.find(name);
         if (body.sensors.isEmpty()) {
-            return item.orElseThrow(() -> new ActionRefused("no-such-item",
-                    "the world has no item " + Text.quote(name)));
+            return item.orElseThrow(
+                    () ->
+                            new ActionRefused(
+                                    "no-such-item", "the world has no item " + Text.quote(name)));
         }
         return item.filter(there -> senses(world, body, body.sensors, there.id()))
-                .orElseThrow(() -> new ActionRefused("no-such-item",
-                        "you sense no item " + Text.quote(name)));
+                .orElseThrow(
+                        () ->
+                                new ActionRefused(
+                                        "no-such-item", "you sense no item " + Text.quote(name)));
     }
 
     private boolean sensesActions(World world, Body body, Item item) {
@@ -336,9 +410,13 @@ public final class Members {
 
     private static ActionRefused noSuchAction(Item item, String wanted) {
         List<String> names = item.access().actions().stream().map(Action::name).toList();
-        return new ActionRefused("no-such-action", "the item " + Text.quote(item.name())
-                + " has no action " + Text.quote(wanted)
-                + (names.isEmpty() ? "; it has none" : "; it has " + names));
+        return new ActionRefused(
+                "no-such-action",
+                "the item "
+                        + Text.quote(item.name())
+                        + " has no action "
+                        + Text.quote(wanted)
+                        + (names.isEmpty() ? "; it has none" : "; it has " + names));
     }
 
     // ---- joining and leaving ----
@@ -348,8 +426,14 @@ public final class Members {
             throw Ending.nameTaken(join.agent());
         }
         if (bodies.size() >= Math.max(policy.most(), policy.bodies().size())) {
-            throw Ending.refused("world-full", "world " + world.name() + " has " + bodies.size()
-                    + " agents, which is all it takes", "try again when an agent has left");
+            throw Ending.refused(
+                    "world-full",
+                    "world "
+                            + world.name()
+                            + " has "
+                            + bodies.size()
+                            + " agents, which is all it takes",
+                    "try again when an agent has left");
         }
         Body body = take(world, join);
         bodies.put(join.agent(), body);
@@ -376,8 +460,11 @@ public final class Members {
     }
 
     private static void raiseLeft(World world, long frame, String agent, Body body, String reason) {
-        world.raise(new WorldEvent(frame, "left",
-                fields("agent", agent, "body", body.name(), "reason", reason)));
+        world.raise(
+                new WorldEvent(
+                        frame,
+                        "left",
+                        fields("agent", agent, "body", body.name(), "reason", reason)));
     }
 
     /**
@@ -387,14 +474,18 @@ public final class Members {
     private Body take(World world, AgentInput.Join join) throws Ending {
         Rights rights = join.rights();
         if (policy.bodies().isEmpty() && policy.template().isEmpty()) {
-            throw Ending.refused("no-bodies", "world " + world.name() + " grants agents no body",
+            throw Ending.refused(
+                    "no-bodies",
+                    "world " + world.name() + " grants agents no body",
                     "add `agents: {body: {...}}` or `agents: {bodies: [item, ...]}` "
                             + "to the world file");
         }
         Optional<Item> namesake = world.find(join.agent());
         if (namesake.isPresent()) {
             String name = join.agent();
-            if (!policy.bodies().contains(name) || lent.contains(name) || !rights.opensBody(name)
+            if (!policy.bodies().contains(name)
+                    || lent.contains(name)
+                    || !rights.opensBody(name)
                     || !join.body().orElse(name).equals(name)) {
                 throw Ending.nameTaken(name);
             }
@@ -410,33 +501,53 @@ public final class Members {
             }
         }
         if (rights.bodies().isPresent()) {
-            throw Ending.refused("no-body-free",
+            throw Ending.refused(
+                    "no-body-free",
                     "no body that your token opens is free in world " + world.name(),
                     "it opens " + new TreeSet<>(rights.bodies().get()));
         }
-        ItemDefinition template = policy.template().orElseThrow(() -> Ending.refused("no-body-free",
-                "all bodies that world " + world.name() + " lends to agents are taken",
-                "try again when an agent has left"));
+        ItemDefinition template =
+                policy.template()
+                        .orElseThrow(
+                                () ->
+                                        Ending.refused(
+                                                "no-body-free",
+                                                "all bodies that world "
+                                                        + world.name()
+                                                        + " lends to agents are taken",
+                                                "try again when an agent has left"));
         return make(world, join.agent(), template, freePlace(world), rights);
     }
 
     private Item requireFree(World world, String name, Rights rights) throws Ending {
         if (!rights.opensBody(name)) {
-            throw Ending.refused("not-permitted",
+            throw Ending.refused(
+                    "not-permitted",
                     "your token does not open the body " + Text.quote(name),
                     "it opens " + new TreeSet<>(rights.bodies().orElseThrow()));
         }
         if (!policy.bodies().contains(name)) {
-            throw Ending.refused("no-such-body", "world " + world.name() + " lends agents no item "
-                    + Text.quote(name), "it lends " + policy.bodies());
+            throw Ending.refused(
+                    "no-such-body",
+                    "world " + world.name() + " lends agents no item " + Text.quote(name),
+                    "it lends " + policy.bodies());
         }
         if (lent.contains(name)) {
-            throw Ending.refused("body-taken", "another agent has the body " + Text.quote(name),
+            throw Ending.refused(
+                    "body-taken",
+                    "another agent has the body " + Text.quote(name),
                     "leave out body to get any that is free");
         }
-        return world.find(name).orElseThrow(() -> Ending.refused("no-such-body",
-                "the item " + Text.quote(name) + " is no longer in world " + world.name(),
-                "leave out body to get any that is free"));
+        return world.find(name)
+                .orElseThrow(
+                        () ->
+                                Ending.refused(
+                                        "no-such-body",
+                                        "the item "
+                                                + Text.quote(name)
+                                                + " is no longer in world "
+                                                + world.name(),
+                                        "leave out body to get any that is free"));
     }
 
     private Body lend(Item item, Rights rights) {
@@ -449,33 +560,45 @@ public final class Members {
         if (policy.places().isEmpty()) {
             return OptionalInt.empty();
         }
-        Set<Integer> taken = bodies.values().stream()
-                .flatMapToInt(body -> body.place().stream()).boxed().collect(Collectors.toSet());
+        Set<Integer> taken =
+                bodies.values().stream()
+                        .flatMapToInt(body -> body.place().stream())
+                        .boxed()
+                        .collect(Collectors.toSet());
         for (int place = 0; place < policy.places().size(); place++) {
             if (!taken.contains(place)) {
                 return OptionalInt.of(place);
             }
         }
-        throw Ending.refused("no-body-free", "all " + policy.places().size()
-                + " places of agents' bodies in world " + world.name() + " are taken",
+        throw Ending.refused(
+                "no-body-free",
+                "all "
+                        + policy.places().size()
+                        + " places of agents' bodies in world "
+                        + world.name()
+                        + " are taken",
                 "try again when an agent has left");
     }
 
-    private Body make(World world, String agent, ItemDefinition template, OptionalInt place,
-            Rights rights) throws Ending {
+    private Body make(
+            World world, String agent, ItemDefinition template, OptionalInt place, Rights rights)
+            throws Ending {
         if (world.find(agent).isPresent()) {
             throw Ending.nameTaken(agent);
         }
         try {
             ItemDefinition.Builder body = template.copy(agent);
-            place.ifPresent(number -> {
-                AgentPolicy.Place at = policy.places().get(number);
-                body.at(at.x(), at.y(), at.z());
-            });
+            place.ifPresent(
+                    number -> {
+                        AgentPolicy.Place at = policy.places().get(number);
+                        body.at(at.x(), at.y(), at.z());
+                    });
             Item item = world.add(body.build());
             return new Body(item.id(), item.name(), true, place, item.sensors(), rights);
         } catch (RuntimeException e) {
-            throw Ending.refused("no-body-free", "the body could not be made: " + e.getMessage(),
+            throw Ending.refused(
+                    "no-body-free",
+                    "the body could not be made: " + e.getMessage(),
                     "correct agents.body in the world file");
         }
     }

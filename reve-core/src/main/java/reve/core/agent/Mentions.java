@@ -1,4 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
+
+import reve.core.world.ItemId;
+import reve.core.world.WorldEvent;
 
 import java.util.ArrayList;
 import java.util.HashMap;
@@ -7,8 +11,6 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
 import java.util.function.Function;
-import reve.core.world.ItemId;
-import reve.core.world.WorldEvent;
 
 /**
  * The items that an event is about, looked up once for all who may hear of it.
@@ -22,21 +24,27 @@ record Mentions(Map<String, Mention> byField, List<Mention> items) {
 
     private static final Set<String> ITEM_FIELDS = Set.of("item", "body", "actor", "target");
 
-    /** @param id empty if there is no such item any more */
+    /**
+     * @param id empty if there is no such item any more
+     */
     record Mention(String name, Optional<ItemId> id) {}
 
-    /** @param bodyOf the body's name of an agent, by its name */
-    static Mentions in(WorldEvent event, Observatory world,
-            Function<String, Optional<String>> bodyOf) {
+    /**
+     * @param bodyOf the body's name of an agent, by its name
+     */
+    static Mentions in(
+            WorldEvent event, Observatory world, Function<String, Optional<String>> bodyOf) {
         var byField = new HashMap<String, Mention>();
         var items = new ArrayList<Mention>(2);
-        event.fields().forEach((field, value) -> {
-            if (ITEM_FIELDS.contains(field)) {
-                Mention item = mention(String.valueOf(value), world);
-                byField.put(field, item);
-                items.add(item);
-            }
-        });
+        event.fields()
+                .forEach(
+                        (field, value) -> {
+                            if (ITEM_FIELDS.contains(field)) {
+                                Mention item = mention(String.valueOf(value), world);
+                                byField.put(field, item);
+                                items.add(item);
+                            }
+                        });
         Object agent = event.fields().get(AGENT);
         if (byField.containsKey("body")) {
             byField.put(AGENT, byField.get("body"));

@@ -1,21 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
-import java.io.IOException;
-import java.math.BigInteger;
-import java.nio.ByteBuffer;
 import org.msgpack.core.MessageFormat;
 import org.msgpack.core.MessagePack;
 import org.msgpack.core.MessagePackException;
 import org.msgpack.core.MessageUnpacker;
 import org.msgpack.value.ValueType;
+
 import tools.jackson.databind.JsonNode;
 import tools.jackson.databind.node.ArrayNode;
 import tools.jackson.databind.node.JsonNodeFactory;
 import tools.jackson.databind.node.ObjectNode;
 
+import java.io.IOException;
+import java.math.BigInteger;
+import java.nio.ByteBuffer;
+
 /**
- * Reads MessagePack into the same tree as JSON, with the same limits: what JSON has no
- * form for is refused.
+ * Reads MessagePack into the same tree as JSON, with the same limits: what JSON has no form for is
+ * refused.
  */
 final class MessagePackReader {
 
@@ -28,7 +31,9 @@ final class MessagePackReader {
 
     /** What stands for bytes. */
     interface Binary {
-        /** @throws IllegalArgumentException if there are to be none */
+        /**
+         * @throws IllegalArgumentException if there are to be none
+         */
         String text(byte[] bytes);
     }
 
@@ -43,10 +48,12 @@ final class MessagePackReader {
      *     nothing else
      */
     static JsonNode read(ByteBuffer message) {
-        return read(message, bytes -> {
-            throw new IllegalArgumentException(
-                    "a value of type BINARY, expected what JSON has too");
-        });
+        return read(
+                message,
+                bytes -> {
+                    throw new IllegalArgumentException(
+                            "a value of type BINARY, expected what JSON has too");
+                });
     }
 
     /** As {@link #read(ByteBuffer)}, with texts for bytes. */
@@ -73,15 +80,18 @@ final class MessagePackReader {
                 yield NODES.nullNode();
             }
             case BOOLEAN -> NODES.booleanNode(unpacker.unpackBoolean());
-            case INTEGER -> format == MessageFormat.UINT64 ? integer(unpacker.unpackBigInteger())
-                    : NODES.numberNode(unpacker.unpackLong());
+            case INTEGER ->
+                    format == MessageFormat.UINT64
+                            ? integer(unpacker.unpackBigInteger())
+                            : NODES.numberNode(unpacker.unpackLong());
             case FLOAT -> NODES.numberNode(finite(unpacker.unpackDouble()));
             case STRING -> NODES.stringNode(text());
             case ARRAY -> list(depth);
             case MAP -> map(depth);
             case BINARY -> NODES.stringNode(binary.text(payload(unpacker.unpackBinaryHeader())));
-            case EXTENSION -> throw new IllegalArgumentException(
-                    "a value of type " + type + ", expected what JSON has too");
+            case EXTENSION ->
+                    throw new IllegalArgumentException(
+                            "a value of type " + type + ", expected what JSON has too");
         };
     }
 
@@ -105,7 +115,8 @@ final class MessagePackReader {
     }
 
     private static JsonNode integer(BigInteger number) {
-        return number.bitLength() < Long.SIZE ? NODES.numberNode(number.longValue())
+        return number.bitLength() < Long.SIZE
+                ? NODES.numberNode(number.longValue())
                 : NODES.numberNode(number.doubleValue());
     }
 
@@ -133,16 +144,20 @@ final class MessagePackReader {
     }
 
     /**
-     * Every element takes a byte at least, so a length that cannot be true is found
-     * before anything is kept.
+     * Every element takes a byte at least, so a length that cannot be true is found before anything
+     * is kept.
      */
     private int length(int claimed, int depth) {
         if (depth == 0) {
             throw new IllegalArgumentException("it is nested deeper than " + Json.MAX_DEPTH);
         }
         if (claimed < 0 || claimed > bytes - unpacker.getTotalReadBytes()) {
-            throw new IllegalArgumentException("a list or map of " + claimed
-                    + " elements does not fit into " + bytes + " bytes");
+            throw new IllegalArgumentException(
+                    "a list or map of "
+                            + claimed
+                            + " elements does not fit into "
+                            + bytes
+                            + " bytes");
         }
         return claimed;
     }

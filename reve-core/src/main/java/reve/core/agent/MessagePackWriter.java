@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import java.nio.charset.StandardCharsets;
 
 /**
- * Writes MessagePack (github.com/msgpack/msgpack, spec.md), each value in the shortest
- * form of its type.
+ * Writes MessagePack (github.com/msgpack/msgpack, spec.md), each value in the shortest form of its
+ * type.
  */
 record MessagePackWriter(Bytes out) implements MessageWriter {
 

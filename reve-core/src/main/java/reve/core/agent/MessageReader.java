@@ -1,6 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import static reve.core.agent.ClientMessage.NO_ID;
+
+import org.jspecify.annotations.Nullable;
+
+import tools.jackson.core.JacksonException;
+import tools.jackson.databind.JsonNode;
 
 import java.nio.ByteBuffer;
 import java.nio.charset.CharacterCodingException;
@@ -11,9 +17,6 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.OptionalLong;
 import java.util.Set;
-import org.jspecify.annotations.Nullable;
-import tools.jackson.core.JacksonException;
-import tools.jackson.databind.JsonNode;
 
 /** Reads what a client says. Any thread. */
 final class MessageReader {
@@ -25,8 +28,9 @@ final class MessageReader {
     private static final long MAX_ID = (1L << 53) - 1;
     private static final int MAX_REASON = 200;
     private static final int MAX_IMAGE_NAME = 64;
-    private static final String EXAMPLE = "send one JSON object per line, such as "
-            + "{\"t\":\"hello\",\"protocol\":1,\"name\":\"ada\"}";
+    private static final String EXAMPLE =
+            "send one JSON object per line, such as "
+                    + "{\"t\":\"hello\",\"protocol\":1,\"name\":\"ada\"}";
 
     private MessageReader() {}
 
@@ -46,15 +50,18 @@ final class MessageReader {
         try {
             return MessagePackReader.read(bytes);
         } catch (IllegalArgumentException e) {
-            throw new BadMessage(NO_ID, "bad-msgpack", "this is no MessagePack: " + e.getMessage(),
+            throw new BadMessage(
+                    NO_ID,
+                    "bad-msgpack",
+                    "this is no MessagePack: " + e.getMessage(),
                     "send 4 bytes of length, the highest first, and one map");
         }
     }
 
     private static String decode(ByteBuffer line) throws BadMessage {
         try {
-            return Text.decode(line.array(), line.arrayOffset() + line.position(),
-                    line.remaining());
+            return Text.decode(
+                    line.array(), line.arrayOffset() + line.position(), line.remaining());
         } catch (CharacterCodingException e) {
             throw new BadMessage(NO_ID, "bad-utf8", "the line is not UTF-8", EXAMPLE);
         }
@@ -70,9 +77,11 @@ final class MessageReader {
             return node;
         } catch (JacksonException e) {
             String reason = e.getOriginalMessage();
-            throw badJson("the line is not JSON: "
-                    + (reason.length() > MAX_REASON
-                            ? reason.substring(0, MAX_REASON) + "…" : reason));
+            throw badJson(
+                    "the line is not JSON: "
+                            + (reason.length() > MAX_REASON
+                                    ? reason.substring(0, MAX_REASON) + "…"
+                                    : reason));
         }
     }
 
@@ -113,51 +122,85 @@ final class MessageReader {
         var fields = new Fields(message);
         JsonNode type = message.get("t");
         if (type == null || !type.isString()) {
-            throw new BadMessage(fields.id, "no-type",
-                    "the field t must say which message this is", EXAMPLE);
+            throw new BadMessage(
+                    fields.id, "no-type", "the field t must say which message this is", EXAMPLE);
         }
         return switch (type.stringValue()) {
-            case "hello" -> new ClientMessage.Hello(fields.id,
-                    (int) fields.integer("protocol", 0, Integer.MAX_VALUE), fields.text("name"),
-                    fields.optionalText("role").orElse("agent"), fields.optionalText("world"),
-                    fields.optionalText("body"),
-                    fields.optionalText("encoding").orElse(Encoding.JSON.wireName()),
-                    fields.has("graceSeconds") ? fields.number("graceSeconds", 0, MAX_SECONDS) : 0,
-                    fields.lockStep(), fields.resume(), fields.optionalText("token"));
-            case "perceive" -> new ClientMessage.Perceive(fields.id, fields.has("every")
-                    ? (int) fields.integer("every", 0, MAX_EVERY) : ClientMessage.Perceive.ONCE,
-                    fields.isTrue("relations"));
+            case "hello" ->
+                    new ClientMessage.Hello(
+                            fields.id,
+                            (int) fields.integer("protocol", 0, Integer.MAX_VALUE),
+                            fields.text("name"),
+                            fields.optionalText("role").orElse("agent"),
+                            fields.optionalText("world"),
+                            fields.optionalText("body"),
+                            fields.optionalText("encoding").orElse(Encoding.JSON.wireName()),
+                            fields.has("graceSeconds")
+                                    ? fields.number("graceSeconds", 0, MAX_SECONDS)
+                                    : 0,
+                            fields.lockStep(),
+                            fields.resume(),
+                            fields.optionalText("token"));
+            case "perceive" ->
+                    new ClientMessage.Perceive(
+                            fields.id,
+                            fields.has("every")
+                                    ? (int) fields.integer("every", 0, MAX_EVERY)
+                                    : ClientMessage.Perceive.ONCE,
+                            fields.isTrue("relations"));
             case "look" -> new ClientMessage.Look(fields.required(), fields.text("sensor"));
-            case "act" -> new ClientMessage.Act(fields.required(), fields.text("item"),
-                    fields.text("action"), fields.arguments(),
-                    fields.isTrue("ready") ? Optional.of(fields.ready()) : Optional.empty());
+            case "act" ->
+                    new ClientMessage.Act(
+                            fields.required(),
+                            fields.text("item"),
+                            fields.text("action"),
+                            fields.arguments(),
+                            fields.isTrue("ready")
+                                    ? Optional.of(fields.ready())
+                                    : Optional.empty());
             case "ready" -> fields.ready();
             case "pause" -> new ClientMessage.Pause(fields.required());
             case "run" -> new ClientMessage.Run(fields.required());
-            case "step" -> new ClientMessage.Step(fields.required(), fields.has("frames")
-                    ? (int) fields.integer("frames", 1, MAX_EVERY) : 1);
-            case "load-law" -> new ClientMessage.LoadLaw(fields.required(), fields.text("library"),
-                    fields.parameters());
+            case "step" ->
+                    new ClientMessage.Step(
+                            fields.required(),
+                            fields.has("frames")
+                                    ? (int) fields.integer("frames", 1, MAX_EVERY)
+                                    : 1);
+            case "load-law" ->
+                    new ClientMessage.LoadLaw(
+                            fields.required(), fields.text("library"), fields.parameters());
             case "unload-law" ->
                     new ClientMessage.UnloadLaw(fields.required(), fields.text("library"));
-            case "edit" -> new ClientMessage.Edit(fields.required(), fields.text("item"),
-                    fields.text("property"), fields.value());
+            case "edit" ->
+                    new ClientMessage.Edit(
+                            fields.required(),
+                            fields.text("item"),
+                            fields.text("property"),
+                            fields.value());
             case "picture" -> new ClientMessage.Picture(fields.required());
             case "snapshot" -> new ClientMessage.Snapshot(fields.required(), fields.image());
             case "rewind" ->
                     new ClientMessage.Rewind(fields.required(), fields.optionalText("image"));
             case "save" -> new ClientMessage.Save(fields.required(), fields.text("file"));
-            case "fork" -> new ClientMessage.Fork(fields.required(),
-                    (int) fields.integer("frames", 0, MAX_EVERY));
+            case "fork" ->
+                    new ClientMessage.Fork(
+                            fields.required(), (int) fields.integer("frames", 0, MAX_EVERY));
             case "shut-down" -> new ClientMessage.ShutDown(fields.required());
             case "ping" -> new ClientMessage.Ping(fields.id);
             case "pong" -> new ClientMessage.Pong(fields.id);
             case "bye" -> new ClientMessage.Bye(fields.id);
-            default -> throw new BadMessage(fields.id, "unknown-type",
-                    "there is no message " + Text.quote(type.stringValue()) + " in protocol 1",
-                    "a client sends hello, perceive, look, act, ready, ping, pong or bye; "
-                            + "in the role control also pause, run, step, load-law, unload-law, "
-                            + "edit, picture, snapshot, rewind, save, fork or shut-down");
+            default ->
+                    throw new BadMessage(
+                            fields.id,
+                            "unknown-type",
+                            "there is no message "
+                                    + Text.quote(type.stringValue())
+                                    + " in protocol 1",
+                            "a client sends hello, perceive, look, act, ready, ping, pong or bye;"
+                                    + " in the role control also pause, run, step, load-law,"
+                                    + " unload-law, edit, picture, snapshot, rewind, save, fork or"
+                                    + " shut-down");
         };
     }
 
@@ -189,7 +232,10 @@ final class MessageReader {
             JsonNode field = find(name);
             double value = field != null && field.isNumber() ? field.asDouble() : Double.NaN;
             if (!(value >= min && value <= max)) {
-                throw bad(id, name, field == null ? "is missing" : "is " + show(field),
+                throw bad(
+                        id,
+                        name,
+                        field == null ? "is missing" : "is " + show(field),
                         "expected a number from " + min + " to " + max);
             }
             return value;
@@ -208,18 +254,29 @@ final class MessageReader {
                 case "real-time" -> Optional.empty();
                 case "lock-step" -> {
                     if (!optionalText("role").orElse("agent").equals("agent")) {
-                        throw bad(id, "mode", "is \"lock-step\"",
+                        throw bad(
+                                id,
+                                "mode",
+                                "is \"lock-step\"",
                                 "expected \"real-time\" for who is no agent");
                     }
-                    yield Optional.of(new ClientMessage.LockStep(
-                            time.has("every") ? (int) time.integer("every", 1, MAX_EVERY) : 1,
-                            time.isTrue("relations"),
-                            time.has("deadline") ? time.number("deadline", 0, MAX_SECONDS)
-                                    : DEFAULT_DEADLINE_SECONDS,
-                            time.fallback()));
+                    yield Optional.of(
+                            new ClientMessage.LockStep(
+                                    time.has("every")
+                                            ? (int) time.integer("every", 1, MAX_EVERY)
+                                            : 1,
+                                    time.isTrue("relations"),
+                                    time.has("deadline")
+                                            ? time.number("deadline", 0, MAX_SECONDS)
+                                            : DEFAULT_DEADLINE_SECONDS,
+                                    time.fallback()));
                 }
-                default -> throw bad(id, "mode", "is " + show(field.get("mode")),
-                        "expected \"real-time\" or \"lock-step\"");
+                default ->
+                        throw bad(
+                                id,
+                                "mode",
+                                "is " + show(field.get("mode")),
+                                "expected \"real-time\" or \"lock-step\"");
             };
         }
 
@@ -232,13 +289,19 @@ final class MessageReader {
                 throw bad(id, "fallback", "is " + show(field), "expected an object with action");
             }
             var fallback = new Fields(field);
-            return Optional.of(new AgentInput.Fallback(fallback.optionalText("item"),
-                    fallback.text("action"), fallback.arguments()));
+            return Optional.of(
+                    new AgentInput.Fallback(
+                            fallback.optionalText("item"),
+                            fallback.text("action"),
+                            fallback.arguments()));
         }
 
         ClientMessage.Ready ready() throws BadMessage {
-            return new ClientMessage.Ready(id, has("frame")
-                    ? OptionalLong.of(integer("frame", 0, MAX_ID)) : OptionalLong.empty());
+            return new ClientMessage.Ready(
+                    id,
+                    has("frame")
+                            ? OptionalLong.of(integer("frame", 0, MAX_ID))
+                            : OptionalLong.empty());
         }
 
         Optional<ClientMessage.Resume> resume() throws BadMessage {
@@ -247,18 +310,23 @@ final class MessageReader {
                 return Optional.empty();
             }
             if (!field.isObject()) {
-                throw bad(id, "resume", "is " + show(field),
+                throw bad(
+                        id,
+                        "resume",
+                        "is " + show(field),
                         "expected an object with session and frame");
             }
             var resume = new Fields(field);
-            return Optional.of(new ClientMessage.Resume(resume.text("session"),
-                    resume.integer("frame", 0, MAX_ID)));
+            return Optional.of(
+                    new ClientMessage.Resume(
+                            resume.text("session"), resume.integer("frame", 0, MAX_ID)));
         }
 
         Map<String, Double> parameters() throws BadMessage {
             var parameters = new LinkedHashMap<String, Double>();
             for (Map.Entry<String, JsonNode> parameter : object("parameters")) {
-                parameters.put(parameter.getKey(),
+                parameters.put(
+                        parameter.getKey(),
                         number("parameters", parameter.getKey(), parameter.getValue()));
             }
             return parameters;
@@ -267,7 +335,10 @@ final class MessageReader {
         Object value() throws BadMessage {
             JsonNode field = find("value");
             if (field == null) {
-                throw bad(id, "value", "is missing",
+                throw bad(
+                        id,
+                        "value",
+                        "is missing",
                         "expected a number, a list of numbers, a text, or true or false");
             }
             return value("value", "value", field);
@@ -292,7 +363,10 @@ final class MessageReader {
         String image() throws BadMessage {
             String name = text("image");
             if (name.length() > MAX_IMAGE_NAME) {
-                throw bad(id, "image", "has " + name.length() + " characters",
+                throw bad(
+                        id,
+                        "image",
+                        "has " + name.length() + " characters",
                         "expected at most " + MAX_IMAGE_NAME);
             }
             return name;
@@ -314,7 +388,8 @@ final class MessageReader {
         Map<String, Object> arguments() throws BadMessage {
             var arguments = new LinkedHashMap<String, Object>();
             for (Map.Entry<String, JsonNode> argument : object("arguments")) {
-                arguments.put(argument.getKey(),
+                arguments.put(
+                        argument.getKey(),
                         value("arguments", argument.getKey(), argument.getValue()));
             }
             return arguments;
@@ -326,7 +401,10 @@ final class MessageReader {
                 return Set.of();
             }
             if (!field.isObject()) {
-                throw bad(id, name, "is " + show(field),
+                throw bad(
+                        id,
+                        name,
+                        "is " + show(field),
                         "expected an object of values by parameter name");
             }
             return field.properties();
@@ -352,7 +430,10 @@ final class MessageReader {
 
         private Double number(String in, String name, JsonNode value) throws BadMessage {
             if (!value.isNumber()) {
-                throw bad(id, in, "holds " + show(value) + " for " + Text.quote(name),
+                throw bad(
+                        id,
+                        in,
+                        "holds " + show(value) + " for " + Text.quote(name),
                         "expected a number, a list of numbers, a text, or true or false");
             }
             return value.asDouble();
@@ -362,7 +443,10 @@ final class MessageReader {
             JsonNode field = find(name);
             double value = field != null && field.isNumber() ? field.asDouble() : Double.NaN;
             if (!(value >= min && value <= max && value == Math.rint(value))) {
-                throw bad(answerTo, name, field == null ? "is missing" : "is " + show(field),
+                throw bad(
+                        answerTo,
+                        name,
+                        field == null ? "is missing" : "is " + show(field),
                         "expected an integer from " + min + " to " + max);
             }
             return (long) value;
@@ -374,8 +458,8 @@ final class MessageReader {
         }
 
         private static BadMessage bad(long answerTo, String name, String found, String expected) {
-            return new BadMessage(answerTo, "bad-field",
-                    "the field " + name + " " + found, expected);
+            return new BadMessage(
+                    answerTo, "bad-field", "the field " + name + " " + found, expected);
         }
 
         private static String show(JsonNode field) {

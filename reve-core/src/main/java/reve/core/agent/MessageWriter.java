@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import java.util.List;
@@ -25,7 +26,9 @@ interface MessageWriter {
 
     void integer(long number);
 
-    /** @param number finite */
+    /**
+     * @param number finite
+     */
     void number(double number);
 
     /** A value that many messages hold. */
@@ -46,8 +49,8 @@ interface MessageWriter {
     }
 
     /**
-     * String, Boolean, Number, byte[], or a List or a Map by text of such. What is not
-     * finite is written as text.
+     * String, Boolean, Number, byte[], or a List or a Map by text of such. What is not finite is
+     * written as text.
      */
     default void value(Object value) {
         switch (value) {
@@ -66,14 +69,18 @@ interface MessageWriter {
             }
             case Map<?, ?> map -> {
                 beginMap(map.size());
-                map.forEach((name, field) -> {
-                    key((String) name);
-                    value(field);
-                });
+                map.forEach(
+                        (name, field) -> {
+                            key((String) name);
+                            value(field);
+                        });
                 endMap();
             }
-            default -> throw new IllegalArgumentException(
-                    "a " + value.getClass().getSimpleName() + " has no form in the agent protocol");
+            default ->
+                    throw new IllegalArgumentException(
+                            "a "
+                                    + value.getClass().getSimpleName()
+                                    + " has no form in the agent protocol");
         }
     }
 }

@@ -1,4 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
+
+import org.jspecify.annotations.Nullable;
+import org.pcollections.PMap;
+import org.pcollections.TreePMap;
+
+import reve.core.space.Box;
+import reve.core.space.Found;
+import reve.core.world.ItemId;
+import reve.core.world.ItemSymbols;
+import reve.core.world.Relations;
+import reve.core.world.Sensor;
+import reve.core.world.TableSnapshot;
+import reve.core.world.WorldPrototype;
+import reve.core.world.WorldSnapshot;
 
 import java.lang.foreign.MemorySegment;
 import java.lang.foreign.ValueLayout;
@@ -12,18 +27,6 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
-import org.jspecify.annotations.Nullable;
-import org.pcollections.PMap;
-import org.pcollections.TreePMap;
-import reve.core.space.Box;
-import reve.core.space.Found;
-import reve.core.world.ItemId;
-import reve.core.world.ItemSymbols;
-import reve.core.world.Relations;
-import reve.core.world.Sensor;
-import reve.core.world.TableSnapshot;
-import reve.core.world.WorldPrototype;
-import reve.core.world.WorldSnapshot;
 
 /**
  * The newest frame as the publisher has read it: all that there is to perceive, and what sensors
@@ -36,21 +39,28 @@ final class Observatory {
 
     /** What is looked for reaches a little further than the sensor, whose own test decides. */
     private static final double WIDER = 1 + 1e-9;
+
     private static final int NO_ROW = -1;
+
     /** A longer sum of ways would lose the short ones [m]. */
     private static final double LONGEST_PATH = 1000;
 
     private final SensedWorld bodies = new SensedWorld();
     private final Found found = new Found();
+
     /** From anybody, where not one body looks at all. */
     private final Hiders hiders = new Hiders();
+
     private PMap<ItemId, ItemSymbols> symbols = TreePMap.empty();
     private Map<String, ItemId> idByName = Map.of();
     private View everything = new View(0, 0, List.of());
+
     /** Related names by item and relation; a cache of this frame. */
     private final Map<ItemId, Map<String, Optional<List<String>>>> relations = new HashMap<>();
+
     /** The view of all items with relations; null until an agent requests it in this frame. */
     private @Nullable View everythingRelated;
+
     /** Items of the last such view, in the order of ids. */
     private List<Seen> related = List.of();
 
@@ -59,8 +69,10 @@ final class Observatory {
     private EncodedItem[] items = {};
     private int[] rows = {};
     private Seen[] seen = {};
+
     /** What sensors show, as far as somebody has sensed it. */
     private final Map<Shown, Seen[]> sensed = new HashMap<>();
+
     private final Map<Sensor, Seen[]> shownBy = new IdentityHashMap<>();
 
     // By row.
@@ -71,8 +83,10 @@ final class Observatory {
 
     /** Raised when items come, go or change their rows. */
     private long arrangement;
+
     /** The way that nothing has gone further than in this frame, and since the beginning [m]. */
     private double moved;
+
     private double path;
 
     /**
@@ -129,8 +143,10 @@ final class Observatory {
             if (!item.kind().equals(WorldPrototype.WORLD)) {
                 Seen before = known.get(item.id());
                 same.add(before);
-                present.add(before != null && before.item().source() == item ? before.item()
-                        : new EncodedItem(item));
+                present.add(
+                        before != null && before.item().source() == item
+                                ? before.item()
+                                : new EncodedItem(item));
                 names.put(item.name(), item.id());
             }
         }
@@ -169,8 +185,12 @@ final class Observatory {
     private void readPlaces() {
         for (int i = 0; i < items.length; i++) {
             if (seen[i] == null || !isSame(seen[i], items[i], rows[i])) {
-                seen[i] = new Seen(items[i], rows[i] == NO_ROW ? null : bodies.place(rows[i]),
-                        Shown.EVERYTHING, Map.of());
+                seen[i] =
+                        new Seen(
+                                items[i],
+                                rows[i] == NO_ROW ? null : bodies.place(rows[i]),
+                                Shown.EVERYTHING,
+                                Map.of());
             }
         }
     }
@@ -178,9 +198,11 @@ final class Observatory {
     private boolean isSame(Seen before, EncodedItem now, int row) {
         double[] place = before.place();
         return before.item() == now
-                && (row == NO_ROW ? place == null : place != null
-                        && (!bodies.hasMoved(row, bodies.moment() - 1)
-                                || bodies.isAt(row, place)));
+                && (row == NO_ROW
+                        ? place == null
+                        : place != null
+                                && (!bodies.hasMoved(row, bodies.moment() - 1)
+                                        || bodies.isAt(row, place)));
     }
 
     /** All there is. */
@@ -222,27 +244,38 @@ final class Observatory {
         var items = new ArrayList<Seen>(view.items().size());
         int before = 0;
         for (Seen seen : view.items()) {
-            Seen now = seen.shown().has(Sensor.Aspect.SEMANTIC)
-                    ? seen.with(relationsOf(seen, world, names)) : seen;
+            Seen now =
+                    seen.shown().has(Sensor.Aspect.SEMANTIC)
+                            ? seen.with(relationsOf(seen, world, names))
+                            : seen;
             while (before < related.size() && related.get(before).id().compareTo(seen.id()) < 0) {
                 before++;
             }
-            items.add(before < related.size() && related.get(before).isSame(now)
-                    ? related.get(before) : now);
+            items.add(
+                    before < related.size() && related.get(before).isSame(now)
+                            ? related.get(before)
+                            : now);
         }
         return List.copyOf(items);
     }
 
-    private Map<String, List<String>> relationsOf(Seen seen, Relations world,
-            Set<String> perceived) {
+    private Map<String, List<String>> relationsOf(
+            Seen seen, Relations world, Set<String> perceived) {
         var all = new LinkedHashMap<String, List<String>>();
         Map<String, Optional<List<String>>> known =
                 relations.computeIfAbsent(seen.id(), item -> new HashMap<>());
         for (String relation : RELATIONS) {
             if (seen.shown().symbols().map(names -> names.contains(relation)).orElse(true)) {
-                known.computeIfAbsent(relation, name -> world.of(seen.id(), name)).ifPresent(
-                        names -> all.put(relation, perceived.containsAll(names) ? names
-                                : names.stream().filter(perceived::contains).toList()));
+                known.computeIfAbsent(relation, name -> world.of(seen.id(), name))
+                        .ifPresent(
+                                names ->
+                                        all.put(
+                                                relation,
+                                                perceived.containsAll(names)
+                                                        ? names
+                                                        : names.stream()
+                                                                .filter(perceived::contains)
+                                                                .toList()));
             }
         }
         return all;
@@ -277,8 +310,12 @@ final class Observatory {
     }
 
     private void gather(Sensor sensor, int eye, Surroundings around) {
-        Seen[] shown = shownBy.computeIfAbsent(sensor,
-                its -> sensed.computeIfAbsent(Shown.by(its), unknown -> new Seen[items.length]));
+        Seen[] shown =
+                shownBy.computeIfAbsent(
+                        sensor,
+                        its ->
+                                sensed.computeIfAbsent(
+                                        Shown.by(its), unknown -> new Seen[items.length]));
         gatheredCount = 0;
         if (sensor.isCamera()) {
             if (eye >= 0) {
@@ -286,7 +323,9 @@ final class Observatory {
             }
             return;
         }
-        if (eye < 0 || rows[eye] == NO_ROW || sensor.isUnlimited()
+        if (eye < 0
+                || rows[eye] == NO_ROW
+                || sensor.isUnlimited()
                 || Double.isInfinite(sensor.range())) {
             for (int i = 0; i < items.length; i++) {
                 gather(sensed(sensor, eye, i, shown, around.hiders));
@@ -294,8 +333,10 @@ final class Observatory {
             return;
         }
         lookAround(sensor, rows[eye], around);
-        boolean anew = sensor.lineOfSight() ? bodies.haveAnyMoved(around.sensedIn)
-                : bodies.hasMoved(rows[eye], around.sensedIn);
+        boolean anew =
+                sensor.lineOfSight()
+                        ? bodies.haveAnyMoved(around.sensedIn)
+                        : bodies.hasMoved(rows[eye], around.sensedIn);
         boolean itself = false;
         for (int k = 0; k < around.count; k++) {
             int i = around.items[k];

@@ -1,9 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
+
+import org.jspecify.annotations.Nullable;
 
 import java.util.ArrayDeque;
 import java.util.Deque;
 import java.util.List;
-import org.jspecify.annotations.Nullable;
 
 /**
  * What waits to be written to one client. Messages keep their order and are bounded. Events count
@@ -32,27 +34,33 @@ final class Outbox {
 
     /** Memory of an event in the queue, without what it shares [bytes]. */
     private static final int EVENT_BYTES = 64;
+
     /** Memory of a shared event in a list [bytes]. */
     private static final int REFERENCE_BYTES = 8;
 
     private final int maxMessages;
     private final int maxBytes;
     private final Runnable filled;
+
     /**
      * What happened while a returning client was away, shared with others and encoded when it is
      * written; it may be more than may pile up.
      */
     private List<HeardEvent.Told> history = List.of();
+
     private int historyWritten;
     private Encoding historyEncoding = Encoding.JSON;
     private byte @Nullable [] welcome;
     private final Deque<Waiting> messages = new ArrayDeque<>();
     private final Load answers = new Load();
     private final Load events = new Load();
+
     /** The last frame of which events were added. */
     private long happenedIn = -1;
+
     /** Events that were not kept since {@link #events} was empty last; 0 if all were. */
     private long missed;
+
     private long firstMissed;
     private long lastMissed;
     private @Nullable Perception answer;
@@ -77,7 +85,9 @@ final class Outbox {
         }
     }
 
-    /** @param filled told, with this held, whenever there is something to write */
+    /**
+     * @param filled told, with this held, whenever there is something to write
+     */
     Outbox(int maxMessages, int maxBytes, Runnable filled) {
         this.maxMessages = maxMessages;
         this.maxBytes = maxBytes;
@@ -264,7 +274,10 @@ final class Outbox {
     }
 
     synchronized boolean isEmpty() {
-        return welcome == null && history.isEmpty() && messages.isEmpty() && answer == null
+        return welcome == null
+                && history.isEmpty()
+                && messages.isEmpty()
+                && answer == null
                 && latest == null;
     }
 
@@ -273,7 +286,8 @@ final class Outbox {
      * are shared by all who are sent them, so an event counts for its place in the queue.
      */
     synchronized int bytes() {
-        return answers.bytes + EVENT_BYTES * events.count
+        return answers.bytes
+                + EVENT_BYTES * events.count
                 + REFERENCE_BYTES * (history.size() - historyWritten);
     }
 

@@ -1,9 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
+
+import reve.core.world.ItemId;
+import reve.core.world.Sensor;
 
 import java.util.List;
 import java.util.Optional;
-import reve.core.world.ItemId;
-import reve.core.world.Sensor;
 
 /** What became of an {@link AgentInput}. */
 public sealed interface Outcome {

@@ -1,8 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
+
+import org.jspecify.annotations.Nullable;
 
 import java.util.Optional;
 import java.util.concurrent.atomic.LongAdder;
-import org.jspecify.annotations.Nullable;
 
 /** What one agent has asked to perceive. Asked by its reader, served by the publisher. */
 final class PerceptionRequests {
@@ -21,15 +23,17 @@ final class PerceptionRequests {
     private long told = -1;
     private long notBefore;
 
-    /** @param served counts the perceptions handed over */
+    /**
+     * @param served counts the perceptions handed over
+     */
     PerceptionRequests(Outbox outbox, LongAdder served) {
         this.outbox = outbox;
         this.served = served;
     }
 
     /**
-     * An agent in lock-step perceives the first frame of each of its rounds, until it
-     * asks for something else.
+     * An agent in lock-step perceives the first frame of each of its rounds, until it asks for
+     * something else.
      */
     synchronized void follow(Turn its, long answerTo) {
         turn = its;
@@ -52,7 +56,9 @@ final class PerceptionRequests {
             return;
         }
         if (once || outbox.hasAnswer()) {
-            throw new BadMessage(perceive.id(), "perceive-pending",
+            throw new BadMessage(
+                    perceive.id(),
+                    "perceive-pending",
                     "the perception asked for before is still on its way",
                     "wait for it, or perceive every N frames");
         }
@@ -79,7 +85,9 @@ final class PerceptionRequests {
 
     /** What the agent perceives of a frame. */
     interface Views {
-        /** @return empty if the frame is gone */
+        /**
+         * @return empty if the frame is gone
+         */
         Optional<View> of(boolean relations);
     }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import java.util.ArrayList;
@@ -11,11 +12,12 @@ import java.util.Optional;
 /**
  * Shares the event loop's time among those who perceive in real time, so that what some perceive at
  * great cost comes later, and not what the others perceive. Each token has an account, and each
- * session without a token has one. What perceptions cost, to find them and to write them, is charged
- * to it, and equal shares of the time that passes pay it off. Who has no debts and perceives cheaply
- * is served at once; the others, the least indebted first, in slices of time between which the event
- * loop does its other work. Who is in lock-step is charged, too, but served at once: the world
- * waits. See docs/decisions/0006. The event loop's thread, but for {@link Cost#wrote}.
+ * session without a token has one. What perceptions cost, to find them and to write them, is
+ * charged to it, and equal shares of the time that passes pay it off. Who has no debts and
+ * perceives cheaply is served at once; the others, the least indebted first, in slices of time
+ * between which the event loop does its other work. Who is in lock-step is charged, too, but served
+ * at once: the world waits. See docs/decisions/0006. The event loop's thread, but for {@link
+ * Cost#wrote}.
  *
  * @param <C> who perceives
  */
@@ -23,12 +25,16 @@ final class PerceptionShares<C extends PerceptionShares.Client> {
 
     /** A slice of the time of those who wait [ns]. */
     private static final double SLICE_NANOS = 10e6;
+
     /** What a first perception is taken to cost before one has been seen [ns]. */
     private static final double FIRST_NANOS = 1e6;
+
     /** What the last first perceptions cost weighs in what the next is taken to cost. */
     private static final double MEMORY = 0.9;
+
     /** A perception is cheap if it costs no more than an equal share of so much time [ns]. */
     private static final double CHEAP_NANOS = 50e6;
+
     /** Or no more than this, however many there are [ns]. */
     private static final double CHEAP_FOR_ALL_NANOS = 30e3;
 
@@ -37,10 +43,13 @@ final class PerceptionShares<C extends PerceptionShares.Client> {
     private final List<C> waiting = new ArrayList<>();
     private long round;
     private long paidNanos;
+
     /** Left of this slice. */
     private double sliceNanos;
+
     /** What costs more waits. */
     private double cheapNanos;
+
     private double firstNanos = FIRST_NANOS;
 
     /** Who perceives. */
@@ -62,12 +71,16 @@ final class PerceptionShares<C extends PerceptionShares.Client> {
     /** What a session's perceptions cost. */
     static final class Cost {
         private final Account account;
+
         /** Since it was served last. */
         private double spentNanos;
+
         /** What its last perception cost. */
         private double expectedNanos;
+
         /** It has perceived. */
         private boolean known;
+
         /** By whichever thread writes to the session while the event loop waits for it. */
         private long writtenNanos;
 
@@ -85,11 +98,14 @@ final class PerceptionShares<C extends PerceptionShares.Client> {
         paidNanos = nowNanos;
     }
 
-    /** @param token of who perceives, if the server takes tokens */
+    /**
+     * @param token of who perceives, if the server takes tokens
+     */
     Cost cost(Optional<AgentToken> token) {
-        return new Cost(token.map(AgentToken::name)
-                .map(name -> byToken.computeIfAbsent(name, unknown -> new Account()))
-                .orElseGet(Account::new));
+        return new Cost(
+                token.map(AgentToken::name)
+                        .map(name -> byToken.computeIfAbsent(name, unknown -> new Account()))
+                        .orElseGet(Account::new));
     }
 
     /**
@@ -135,8 +151,8 @@ final class PerceptionShares<C extends PerceptionShares.Client> {
     /** Whether a session is served whoever else is; if not, it waits. */
     boolean isServedNow(C client) {
         Cost cost = client.perceptionCost();
-        if (client.isInLockStep() || cost.known && cost.account.owedNanos == 0
-                && cost.expectedNanos <= cheapNanos) {
+        if (client.isInLockStep()
+                || cost.known && cost.account.owedNanos == 0 && cost.expectedNanos <= cheapNanos) {
             return true;
         }
         waiting.add(client);
@@ -148,9 +164,9 @@ final class PerceptionShares<C extends PerceptionShares.Client> {
      * before. They are served as long as {@link #isTimeLeft}.
      */
     List<C> waiting() {
-        waiting.sort(Comparator
-                .comparingDouble((C client) -> client.perceptionCost().account.owedNanos)
-                .thenComparing(client -> !client.perceptionCost().known));
+        waiting.sort(
+                Comparator.comparingDouble((C client) -> client.perceptionCost().account.owedNanos)
+                        .thenComparing(client -> !client.perceptionCost().known));
         return waiting;
     }
 

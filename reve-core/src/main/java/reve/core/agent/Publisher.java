@@ -1,4 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
+
+import reve.core.frame.FrameEvent;
+import reve.core.world.WorldEvent;
+import reve.core.world.WorldSnapshot;
 
 import java.util.BitSet;
 import java.util.Collection;
@@ -11,9 +16,6 @@ import java.util.Queue;
 import java.util.Set;
 import java.util.concurrent.ConcurrentLinkedQueue;
 import java.util.concurrent.atomic.AtomicInteger;
-import reve.core.frame.FrameEvent;
-import reve.core.world.WorldEvent;
-import reve.core.world.WorldSnapshot;
 
 /**
  * Tells agents what the frames brought: results, events, perceptions. The world's thread only
@@ -23,11 +25,15 @@ final class Publisher {
 
     /** Frames with events that may wait to be told; at 60 frames a second a quarter of a minute. */
     private static final int MAX_EVENT_FRAMES = 1024;
+
     /** In so much time clients in real time are told of acts; those beyond they miss. */
     private static final long ACTS_NANOS = 5_000_000;
+
     private static final String ACTED = "acted";
+
     /** What agents in lock-step cause by doing nothing. */
     private static final Set<String> ABSENCES = Set.of("late", "away", "back");
+
     /** Most events of {@link #ABSENCES} in one frame that a client is sent about other agents. */
     static final int MAX_ABSENCES = 8;
 
@@ -45,8 +51,10 @@ final class Publisher {
     private final Map<String, Session> members = new LinkedHashMap<>();
     private final Audience audience = new Audience();
     private final Runnable wake;
+
     /** Somebody waits for time to perceive the frame that was served. */
     private boolean owesPerceptions;
+
     private volatile long published;
     private volatile boolean news;
     private long served;
@@ -166,10 +174,11 @@ final class Publisher {
             for (Runnable report = reports.poll(); report != null; report = reports.poll()) {
                 report.run();
             }
-            boolean wanted = snapshot.filter(frame -> isWanted(frame, !events.isEmpty()))
-                    .isPresent();
-            boolean isRead = owesPerceptions
-                    && snapshot.filter(frame -> frame.frame() == served).isPresent();
+            boolean wanted =
+                    snapshot.filter(frame -> isWanted(frame, !events.isEmpty())).isPresent();
+            boolean isRead =
+                    owesPerceptions
+                            && snapshot.filter(frame -> frame.frame() == served).isPresent();
             owesPerceptions = false;
             if (wanted && !isRead && !observatory.read(snapshot.get())) {
                 return; // overwritten while we read: the next frame is here already
@@ -210,8 +219,10 @@ final class Publisher {
     private void tellEvents() {
         int lost = lostEventFrames.getAndSet(0);
         if (lost > 0) {
-            log.warn("agents will never hear the events of " + lost
-                    + " frames: too many were waiting");
+            log.warn(
+                    "agents will never hear the events of "
+                            + lost
+                            + " frames: too many were waiting");
         }
         if (events.isEmpty()) {
             return;
@@ -221,14 +232,14 @@ final class Publisher {
         var acts = new Gap();
         var absences = new Gap();
         var own = new HashMap<Session, Integer>();
-        for (Happened next = events.peek(); next != null && next.frame <= served;
+        for (Happened next = events.peek();
+                next != null && next.frame <= served;
                 next = events.peek()) {
             events.remove();
             eventFrames.decrementAndGet();
             int absent = 0;
             for (WorldEvent event : next.events) {
-                if (event.type().equals(ACTED)
-                        && (acts.count > 0 || System.nanoTime() - end > 0)) {
+                if (event.type().equals(ACTED) && (acts.count > 0 || System.nanoTime() - end > 0)) {
                     tell(event, false);
                     acts.add(next.frame);
                 } else if (isAbsence(event)
@@ -283,7 +294,9 @@ final class Publisher {
         return false;
     }
 
-    /** @param all also to clients in real time */
+    /**
+     * @param all also to clients in real time
+     */
     private void tell(WorldEvent event, boolean all) {
         if (!all && !audience.hasLockStep()) {
             return;
@@ -296,7 +309,8 @@ final class Publisher {
 
     /** World files may raise events of these types, too, with other fields. */
     private static boolean isAbsence(WorldEvent event) {
-        return ABSENCES.contains(event.type()) && event.fields().containsKey(Mentions.AGENT)
+        return ABSENCES.contains(event.type())
+                && event.fields().containsKey(Mentions.AGENT)
                 && event.fields().containsKey("body");
     }
 
@@ -307,12 +321,11 @@ final class Publisher {
             return Optional.empty();
         }
         Mentions mentions = Mentions.in(event, observatory, this::bodyOf);
-        return tell(agent, mentions, new HeardEvent(event)) ? Optional.of(agent)
-                : Optional.empty();
+        return tell(agent, mentions, new HeardEvent(event)) ? Optional.of(agent) : Optional.empty();
     }
 
-    private void tell(Collection<Session> hearers, boolean all, Mentions mentions,
-            HeardEvent heard) {
+    private void tell(
+            Collection<Session> hearers, boolean all, Mentions mentions, HeardEvent heard) {
         for (Session member : hearers) {
             if (!all && !member.isInLockStep()) {
                 continue;
@@ -321,7 +334,9 @@ final class Publisher {
         }
     }
 
-    /** @return false if it does not sense what the event is about */
+    /**
+     * @return false if it does not sense what the event is about
+     */
     private boolean tell(Session member, Mentions mentions, HeardEvent heard) {
         Optional<BitSet> fields = member.hear(heard.event(), mentions, observatory);
         fields.ifPresent(told -> member.tell(heard.with(told, member.encoding())));
@@ -345,7 +360,8 @@ final class Publisher {
         telling.begin(everything);
         shares.begin(members.values(), everything.frame(), System.nanoTime());
         for (Session member : members.values()) {
-            if (member.perceptions().isDue(everything.frame()) && shares.isServedNow(member)
+            if (member.perceptions().isDue(everything.frame())
+                    && shares.isServedNow(member)
                     && !serve(member, snapshot)) {
                 return; // overwritten while we read: the next frame is here already
             }
@@ -361,12 +377,19 @@ final class Publisher {
         }
     }
 
-    /** @return false if the frame is gone */
+    /**
+     * @return false if the frame is gone
+     */
     private boolean serve(Session member, WorldSnapshot snapshot) {
         long begin = System.nanoTime();
-        boolean there = member.perceptions().serve(observatory.everything().frame(),
-                relations -> relations ? member.relate(look(member), observatory, snapshot)
-                        : Optional.of(look(member)));
+        boolean there =
+                member.perceptions()
+                        .serve(
+                                observatory.everything().frame(),
+                                relations ->
+                                        relations
+                                                ? member.relate(look(member), observatory, snapshot)
+                                                : Optional.of(look(member)));
         shares.serve(member.perceptionCost(), System.nanoTime() - begin);
         return there;
     }

@@ -1,13 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
-import java.util.concurrent.TimeUnit;
-import java.util.function.Supplier;
 import org.slf4j.Logger;
 import org.slf4j.LoggerFactory;
 
+import java.util.concurrent.TimeUnit;
+import java.util.function.Supplier;
+
 /**
- * A log that clients cannot flood: so many lines a second, then one that says how many
- * were left out. Any thread.
+ * A log that clients cannot flood: so many lines a second, then one that says how many were left
+ * out. Any thread.
  */
 final class RateLimitedLog {
 
@@ -20,7 +22,9 @@ final class RateLimitedLog {
     private int lines;
     private int leftOut;
 
-    /** @param who the lines are about, as in "7 more lines about WHO" */
+    /**
+     * @param who the lines are about, as in "7 more lines about WHO"
+     */
     RateLimitedLog(int linesPerSecond, String who) {
         this.linesPerSecond = linesPerSecond;
         this.who = who;
@@ -34,14 +38,18 @@ final class RateLimitedLog {
         warn(() -> message);
     }
 
-    /** @param message put together only where it is written */
+    /**
+     * @param message put together only where it is written
+     */
     void info(Supplier<String> message) {
         if (mayLog()) {
             LOG.info(message.get());
         }
     }
 
-    /** @param message put together only where it is written */
+    /**
+     * @param message put together only where it is written
+     */
     void warn(Supplier<String> message) {
         if (mayLog()) {
             LOG.warn(message.get());

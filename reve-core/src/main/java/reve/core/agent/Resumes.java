@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 /**
@@ -12,7 +13,9 @@ final class Resumes {
     private double left;
     private long countedNanos;
 
-    /** @param most that may be at once */
+    /**
+     * @param most that may be at once
+     */
     Resumes(int most, long nowNanos) {
         this.most = most;
         this.left = most;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import java.util.Optional;
@@ -13,12 +14,21 @@ import java.util.Set;
  * @param capabilities those of its body that it may use
  * @param lockStep whether it may have the world wait for it
  */
-public record Rights(Set<Role> roles, Optional<Set<String>> worlds, Optional<Set<String>> bodies,
-        Optional<Set<String>> capabilities, boolean lockStep) {
+public record Rights(
+        Set<Role> roles,
+        Optional<Set<String>> worlds,
+        Optional<Set<String>> bodies,
+        Optional<Set<String>> capabilities,
+        boolean lockStep) {
 
     /** All there are: of whoever can connect to a server without tokens. */
-    public static final Rights ALL = new Rights(Set.of(Role.values()),
-            Optional.empty(), Optional.empty(), Optional.empty(), true);
+    public static final Rights ALL =
+            new Rights(
+                    Set.of(Role.values()),
+                    Optional.empty(),
+                    Optional.empty(),
+                    Optional.empty(),
+                    true);
 
     public Rights {
         roles = Set.copyOf(roles);

@@ -1,11 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.core.world.ItemId;
+import reve.core.world.Sensor.Aspect;
 
 import java.util.Arrays;
 import java.util.List;
 import java.util.Map;
-import org.jspecify.annotations.Nullable;
-import reve.core.world.ItemId;
-import reve.core.world.Sensor.Aspect;
 
 /**
  * What is perceived of one item in one frame. What did not change since the frame before is the
@@ -30,7 +33,10 @@ final class Seen {
      * @param place location (3) [m] and orientation (4), null for what has no place; never changed
      * @param relations names of items by relation, where the agent asked for them
      */
-    Seen(EncodedItem item, double @Nullable [] place, Shown shown,
+    Seen(
+            EncodedItem item,
+            double @Nullable [] place,
+            Shown shown,
             Map<String, List<String>> relations) {
         this.item = item;
         this.place = place;
@@ -69,13 +75,16 @@ final class Seen {
 
     /** The same in all that is told of it. */
     boolean isSame(Seen other) {
-        return item == other.item && place == other.place && shown.equals(other.shown)
+        return item == other.item
+                && place == other.place
+                && shown.equals(other.shown)
                 && relations.equals(other.relations);
     }
 
     /** Another item, or one of which something else is perceived: it is told as if new. */
     boolean isNewTo(Seen before) {
-        return !name().equals(before.name()) || !shown.equals(before.shown)
+        return !name().equals(before.name())
+                || !shown.equals(before.shown)
                 || (place == null) != (before.place == null);
     }
 
@@ -105,14 +114,17 @@ final class Seen {
     }
 
     private boolean isMoved(Seen before, int first, int count) {
-        return shown.has(Aspect.PHYSICAL) && place != null && before.place != null
+        return shown.has(Aspect.PHYSICAL)
+                && place != null
+                && before.place != null
                 && place != before.place
                 && !Arrays.equals(place, first, first + count, before.place, first, first + count);
     }
 
     private boolean hasOtherSymbols(Seen before) {
-        return shown.has(Aspect.SEMANTIC) && (!relations.equals(before.relations)
-                || item != before.item && !Arrays.equals(symbols(), before.symbols()));
+        return shown.has(Aspect.SEMANTIC)
+                && (!relations.equals(before.relations)
+                        || item != before.item && !Arrays.equals(symbols(), before.symbols()));
     }
 
     private byte[] symbols() {
@@ -128,25 +140,46 @@ final class Seen {
         double[] known = shown.has(Aspect.PHYSICAL) ? place : null;
         boolean turned = known != null && !Arrays.equals(known, 3, 7, NOT_TURNED, 0, 4);
         boolean access = shown.has(Aspect.ACCESS);
-        write(writer, new Fields(known != null, turned, shown.has(Aspect.SEMANTIC), access,
-                access && !item.needs().isEmpty(),
-                access && !item.source().capabilities().isEmpty()));
+        write(
+                writer,
+                new Fields(
+                        known != null,
+                        turned,
+                        shown.has(Aspect.SEMANTIC),
+                        access,
+                        access && !item.needs().isEmpty(),
+                        access && !item.source().capabilities().isEmpty()));
     }
 
     private void writeChange(MessageWriter writer, Seen before) {
         boolean actions = hasOtherActions(before);
-        write(writer, new Fields(isMoved(before, 0, 3), isMoved(before, 3, 4),
-                hasOtherSymbols(before), actions,
-                actions && !item.needs().equals(before.item.needs()), false));
+        write(
+                writer,
+                new Fields(
+                        isMoved(before, 0, 3),
+                        isMoved(before, 3, 4),
+                        hasOtherSymbols(before),
+                        actions,
+                        actions && !item.needs().equals(before.item.needs()),
+                        false));
     }
 
     /** Which fields of an item are told, beside its name. */
-    private record Fields(boolean location, boolean orientation, boolean symbols, boolean actions,
-            boolean needs, boolean capabilities) {
+    private record Fields(
+            boolean location,
+            boolean orientation,
+            boolean symbols,
+            boolean actions,
+            boolean needs,
+            boolean capabilities) {
 
         int count() {
-            return count(location) + count(orientation) + count(symbols) + count(actions)
-                    + count(needs) + count(capabilities);
+            return count(location)
+                    + count(orientation)
+                    + count(symbols)
+                    + count(actions)
+                    + count(needs)
+                    + count(capabilities);
         }
 
         private static int count(boolean field) {

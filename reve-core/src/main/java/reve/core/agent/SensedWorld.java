@@ -1,10 +1,6 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
-import java.lang.foreign.MemorySegment;
-import java.lang.foreign.ValueLayout;
-import java.util.Arrays;
-import java.util.function.LongPredicate;
-import java.util.stream.LongStream;
 import reve.core.space.Box;
 import reve.core.space.BoxIndex;
 import reve.core.space.Found;
@@ -13,6 +9,12 @@ import reve.core.world.ScalarType;
 import reve.core.world.Sensor;
 import reve.core.world.Shape;
 import reve.core.world.TableView;
+
+import java.lang.foreign.MemorySegment;
+import java.lang.foreign.ValueLayout;
+import java.util.Arrays;
+import java.util.function.LongPredicate;
+import java.util.stream.LongStream;
 
 /**
  * Where all bodies are, and which of them a sensor reaches. Holds a copy of the columns in plain
@@ -30,7 +32,9 @@ final class SensedWorld {
 
     /** No row. */
     static final int NOTHING = -1;
+
     private static final int CORNERS = 8;
+
     /** A line of sight that only touches a box at its very ends is free. */
     private static final double END = 1e-9;
 
@@ -49,12 +53,15 @@ final class SensedWorld {
 
     /** How often they were followed. */
     private long moment;
+
     /** By row: the moment in which its place or box was last another than before. */
     private long[] movedIn = {};
+
     private long lastMoved;
 
     /** Boxes by row, as far as somebody has asked since they were loaded. */
     private final BoxIndex index = new BoxIndex();
+
     private boolean indexed;
     private long[] keys = {};
 
@@ -77,8 +84,8 @@ final class SensedWorld {
         read(bodies.column("orientation"), orientation, 0, 4 * rows);
         read(bodies.column("boundsMin"), low, 0, 3 * rows);
         read(bodies.column("boundsMax"), high, 0, 3 * rows);
-        MemorySegment.copy(bodies.column("shape").segment(), ValueLayout.JAVA_INT, 0,
-                shape, 0, rows);
+        MemorySegment.copy(
+                bodies.column("shape").segment(), ValueLayout.JAVA_INT, 0, shape, 0, rows);
     }
 
     /**
@@ -102,8 +109,10 @@ final class SensedWorld {
             return Double.POSITIVE_INFINITY;
         }
         markMoved(orientation, orientationBefore, 4);
-        return Math.sqrt(3) * Math.max(markMoved(position, positionBefore, 3),
-                Math.max(markMoved(low, lowBefore, 3), markMoved(high, highBefore, 3)));
+        return Math.sqrt(3)
+                * Math.max(
+                        markMoved(position, positionBefore, 3),
+                        Math.max(markMoved(low, lowBefore, 3), markMoved(high, highBefore, 3)));
     }
 
     private static double[] keep(double[] numbers, double[] into) {
@@ -112,7 +121,9 @@ final class SensedWorld {
         return kept;
     }
 
-    /** @return the largest difference of a number */
+    /**
+     * @return the largest difference of a number
+     */
     private double markMoved(double[] now, double[] before, int components) {
         double most = 0;
         for (int i = 0; i < components * rows; i++) {
@@ -157,8 +168,11 @@ final class SensedWorld {
 
     private void buildIndex() {
         if (!indexed) {
-            index.build(MemorySegment.ofArray(keys), MemorySegment.ofArray(low),
-                    MemorySegment.ofArray(high), rows);
+            index.build(
+                    MemorySegment.ofArray(keys),
+                    MemorySegment.ofArray(low),
+                    MemorySegment.ofArray(high),
+                    rows);
             indexed = true;
         }
     }
@@ -179,8 +193,13 @@ final class SensedWorld {
 
     private static void read(ColumnView column, double[] into, int first, int count) {
         if (column.type() == ScalarType.F64) {
-            MemorySegment.copy(column.segment(), ValueLayout.JAVA_DOUBLE,
-                    (long) Double.BYTES * first, into, first, count);
+            MemorySegment.copy(
+                    column.segment(),
+                    ValueLayout.JAVA_DOUBLE,
+                    (long) Double.BYTES * first,
+                    into,
+                    first,
+                    count);
             return;
         }
         for (int i = first; i < first + count; i++) {
@@ -229,15 +248,22 @@ final class SensedWorld {
     }
 
     /**
-     * Finds the rows of all boxes that a sensor could reach with that range, seen from
-     * the body in a row.
+     * Finds the rows of all boxes that a sensor could reach with that range, seen from the body in
+     * a row.
      */
     void find(int body, Sensor sensor, double range, Found found) {
         buildIndex();
         int at = 3 * body;
         if (sensor.touch()) {
-            index.inBox(new Box(low[at] - range, low[at + 1] - range, low[at + 2] - range,
-                    high[at] + range, high[at + 1] + range, high[at + 2] + range), found);
+            index.inBox(
+                    new Box(
+                            low[at] - range,
+                            low[at + 1] - range,
+                            low[at + 2] - range,
+                            high[at] + range,
+                            high[at + 1] + range,
+                            high[at + 2] + range),
+                    found);
         } else {
             index.inSphere(position[at], position[at + 1], position[at + 2], range, found);
         }
@@ -248,21 +274,28 @@ final class SensedWorld {
         return senses(sensor, body, row, ofAnybody);
     }
 
-    /** @param known from that body; kept up to date */
+    /**
+     * @param known from that body; kept up to date
+     */
     boolean senses(Sensor sensor, int body, int row, Hiders known) {
         hiders = known;
         if (sensor.isCamera()) {
             return false;
         }
-        return sensor.touch() ? gapSquared(body, row) <= sensor.range() * sensor.range()
+        return sensor.touch()
+                ? gapSquared(body, row) <= sensor.range() * sensor.range()
                 : sees(sensor, body, row);
     }
 
     private double gapSquared(int a, int b) {
         double sum = 0;
         for (int axis = 0; axis < 3; axis++) {
-            double gap = Math.max(0, Math.max(low[3 * a + axis] - high[3 * b + axis],
-                    low[3 * b + axis] - high[3 * a + axis]));
+            double gap =
+                    Math.max(
+                            0,
+                            Math.max(
+                                    low[3 * a + axis] - high[3 * b + axis],
+                                    low[3 * b + axis] - high[3 * a + axis]));
             sum += gap * gap;
         }
         return sum;
@@ -271,8 +304,9 @@ final class SensedWorld {
     private boolean sees(Sensor sensor, int body, int row) {
         lookAhead(sensor, body);
         for (int axis = 0; axis < 3; axis++) {
-            point[axis] = Math.clamp(position[3 * body + axis], low[3 * row + axis],
-                    high[3 * row + axis]);
+            point[axis] =
+                    Math.clamp(
+                            position[3 * body + axis], low[3 * row + axis], high[3 * row + axis]);
         }
         double nearest = distance(body);
         if (nearest > sensor.range()) {
@@ -287,17 +321,20 @@ final class SensedWorld {
         boolean seen = isSeen(sensor, body, row, distance(body));
         for (int corner = 0; corner < CORNERS && !seen; corner++) {
             for (int axis = 0; axis < 3; axis++) {
-                point[axis] = (corner >> axis & 1) == 0 ? low[3 * row + axis]
-                        : high[3 * row + axis];
+                point[axis] =
+                        (corner >> axis & 1) == 0 ? low[3 * row + axis] : high[3 * row + axis];
             }
             seen = isSeen(sensor, body, row, distance(body));
         }
         return seen;
     }
 
-    /** @param distance of the point from the eye [m]; whatever holds the eye does not hide */
+    /**
+     * @param distance of the point from the eye [m]; whatever holds the eye does not hide
+     */
     private boolean isSeen(Sensor sensor, int body, int row, double distance) {
-        return distance <= sensor.range() && isInView(sensor, body, distance)
+        return distance <= sensor.range()
+                && isInView(sensor, body, distance)
                 && !(sensor.lineOfSight() && distance > 0 && isHidden(body, row));
     }
 
@@ -312,9 +349,10 @@ final class SensedWorld {
         if (sensor.fieldOfView() >= Sensor.ALL_ROUND) {
             return true;
         }
-        double ahead = this.ahead[0] * (point[0] - position[3 * body])
-                + this.ahead[1] * (point[1] - position[3 * body + 1])
-                + this.ahead[2] * (point[2] - position[3 * body + 2]);
+        double ahead =
+                this.ahead[0] * (point[0] - position[3 * body])
+                        + this.ahead[1] * (point[1] - position[3 * body + 1])
+                        + this.ahead[2] * (point[2] - position[3 * body + 2]);
         return ahead >= distance * cosHalfView;
     }
 
@@ -349,8 +387,7 @@ final class SensedWorld {
     }
 
     private boolean hides(int box) {
-        return box != looker && box != target && shape[box] != Shape.NONE
-                && isBetween(looker, box);
+        return box != looker && box != target && shape[box] != Shape.NONE && isBetween(looker, box);
     }
 
     private boolean findHider(long box) {
@@ -362,8 +399,8 @@ final class SensedWorld {
     }
 
     /**
-     * Whether the line from the eye to the point crosses a box that does not hold the
-     * eye (slab method).
+     * Whether the line from the eye to the point crosses a box that does not hold the eye (slab
+     * method).
      */
     private boolean isBetween(int body, int box) {
         double enter = 0;

@@ -1,4 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
+
+import reve.core.agent.Mentions.Mention;
+import reve.core.world.ItemId;
+import reve.core.world.Sensor;
+import reve.core.world.WorldEvent;
+import reve.core.world.WorldSnapshot;
 
 import java.util.ArrayList;
 import java.util.Arrays;
@@ -14,15 +21,10 @@ import java.util.Set;
 import java.util.TreeMap;
 import java.util.stream.Collectors;
 import java.util.stream.Stream;
-import reve.core.agent.Mentions.Mention;
-import reve.core.world.ItemId;
-import reve.core.world.Sensor;
-import reve.core.world.WorldEvent;
-import reve.core.world.WorldSnapshot;
 
 /**
- * What one agent perceives through its body's sensors, each at its own pace. The event
- * loop's thread.
+ * What one agent perceives through its body's sensors, each at its own pace. The event loop's
+ * thread.
  */
 final class Senses {
 
@@ -30,23 +32,30 @@ final class Senses {
 
     private final ItemId body;
     private final List<Sensor> sensors;
+
     /** By sensor; all there once the agent has looked. */
     private final Sample[] samples;
+
     private final Surroundings[] surroundings;
     private View view = new View(0, 0, List.of());
+
     /** Relations of what was not sensed since. */
     private Map<ItemId, Map<String, List<String>>> related = Map.of();
 
     /** What a sensor last sensed. */
     private record Sample(long frame, List<Seen> items) {}
 
-    /** @param sensors at least one */
+    /**
+     * @param sensors at least one
+     */
     Senses(ItemId body, List<Sensor> sensors) {
         this.body = body;
         this.sensors = sensors;
         this.samples = new Sample[sensors.size()];
-        this.surroundings = Stream.generate(Surroundings::new).limit(sensors.size())
-                .toArray(Surroundings[]::new);
+        this.surroundings =
+                Stream.generate(Surroundings::new)
+                        .limit(sensors.size())
+                        .toArray(Surroundings[]::new);
     }
 
     ItemId body() {
@@ -55,7 +64,8 @@ final class Senses {
 
     /** The body's camera of that name. */
     Optional<Sensor> camera(String name) {
-        return sensors.stream().filter(sensor -> sensor.isCamera() && sensor.name().equals(name))
+        return sensors.stream()
+                .filter(sensor -> sensor.isCamera() && sensor.name().equals(name))
                 .findFirst();
     }
 
@@ -68,11 +78,17 @@ final class Senses {
         for (int i = 0; i < samples.length; i++) {
             Sample before = samples[i];
             Sensor sensor = sensors.get(i);
-            if (before == null || all.frame() < before.frame
+            if (before == null
+                    || all.frame() < before.frame
                     || all.frame() - before.frame >= sensor.every()) {
-                samples[i] = new Sample(all.frame(),
-                        world.sense(sensor, body, surroundings[i],
-                                before == null ? List.of() : before.items));
+                samples[i] =
+                        new Sample(
+                                all.frame(),
+                                world.sense(
+                                        sensor,
+                                        body,
+                                        surroundings[i],
+                                        before == null ? List.of() : before.items));
             }
         }
         view = new View(all.frame(), all.time(), merge(samples));
@@ -90,27 +106,33 @@ final class Senses {
         if (sensors.stream().allMatch(sensor -> sensor.every() == 1)) {
             return now;
         }
-        return now.map(all -> {
-            Set<ItemId> fresh = sensedIn(all.frame());
-            var names = all.items().stream().map(Seen::name).collect(Collectors.toSet());
-            var items = new ArrayList<Seen>();
-            var known = new HashMap<ItemId, Map<String, List<String>>>();
-            for (Seen seen : all.items()) {
-                Seen told = fresh.contains(seen.id()) ? seen : seen.with(among(names, seen.id()));
-                items.add(told);
-                known.put(told.id(), told.relations());
-            }
-            related = known;
-            return new View(all.frame(), all.time(), List.copyOf(items));
-        });
+        return now.map(
+                all -> {
+                    Set<ItemId> fresh = sensedIn(all.frame());
+                    var names = all.items().stream().map(Seen::name).collect(Collectors.toSet());
+                    var items = new ArrayList<Seen>();
+                    var known = new HashMap<ItemId, Map<String, List<String>>>();
+                    for (Seen seen : all.items()) {
+                        Seen told =
+                                fresh.contains(seen.id())
+                                        ? seen
+                                        : seen.with(among(names, seen.id()));
+                        items.add(told);
+                        known.put(told.id(), told.relations());
+                    }
+                    related = known;
+                    return new View(all.frame(), all.time(), List.copyOf(items));
+                });
     }
 
     private Set<ItemId> sensedIn(long frame) {
         var ids = new HashSet<ItemId>();
         for (Sample sample : samples) {
             if (sample.frame == frame) {
-                sample.items.stream().filter(seen -> seen.shown().has(Sensor.Aspect.SEMANTIC))
-                        .map(Seen::id).forEach(ids::add);
+                sample.items.stream()
+                        .filter(seen -> seen.shown().has(Sensor.Aspect.SEMANTIC))
+                        .map(Seen::id)
+                        .forEach(ids::add);
             }
         }
         return ids;
@@ -119,8 +141,12 @@ final class Senses {
     /** The relations that are known of an item, to what is still perceived. */
     private Map<String, List<String>> among(Set<String> names, ItemId item) {
         var relations = new LinkedHashMap<String, List<String>>();
-        related.getOrDefault(item, Map.of()).forEach((relation, others) ->
-                relations.put(relation, others.stream().filter(names::contains).toList()));
+        related.getOrDefault(item, Map.of())
+                .forEach(
+                        (relation, others) ->
+                                relations.put(
+                                        relation,
+                                        others.stream().filter(names::contains).toList()));
         return relations;
     }
 
@@ -150,8 +176,11 @@ final class Senses {
             return newer;
         }
         boolean placed = newer.shown().has(Sensor.Aspect.PHYSICAL);
-        return new Seen(newer.shown().isAllThatIsSymbolicOf(both) ? newer.item() : older.item(),
-                placed ? newer.place() : older.place(), both, Map.of());
+        return new Seen(
+                newer.shown().isAllThatIsSymbolicOf(both) ? newer.item() : older.item(),
+                placed ? newer.place() : older.place(),
+                both,
+                Map.of());
     }
 
     /**

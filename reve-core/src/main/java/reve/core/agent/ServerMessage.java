@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import java.util.LinkedHashMap;
@@ -6,8 +7,8 @@ import java.util.Optional;
 import java.util.OptionalLong;
 
 /**
- * What the server says, but for perceptions. {@code id} is {@link ClientMessage#NO_ID}
- * where it answers none.
+ * What the server says, but for perceptions. {@code id} is {@link ClientMessage#NO_ID} where it
+ * answers none.
  */
 sealed interface ServerMessage {
 
@@ -16,8 +17,15 @@ sealed interface ServerMessage {
         return ClientMessage.NO_ID;
     }
 
-    record Limits(int lineBytes, int messagesPerSecond, int actsInFlight, double idleSeconds,
-            double graceSeconds, int items, int worldItems, int eventBytes,
+    record Limits(
+            int lineBytes,
+            int messagesPerSecond,
+            int actsInFlight,
+            double idleSeconds,
+            double graceSeconds,
+            int items,
+            int worldItems,
+            int eventBytes,
             int worldEventBytes) {}
 
     /**
@@ -32,9 +40,21 @@ sealed interface ServerMessage {
      * @param body of a client of the role agent
      * @param lockStep empty for whom nobody waits for
      */
-    record Welcome(long id, int protocol, Role role, String agent, Optional<String> body,
-            String world, long frame, int rate, Encoding encoding, Optional<Rhythm> lockStep,
-            Optional<Ticket> session, boolean resumed, Limits limits) implements ServerMessage {}
+    record Welcome(
+            long id,
+            int protocol,
+            Role role,
+            String agent,
+            Optional<String> body,
+            String world,
+            long frame,
+            int rate,
+            Encoding encoding,
+            Optional<Rhythm> lockStep,
+            Optional<Ticket> session,
+            boolean resumed,
+            Limits limits)
+            implements ServerMessage {}
 
     record Accepted(long id, long frame) implements ServerMessage {}
 
@@ -43,7 +63,9 @@ sealed interface ServerMessage {
     /** What one of the agent's cameras saw. */
     record Image(long id, String sensor, Cameras.Photo photo) implements ServerMessage {}
 
-    /** @param fields String, Number, Boolean or a List of these by name */
+    /**
+     * @param fields String, Number, Boolean or a List of these by name
+     */
     record Event(long frame, String type, Map<String, Object> fields) implements ServerMessage {
 
         /**
@@ -73,10 +95,11 @@ sealed interface ServerMessage {
         var out = new Bytes();
         Map<String, Object> fields = fields();
         MessageWriter writer = encoding.begin(out, type(), id(), fields.size());
-        fields.forEach((name, value) -> {
-            writer.key(name);
-            writer.value(value);
-        });
+        fields.forEach(
+                (name, value) -> {
+                    writer.key(name);
+                    writer.value(value);
+                });
         encoding.end(out, 0);
         return out.toArray();
     }
@@ -111,8 +134,8 @@ sealed interface ServerMessage {
                 fields.put("message", bye.message);
                 bye.hint.ifPresent(hint -> fields.put("hint", hint));
             }
-            case Ping ping -> { }
-            case Pong pong -> { }
+            case Ping ping -> {}
+            case Pong pong -> {}
         }
         return fields;
     }
@@ -140,10 +163,12 @@ sealed interface ServerMessage {
         fields.put("height", photo.height());
         photo.colour().ifPresent(bytes -> fields.put("colour", bytes));
         photo.depth().ifPresent(bytes -> fields.put("depth", bytes));
-        photo.items().ifPresent(bytes -> {
-            fields.put("items", bytes);
-            fields.put("names", photo.names());
-        });
+        photo.items()
+                .ifPresent(
+                        bytes -> {
+                            fields.put("items", bytes);
+                            fields.put("names", photo.names());
+                        });
     }
 
     private static void putWelcome(Welcome welcome, Map<String, Object> fields) {
@@ -157,19 +182,21 @@ sealed interface ServerMessage {
         if (welcome.encoding != Encoding.JSON) {
             fields.put("encoding", welcome.encoding.wireName());
         }
-        welcome.lockStep.ifPresent(rhythm -> {
-            var time = new LinkedHashMap<String, Object>();
-            time.put("mode", "lock-step");
-            time.put("every", rhythm.every);
-            time.put("deadline", rhythm.deadlineSeconds);
-            fields.put("time", time);
-        });
-        welcome.session.ifPresent(session -> {
-            var ticket = new LinkedHashMap<String, Object>();
-            ticket.put("token", session.token);
-            ticket.put("graceSeconds", session.graceSeconds);
-            fields.put("session", ticket);
-        });
+        welcome.lockStep.ifPresent(
+                rhythm -> {
+                    var time = new LinkedHashMap<String, Object>();
+                    time.put("mode", "lock-step");
+                    time.put("every", rhythm.every);
+                    time.put("deadline", rhythm.deadlineSeconds);
+                    fields.put("time", time);
+                });
+        welcome.session.ifPresent(
+                session -> {
+                    var ticket = new LinkedHashMap<String, Object>();
+                    ticket.put("token", session.token);
+                    ticket.put("graceSeconds", session.graceSeconds);
+                    fields.put("session", ticket);
+                });
         if (welcome.resumed) {
             fields.put("resumed", true);
         }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 /** Receives problems of a server's own files while it runs. Must not block. */

@@ -1,4 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
+
+import org.slf4j.Logger;
+import org.slf4j.LoggerFactory;
 
 import java.io.IOException;
 import java.io.InputStream;
@@ -24,11 +28,10 @@ import java.util.List;
 import java.util.Optional;
 import java.util.regex.Matcher;
 import java.util.regex.Pattern;
+
 import javax.net.ssl.KeyManagerFactory;
 import javax.net.ssl.SSLContext;
 import javax.net.ssl.SSLEngine;
-import org.slf4j.Logger;
-import org.slf4j.LoggerFactory;
 
 /**
  * Keeps connections private, with TLS 1.3, and shows clients the server's certificate. Both files
@@ -40,8 +43,9 @@ public final class ServerTls {
     private static final Logger LOG = LoggerFactory.getLogger("reve.agents");
     private static final String[] PROTOCOLS = {"TLSv1.3"};
     private static final char[] IN_MEMORY = "in memory".toCharArray();
-    private static final Pattern KEY = Pattern.compile(
-            "-----BEGIN PRIVATE KEY-----([A-Za-z0-9+/=\\s]+)-----END PRIVATE KEY-----");
+    private static final Pattern KEY =
+            Pattern.compile(
+                    "-----BEGIN PRIVATE KEY-----([A-Za-z0-9+/=\\s]+)-----END PRIVATE KEY-----");
 
     private final Path certificate;
     private final Path key;
@@ -51,7 +55,9 @@ public final class ServerTls {
     private Versions seen;
     private Optional<String> problem = Optional.empty();
 
-    /** @param expires when clients begin to refuse the certificate */
+    /**
+     * @param expires when clients begin to refuse the certificate
+     */
     private record Pair(SSLContext context, Instant expires) {}
 
     /** Versions of the certificate's and the key's file; empty for one that is not there. */
@@ -95,8 +101,10 @@ public final class ServerTls {
                 problem = Optional.empty();
                 LOG.info("{} and {} were read again", certificate, key);
             } catch (IOException e) {
-                problem = Optional.of(
-                        "connections go on with the certificate read before: " + e.getMessage());
+                problem =
+                        Optional.of(
+                                "connections go on with the certificate read before: "
+                                        + e.getMessage());
             }
         }
         seen = now;
@@ -105,14 +113,21 @@ public final class ServerTls {
     /** Why clients do not get the certificate of the file, or refuse it, if so. */
     Optional<String> problem() {
         Instant expires = pair.expires;
-        return problem.isPresent() || clock.instant().isBefore(expires) ? problem
-                : Optional.of("the certificate of " + certificate + " has expired (" + expires
-                        + "), and clients refuse it; replace it and its key");
+        return problem.isPresent() || clock.instant().isBefore(expires)
+                ? problem
+                : Optional.of(
+                        "the certificate of "
+                                + certificate
+                                + " has expired ("
+                                + expires
+                                + "), and clients refuse it; replace it and its key");
     }
 
     /** What to say when there is no problem any more. */
     String solved() {
-        return "new connections use the certificate of " + certificate + ", which expires "
+        return "new connections use the certificate of "
+                + certificate
+                + ", which expires "
                 + pair.expires;
     }
 
@@ -135,8 +150,8 @@ public final class ServerTls {
         PrivateKey secret = key(key, chain[0].getPublicKey().getAlgorithm());
         try {
             if (!fit(secret, chain[0])) {
-                throw new FileSystemException(key + " is not the key of the certificate in "
-                        + certificate);
+                throw new FileSystemException(
+                        key + " is not the key of the certificate in " + certificate);
             }
             var store = KeyStore.getInstance("PKCS12");
             store.load(null, IN_MEMORY);
@@ -165,8 +180,8 @@ public final class ServerTls {
             throw new NoSuchFileException("there is no file " + file + ", expected one in PEM");
         }
         if (!Files.isRegularFile(file)) { // reading a pipe waits for a writer
-            throw new FileSystemException(file + " is a pipe or a device, expected a file in PEM; "
-                    + "name that file");
+            throw new FileSystemException(
+                    file + " is a pipe or a device, expected a file in PEM; " + "name that file");
         }
     }
 
@@ -180,8 +195,8 @@ public final class ServerTls {
             ((X509Certificate) certificates.getFirst()).checkValidity();
             return certificates.toArray(Certificate[]::new);
         } catch (CertificateException e) {
-            throw new FileSystemException(file + ": " + e.getMessage()
-                    + "; expected valid certificates in PEM");
+            throw new FileSystemException(
+                    file + ": " + e.getMessage() + "; expected valid certificates in PEM");
         }
     }
 
@@ -192,28 +207,36 @@ public final class ServerTls {
         }
         Matcher pem = KEY.matcher(Files.readString(file, StandardCharsets.ISO_8859_1));
         if (!pem.find()) {
-            throw new FileSystemException(file
-                    + " holds no `BEGIN PRIVATE KEY`; run `openssl pkcs8 -topk8 -nodes -in "
-                    + file + " -out NEW` and use that");
+            throw new FileSystemException(
+                    file
+                            + " holds no `BEGIN PRIVATE KEY`; run `openssl pkcs8 -topk8 -nodes -in "
+                            + file
+                            + " -out NEW` and use that");
         }
         try {
             byte[] bytes = Base64.getMimeDecoder().decode(pem.group(1));
             return KeyFactory.getInstance(algorithm)
                     .generatePrivate(new PKCS8EncodedKeySpec(bytes));
         } catch (GeneralSecurityException | IllegalArgumentException e) {
-            throw new FileSystemException(file + " holds no key of the certificate's kind ("
-                    + algorithm + "): " + e.getMessage());
+            throw new FileSystemException(
+                    file
+                            + " holds no key of the certificate's kind ("
+                            + algorithm
+                            + "): "
+                            + e.getMessage());
         }
     }
 
     private static boolean fit(PrivateKey key, Certificate certificate)
             throws GeneralSecurityException {
         byte[] text = "signed".getBytes(StandardCharsets.US_ASCII);
-        var signature = Signature.getInstance(switch (key.getAlgorithm()) {
-            case "RSA" -> "SHA256withRSA";
-            case "EC" -> "SHA256withECDSA";
-            default -> key.getAlgorithm();
-        });
+        var signature =
+                Signature.getInstance(
+                        switch (key.getAlgorithm()) {
+                            case "RSA" -> "SHA256withRSA";
+                            case "EC" -> "SHA256withECDSA";
+                            default -> key.getAlgorithm();
+                        });
         signature.initSign(key);
         signature.update(text);
         byte[] signed = signature.sign();

@@ -1,14 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.core.world.Sensor;
+import reve.core.world.WorldEvent;
+import reve.core.world.WorldSnapshot;
 
 import java.nio.charset.StandardCharsets;
 import java.security.MessageDigest;
 import java.util.BitSet;
 import java.util.Optional;
 import java.util.Set;
-import org.jspecify.annotations.Nullable;
-import reve.core.world.Sensor;
-import reve.core.world.WorldEvent;
-import reve.core.world.WorldSnapshot;
 
 /**
  * One client from its hello to its leave: who it is, what it has asked for, which commands it has
@@ -30,13 +33,16 @@ final class Session implements PerceptionShares.Client {
     private final double graceSeconds;
     private final Optional<AgentToken> token;
     private final String secret;
+
     /** Null for who is not in lock-step. */
     private final @Nullable Turn turn;
 
     /** The event loop's thread; null for who perceives everything. */
     private @Nullable Senses senses;
+
     /** The event loop's thread. */
     private final Quota quota;
+
     private final Looks looks;
     private final PerceptionShares.Cost perceptionCost;
 
@@ -47,20 +53,29 @@ final class Session implements PerceptionShares.Client {
     private Optional<String> body = Optional.empty();
     private int inFlight;
     private boolean welcomed;
+
     /** It has a body, and others that are in lock-step keep it waiting. */
     private boolean inRealTime;
+
     private long lastResultFrame;
     private long brokenNanos;
 
     /** Null while the connection is broken. Changes with this held. */
     private volatile @Nullable Connection connection;
+
     private volatile Encoding encoding;
     private volatile PerceptionRequests perceptions;
     private volatile long joinedInFrame;
     private volatile boolean left;
 
-    /** @param token that opened the server for it, if the server takes tokens */
-    Session(ServedWorld world, Connection connection, Role role, ClientMessage.Hello hello,
+    /**
+     * @param token that opened the server for it, if the server takes tokens
+     */
+    Session(
+            ServedWorld world,
+            Connection connection,
+            Role role,
+            ClientMessage.Hello hello,
             Optional<AgentToken> token) {
         this.world = world;
         this.server = world.server();
@@ -73,20 +88,39 @@ final class Session implements PerceptionShares.Client {
         this.graceSeconds = Math.min(hello.graceSeconds(), timeouts.grace().toMillis() / 1000.0);
         this.token = token;
         this.secret = AgentToken.newSecret();
-        this.events = new EventLog((long) (graceSeconds * 1e9) + 2 * timeouts.idle().toNanos(),
-                EventLog.MAX_BYTES);
+        this.events =
+                new EventLog(
+                        (long) (graceSeconds * 1e9) + 2 * timeouts.idle().toNanos(),
+                        EventLog.MAX_BYTES);
         this.resumes = new Resumes(limits.resumes(), System.nanoTime());
         this.perceptionCost = world.publisher().shares().cost(token);
         this.looks = new Looks(world, server.log(), toString(), this::show);
         this.connection = connection;
         this.encoding = connection.encoding();
-        this.turn = hello.lockStep().map(wanted -> new Turn(name, wanted, Math.min(
-                (long) (wanted.deadlineSeconds() * 1e9), timeouts.deadline().toNanos()),
-                world.lockStep().allowances().of(token, Attempts.network(connection.address()),
-                        System.nanoTime())))
-                .orElse(null);
-        this.quota = new Quota(limits.messagesPerSecond(), world.framesPerSecond(),
-                System.nanoTime(), pace());
+        this.turn =
+                hello.lockStep()
+                        .map(
+                                wanted ->
+                                        new Turn(
+                                                name,
+                                                wanted,
+                                                Math.min(
+                                                        (long) (wanted.deadlineSeconds() * 1e9),
+                                                        timeouts.deadline().toNanos()),
+                                                world.lockStep()
+                                                        .allowances()
+                                                        .of(
+                                                                token,
+                                                                Attempts.network(
+                                                                        connection.address()),
+                                                                System.nanoTime())))
+                        .orElse(null);
+        this.quota =
+                new Quota(
+                        limits.messagesPerSecond(),
+                        world.framesPerSecond(),
+                        System.nanoTime(),
+                        pace());
         this.perceptions = perceptionsOver(connection);
     }
 
@@ -139,8 +173,10 @@ final class Session implements PerceptionShares.Client {
 
     /** Takes as long for any wrong one. */
     boolean hasSecret(String claimed) {
-        return graceSeconds > 0 && MessageDigest.isEqual(secret.getBytes(StandardCharsets.US_ASCII),
-                claimed.getBytes(StandardCharsets.UTF_8));
+        return graceSeconds > 0
+                && MessageDigest.isEqual(
+                        secret.getBytes(StandardCharsets.US_ASCII),
+                        claimed.getBytes(StandardCharsets.UTF_8));
     }
 
     @Override
@@ -183,16 +219,18 @@ final class Session implements PerceptionShares.Client {
     void embodied(Outcome outcome) {
         switch (outcome) {
             case Outcome.Joined joined ->
-                    senses = joined.sensors().isEmpty() ? null
-                            : new Senses(joined.id(), joined.sensors());
+                    senses =
+                            joined.sensors().isEmpty()
+                                    ? null
+                                    : new Senses(joined.id(), joined.sensors());
             case Outcome.Refused no ->
                     end(Ending.refused(no.code(), no.reason(), no.hint().orElse("")));
             case Outcome.Failed failed -> {
                 server.log().error(this + " could not join", failed.cause());
                 end(Ending.regular("failed", "the server has an error; its log says more"));
             }
-            case Outcome.Done done -> { }
-            case Outcome.Absent absent -> { }
+            case Outcome.Done done -> {}
+            case Outcome.Absent absent -> {}
         }
     }
 
@@ -212,8 +250,11 @@ final class Session implements PerceptionShares.Client {
         offer(world.welcome(this, hello, frame, false));
         world.hurry(turn, frame).ifPresent(this::offer);
         world.publisher().admit(this);
-        server.log().info(this + " joined"
-                + body.map(item -> " with body " + Text.quote(item)).orElse(""));
+        server.log()
+                .info(
+                        this
+                                + " joined"
+                                + body.map(item -> " with body " + Text.quote(item)).orElse(""));
     }
 
     /** Tells how long the world waits for the agent, if that is because of this allowance. */
@@ -247,7 +288,8 @@ final class Session implements PerceptionShares.Client {
 
     /** The same with relations, see {@link Senses#relate}. */
     Optional<View> relate(View view, Observatory world, WorldSnapshot snapshot) {
-        return senses == null ? world.withRelations(view, snapshot)
+        return senses == null
+                ? world.withRelations(view, snapshot)
                 : senses.relate(view, world, snapshot);
     }
 
@@ -292,8 +334,10 @@ final class Session implements PerceptionShares.Client {
     /** A command has its result. */
     void finish(ClientMessage.Request request, ServerMessage result, long frame) {
         if (request instanceof ClientMessage.Act) {
-            (result instanceof ServerMessage.Accepted ? counters.actsAccepted
-                    : counters.actsRefused).increment();
+            (result instanceof ServerMessage.Accepted
+                            ? counters.actsAccepted
+                            : counters.actsRefused)
+                    .increment();
         }
         boolean room;
         synchronized (this) {
@@ -335,7 +379,10 @@ final class Session implements PerceptionShares.Client {
 
     private void requireLockStep(long id) throws BadMessage {
         if (turn == null) {
-            throw new BadMessage(id, "not-lock-step", "nobody waits for " + this,
+            throw new BadMessage(
+                    id,
+                    "not-lock-step",
+                    "nobody waits for " + this,
                     "say hello with \"time\":{\"mode\":\"lock-step\"} to be waited for");
         }
     }
@@ -343,7 +390,9 @@ final class Session implements PerceptionShares.Client {
     void endRound(ClientMessage.Ready ready) {
         if (turn != null) {
             if (ready.frame().isPresent()) {
-                turn.ready(ready.frame().getAsLong(), world.publisher().published(),
+                turn.ready(
+                        ready.frame().getAsLong(),
+                        world.publisher().published(),
                         System.nanoTime());
             } else {
                 turn.ready(System.nanoTime());
@@ -359,10 +408,18 @@ final class Session implements PerceptionShares.Client {
     /** Has a picture taken by a camera of its body, and sent. */
     void look(ClientMessage.Look look) throws BadMessage {
         Senses its = senses;
-        Sensor camera = Optional.ofNullable(its).flatMap(known -> known.camera(look.sensor()))
-                .orElseThrow(() -> new BadMessage(look.id(), "no-such-camera",
-                        this + " has no camera " + Text.quote(look.sensor()),
-                        "the world file says which sensors a body has"));
+        Sensor camera =
+                Optional.ofNullable(its)
+                        .flatMap(known -> known.camera(look.sensor()))
+                        .orElseThrow(
+                                () ->
+                                        new BadMessage(
+                                                look.id(),
+                                                "no-such-camera",
+                                                this
+                                                        + " has no camera "
+                                                        + Text.quote(look.sensor()),
+                                                "the world file says which sensors a body has"));
         looks.take(look, its.body(), camera);
     }
 
@@ -380,9 +437,15 @@ final class Session implements PerceptionShares.Client {
     void request(ClientMessage.Request request) throws BadMessage {
         Role needed = request instanceof ClientMessage.Act ? Role.AGENT : Role.CONTROL;
         if (role != needed) {
-            throw new BadMessage(request.id(), "not-permitted",
-                    "this connection is " + this + ", and " + request.type()
-                            + " takes the role " + needed.wireName(),
+            throw new BadMessage(
+                    request.id(),
+                    "not-permitted",
+                    "this connection is "
+                            + this
+                            + ", and "
+                            + request.type()
+                            + " takes the role "
+                            + needed.wireName(),
                     "say hello with \"role\":\"" + needed.wireName() + "\"");
         }
         if (request instanceof ClientMessage.Act act && act.ready().isPresent()) {
@@ -440,17 +503,22 @@ final class Session implements PerceptionShares.Client {
         switch (known) {
             case CommandLog.Known.Fresh fresh -> {
                 if (tooMany) {
-                    refuse(request, "too-many-acts",
+                    refuse(
+                            request,
+                            "too-many-acts",
                             limits.actsInFlight() + " commands wait for their result already");
                 }
                 return !tooMany;
             }
-            case CommandLog.Known.Pending pending -> { }
+            case CommandLog.Known.Pending pending -> {}
             case CommandLog.Known.Done done -> send(done.result());
             case CommandLog.Known.Forgotten forgotten ->
-                    send(new ServerMessage.Refused(request.id(), "id-forgotten",
-                            "a command with this id may have been done long ago; "
-                                    + "give new commands higher ids"));
+                    send(
+                            new ServerMessage.Refused(
+                                    request.id(),
+                                    "id-forgotten",
+                                    "a command with this id may have been done long ago; "
+                                            + "give new commands higher ids"));
         }
         return false;
     }
@@ -466,9 +534,16 @@ final class Session implements PerceptionShares.Client {
         Connection previous;
         synchronized (this) {
             if (!resumes.take(System.nanoTime())) {
-                throw Ending.refused("resumed-too-often", "the session of " + Text.quote(name)
-                        + " was resumed " + limits.resumes() + " times at short intervals; it may"
-                        + " be resumed " + Resumes.PER_SECOND + " times a second",
+                throw Ending.refused(
+                        "resumed-too-often",
+                        "the session of "
+                                + Text.quote(name)
+                                + " was resumed "
+                                + limits.resumes()
+                                + " times at short intervals; it may"
+                                + " be resumed "
+                                + Resumes.PER_SECOND
+                                + " times a second",
                         "try again in " + 1.0 / Resumes.PER_SECOND + " s");
             }
             previous = connection;
@@ -480,9 +555,12 @@ final class Session implements PerceptionShares.Client {
             if (turn != null) {
                 turn.comeBack();
             }
-            next.outbox().begin(
-                    world.welcome(this, hello, world.publisher().published(), true).in(encoding),
-                    events.after(frameSeen, encoding), encoding);
+            next.outbox()
+                    .begin(
+                            world.welcome(this, hello, world.publisher().published(), true)
+                                    .in(encoding),
+                            events.after(frameSeen, encoding),
+                            encoding);
             world.hurry(turn, world.publisher().published())
                     .ifPresent(event -> next.outbox().offer(event.in(encoding)));
         }
@@ -501,7 +579,9 @@ final class Session implements PerceptionShares.Client {
                 return;
             }
             connection = null;
-            if (welcomed && graceSeconds > 0 && RESUMABLE.contains(why.code())
+            if (welcomed
+                    && graceSeconds > 0
+                    && RESUMABLE.contains(why.code())
                     && (token.isPresent() || server.keep(this))) {
                 brokenNanos = System.nanoTime();
                 if (turn != null) {
@@ -561,8 +641,11 @@ final class Session implements PerceptionShares.Client {
     }
 
     Optional<ServerMessage.Rhythm> rhythm() {
-        return Optional.ofNullable(turn).map(its ->
-                new ServerMessage.Rhythm(its.wanted().every(), its.deadlineNanos() / 1e9));
+        return Optional.ofNullable(turn)
+                .map(
+                        its ->
+                                new ServerMessage.Rhythm(
+                                        its.wanted().every(), its.deadlineNanos() / 1e9));
     }
 
     synchronized Optional<String> body() {
@@ -588,7 +671,9 @@ final class Session implements PerceptionShares.Client {
         return offer(message.in(encoding));
     }
 
-    /** @return false if the client has let too much pile up */
+    /**
+     * @return false if the client has let too much pile up
+     */
     private boolean offer(byte[] line) {
         Connection now = connection;
         return now == null || now.outbox().offer(line);

@@ -1,12 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
+
+import reve.core.world.Sensor;
+import reve.core.world.Sensor.Aspect;
 
 import java.util.EnumSet;
 import java.util.Optional;
 import java.util.Set;
 import java.util.SortedSet;
 import java.util.TreeSet;
-import reve.core.world.Sensor;
-import reve.core.world.Sensor.Aspect;
 
 /**
  * What an agent perceives of one item.

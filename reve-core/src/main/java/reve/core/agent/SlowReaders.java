@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import java.util.ArrayList;
@@ -16,13 +17,17 @@ final class SlowReaders<C> {
 
     /** A rest that counts; 4,096 connections may have less each. */
     private static final int LARGE_BYTES = 16 * 1024;
+
     private static final long MOST_BYTES = 256L * 1024 * 1024;
+
     /** Of a small heap. */
     private static final int SHARE = 8;
 
     private final long mostBytes;
+
     /** The slowest first. Guarded by this. */
     private final Map<C, Integer> large = new LinkedHashMap<>();
+
     private long bytes;
 
     SlowReaders() {

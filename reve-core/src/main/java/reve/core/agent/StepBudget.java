@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import java.util.Map;
@@ -14,18 +15,24 @@ import java.util.TreeMap;
 final class StepBudget {
     /** Steps of all agents in one frame: about 6 ms. */
     static final int OF_FRAME = 60_000;
+
     /** Most steps of one agent in one frame: those of one evaluation. */
     static final int MOST = 20_000;
+
     /** Fewest steps of one agent in one frame, however many others there are. */
     static final int FEWEST = 500;
+
     /** Steps of an act besides those of its expressions. */
     static final int OF_ACT = 100;
+
     /** Frames after its last act for which an agent has a share. */
     static final int FRAMES_KEPT = 60;
 
     private final Map<String, Account> accounts = new TreeMap<>();
+
     /** Left for agents in the frame of their first act: those of one evaluation in each frame. */
     private long ofNewcomers = MOST;
+
     private long frame;
 
     private static final class Account {
@@ -52,8 +59,9 @@ final class StepBudget {
     /** An agent has acted. */
     void spend(String agent, long now, long steps) {
         refill(now);
-        Account account = accounts.computeIfAbsent(agent,
-                name -> new Account(now, share(accounts.size() + 1)));
+        Account account =
+                accounts.computeIfAbsent(
+                        agent, name -> new Account(now, share(accounts.size() + 1)));
         long cost = OF_ACT + steps;
         account.steps -= cost;
         account.lastAct = now;
@@ -76,8 +84,8 @@ final class StepBudget {
         for (Account account : accounts.values()) {
             account.steps = Math.min(share, account.steps + frames * share);
         }
-        accounts.values().removeIf(
-                account -> account.steps >= share && now - account.lastAct > FRAMES_KEPT);
+        accounts.values()
+                .removeIf(account -> account.steps >= share && now - account.lastAct > FRAMES_KEPT);
     }
 
     private static long share(int agents) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import java.net.InetAddress;
@@ -26,15 +27,18 @@ final class Strangers {
     }
 
     void add(Connection connection) {
-        byNetwork.computeIfAbsent(Attempts.network(connection.address()),
-                network -> new HashSet<>()).add(connection);
+        byNetwork
+                .computeIfAbsent(Attempts.network(connection.address()), network -> new HashSet<>())
+                .add(connection);
     }
 
     /** It has said hello, or gone. Does nothing if it was not there. */
     void remove(Connection connection) {
-        byNetwork.computeIfPresent(Attempts.network(connection.address()), (network, its) -> {
-            its.remove(connection);
-            return its.isEmpty() ? null : its;
-        });
+        byNetwork.computeIfPresent(
+                Attempts.network(connection.address()),
+                (network, its) -> {
+                    its.remove(connection);
+                    return its.isEmpty() ? null : its;
+                });
     }
 }

@@ -1,4 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
+
+import reve.core.world.ActionRefused;
+import reve.core.world.ItemId;
 
 import java.util.List;
 import java.util.concurrent.CompletableFuture;
@@ -7,8 +11,6 @@ import java.util.concurrent.Semaphore;
 import java.util.concurrent.TimeUnit;
 import java.util.concurrent.TimeoutException;
 import java.util.concurrent.atomic.AtomicReference;
-import reve.core.world.ActionRefused;
-import reve.core.world.ItemId;
 
 /**
  * What is done with a copy of a world while the world goes on: saving it, and looking ahead. One at
@@ -24,7 +26,9 @@ final class Studies {
     private final RateLimitedLog log;
     private final Semaphore copies = new Semaphore(1);
 
-    /** @param made bodies that exist for agents only */
+    /**
+     * @param made bodies that exist for agents only
+     */
     private record Now(WorldControl.Image image, long frame, List<ItemId> made) {}
 
     private interface Study {
@@ -38,36 +42,51 @@ final class Studies {
     }
 
     void save(Session session, ClientMessage.Save save) {
-        study(session, save, now -> {
-            now.image.save(save.file(), now.made);
-            session.finish(save, new ServerMessage.Accepted(save.id(), now.frame), now.frame);
-        });
+        study(
+                session,
+                save,
+                now -> {
+                    now.image.save(save.file(), now.made);
+                    session.finish(
+                            save, new ServerMessage.Accepted(save.id(), now.frame), now.frame);
+                });
     }
 
     void fork(Session session, ClientMessage.Fork fork) {
-        study(session, fork, now -> {
-            var line = new AtomicReference<byte[]>();
-            now.image.foresee(fork.frames(), snapshot -> {
-                var observatory = new Observatory();
-                observatory.read(snapshot);
-                var out = new Bytes();
-                View all = observatory.everything();
-                new Telling().write(out, new Difference(), session.encoding(),
-                        new Outbox.Perception(fork.id(), all, null));
-                line.set(out.toArray());
-            });
-            if (!session.answer(fork, line.get())) {
-                throw new ActionRefused("fork-refused",
-                        "what would be perceived takes " + line.get().length
-                                + " bytes, which is more than is told at once");
-            }
-        });
+        study(
+                session,
+                fork,
+                now -> {
+                    var line = new AtomicReference<byte[]>();
+                    now.image.foresee(
+                            fork.frames(),
+                            snapshot -> {
+                                var observatory = new Observatory();
+                                observatory.read(snapshot);
+                                var out = new Bytes();
+                                View all = observatory.everything();
+                                new Telling()
+                                        .write(
+                                                out,
+                                                new Difference(),
+                                                session.encoding(),
+                                                new Outbox.Perception(fork.id(), all, null));
+                                line.set(out.toArray());
+                            });
+                    if (!session.answer(fork, line.get())) {
+                        throw new ActionRefused(
+                                "fork-refused",
+                                "what would be perceived takes "
+                                        + line.get().length
+                                        + " bytes, which is more than is told at once");
+                    }
+                });
     }
 
     private void study(Session session, ClientMessage.Request request, Study study) {
         if (!copies.tryAcquire()) {
-            session.refuse(request, "world-busy",
-                    "another copy of the world is at work; try again");
+            session.refuse(
+                    request, "world-busy", "another copy of the world is at work; try again");
             return;
         }
         try {
@@ -79,7 +98,9 @@ final class Studies {
             session.refuse(request, e.code(), e.getMessage());
         } catch (RuntimeException e) {
             log.error(request.type() + " failed", e);
-            session.refuse(request, "action-failed",
+            session.refuse(
+                    request,
+                    "action-failed",
                     request.type() + " failed; the server's log says why");
         } finally {
             copies.release();
@@ -88,16 +109,22 @@ final class Studies {
 
     private Now copy() throws ActionRefused {
         var copied = new CompletableFuture<Now>();
-        port.loop().betweenFrames(() -> {
-            try {
-                var now = new Now(port.control().keep(), port.loop().frame(), members.made());
-                if (!copied.complete(now)) {
-                    now.image.close();
-                }
-            } catch (ActionRefused | RuntimeException e) {
-                copied.completeExceptionally(e);
-            }
-        });
+        port.loop()
+                .betweenFrames(
+                        () -> {
+                            try {
+                                var now =
+                                        new Now(
+                                                port.control().keep(),
+                                                port.loop().frame(),
+                                                members.made());
+                                if (!copied.complete(now)) {
+                                    now.image.close();
+                                }
+                            } catch (ActionRefused | RuntimeException e) {
+                                copied.completeExceptionally(e);
+                            }
+                        });
         try {
             return copied.get(PATIENCE_SECONDS, TimeUnit.SECONDS);
         } catch (ExecutionException e) {
@@ -107,8 +134,9 @@ final class Studies {
             throw new IllegalStateException("the world could not be copied", e.getCause());
         } catch (TimeoutException | InterruptedException e) {
             copied.cancel(false);
-            throw new ActionRefused("world-busy", "the world had no moment between frames within "
-                    + PATIENCE_SECONDS + " s");
+            throw new ActionRefused(
+                    "world-busy",
+                    "the world had no moment between frames within " + PATIENCE_SECONDS + " s");
         }
     }
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import org.jspecify.annotations.Nullable;
@@ -16,12 +17,16 @@ final class Surroundings {
 
     int[] items = {};
     int count;
+
     /** What the sensor made of each when it last sensed; null for what it did not sense. */
     @Nullable Seen[] sensed = {};
+
     /** What was hidden from it, and by what. */
     final Hiders hiders = new Hiders();
+
     /** The moment of the bodies when it last sensed; before all of them if it has not. */
     long sensedIn;
+
     private long arrangement = -1;
     private double path;
 

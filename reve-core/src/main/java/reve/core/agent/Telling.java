@@ -1,16 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
+
+import org.jspecify.annotations.Nullable;
 
 import java.util.EnumMap;
 import java.util.IdentityHashMap;
 import java.util.List;
 import java.util.Map;
-import org.jspecify.annotations.Nullable;
 
 /** Writes perceptions; what several agents are told alike of a frame is encoded once. */
 final class Telling {
 
     /** Guarded by this. */
     private final Map<View, Map<Encoding, Fields>> told = new IdentityHashMap<>();
+
     private @Nullable View shared;
 
     /** The fields of a perception behind its {@code t} and {@code id}. */
@@ -45,8 +48,11 @@ final class Telling {
             writeWhole(encoding.begin(out, "perception", perception.id(), 3), view);
         } else {
             difference.find(before.items(), view.items());
-            writeDifference(encoding.begin(out, "perception", perception.id(),
-                    3 + difference.lists()), difference, view, before);
+            writeDifference(
+                    encoding.begin(out, "perception", perception.id(), 3 + difference.lists()),
+                    difference,
+                    view,
+                    before);
         }
         encoding.end(out, start);
     }
@@ -54,16 +60,15 @@ final class Telling {
     /**
      * The whole of the shared view is kept under the view itself, a difference under what it is to.
      */
-    private synchronized Fields sharedFields(Difference difference, Encoding encoding, View view,
-            @Nullable View before) {
-        return told.computeIfAbsent(before == null ? view : before,
-                unknown -> new EnumMap<>(Encoding.class))
-                .computeIfAbsent(encoding,
-                        unknown -> fields(difference, encoding, view, before));
+    private synchronized Fields sharedFields(
+            Difference difference, Encoding encoding, View view, @Nullable View before) {
+        return told.computeIfAbsent(
+                        before == null ? view : before, unknown -> new EnumMap<>(Encoding.class))
+                .computeIfAbsent(encoding, unknown -> fields(difference, encoding, view, before));
     }
 
-    private static Fields fields(Difference difference, Encoding encoding, View view,
-            @Nullable View before) {
+    private static Fields fields(
+            Difference difference, Encoding encoding, View view, @Nullable View before) {
         var out = new Bytes();
         MessageWriter writer = encoding.fields(out);
         if (before == null) {
@@ -86,8 +91,8 @@ final class Telling {
         writer.endList();
     }
 
-    private static void writeDifference(MessageWriter writer, Difference difference, View view,
-            View before) {
+    private static void writeDifference(
+            MessageWriter writer, Difference difference, View view, View before) {
         writeTime(writer, view);
         writer.key("since");
         writer.integer(before.frame());

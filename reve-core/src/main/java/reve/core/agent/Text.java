@@ -1,9 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
+
+import reve.core.text.Visible;
 
 import java.nio.ByteBuffer;
 import java.nio.charset.CharacterCodingException;
 import java.nio.charset.StandardCharsets;
-import reve.core.text.Visible;
 
 /** Makes foreign text safe to show in messages and logs. */
 final class Text {
@@ -14,7 +16,9 @@ final class Text {
 
     private Text() {}
 
-    /** @throws CharacterCodingException if the bytes are no UTF-8 */
+    /**
+     * @throws CharacterCodingException if the bytes are no UTF-8
+     */
     static String decode(byte[] utf8, int start, int length) throws CharacterCodingException {
         String text = new String(utf8, start, length, StandardCharsets.UTF_8);
         // somebody wrote it, or it stands for what is no UTF-8
@@ -27,18 +31,21 @@ final class Text {
     /** In quotes, at most 64 characters of it, everything that is not plainly visible escaped. */
     static String quote(String text) {
         var out = new StringBuilder(text.length() + 2).append('"');
-        text.codePoints().limit(SHOWN).forEach(c -> {
-            if (c == '"' || c == '\\') {
-                out.append('\\');
-            }
-            Visible.append(out, c);
-        });
+        text.codePoints()
+                .limit(SHOWN)
+                .forEach(
+                        c -> {
+                            if (c == '"' || c == '\\') {
+                                out.append('\\');
+                            }
+                            Visible.append(out, c);
+                        });
         return out.append(isLong(text) ? "…\"" : "\"").toString();
     }
 
     /**
-     * At most 64 characters of what is no text of its own, such as a number or a list;
-     * escaped in the same way.
+     * At most 64 characters of what is no text of its own, such as a number or a list; escaped in
+     * the same way.
      */
     static String show(String value) {
         var out = new StringBuilder(value.length());

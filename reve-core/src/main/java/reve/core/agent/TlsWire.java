@@ -1,4 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
+
+import org.jspecify.annotations.Nullable;
 
 import java.io.IOException;
 import java.net.InetSocketAddress;
@@ -6,11 +9,11 @@ import java.nio.ByteBuffer;
 import java.nio.channels.SelectionKey;
 import java.nio.channels.SocketChannel;
 import java.util.Objects;
+
 import javax.net.ssl.SSLEngine;
 import javax.net.ssl.SSLEngineResult;
 import javax.net.ssl.SSLEngineResult.HandshakeStatus;
 import javax.net.ssl.SSLException;
-import org.jspecify.annotations.Nullable;
 
 /** TLS over a TCP connection. What takes time in a handshake is computed on another thread. */
 final class TlsWire implements Wire {
@@ -19,8 +22,10 @@ final class TlsWire implements Wire {
     static final int HANDSHAKE = 0x16;
 
     private static final ByteBuffer NOTHING = ByteBuffer.allocate(0);
+
     /** Of the few threads that work for all connections. */
     private static final ThreadLocal<Scratch> SCRATCH = ThreadLocal.withInitial(Scratch::new);
+
     /** More than the 16 KiB and their frame that TLS allows. */
     private static final int RECORD_BYTES = 18 * 1024;
 
@@ -35,6 +40,7 @@ final class TlsWire implements Wire {
 
     /** From the socket, not whole yet; decrypted, not taken yet; and encrypted, for the socket. */
     private ByteBuffer incoming = NOTHING;
+
     private ByteBuffer received = NOTHING;
     private ByteBuffer outgoing = NOTHING;
 
@@ -67,8 +73,9 @@ final class TlsWire implements Wire {
     }
 
     @Override
-    public SelectionKey register(EventLoop eventLoop, EventLoop.Handler handler,
-            Runnable whenReadable) throws IOException {
+    public SelectionKey register(
+            EventLoop eventLoop, EventLoop.Handler handler, Runnable whenReadable)
+            throws IOException {
         loop = eventLoop;
         readable = whenReadable;
         key = plain.register(eventLoop, handler, whenReadable);
@@ -116,7 +123,9 @@ final class TlsWire implements Wire {
         return open;
     }
 
-    /** @return false if the client has said that nothing more will come */
+    /**
+     * @return false if the client has said that nothing more will come
+     */
     private boolean unwrap(ByteBuffer in) throws IOException {
         ByteBuffer out = SCRATCH.get().received.clear();
         boolean open = true;
@@ -143,13 +152,17 @@ final class TlsWire implements Wire {
         computing = true;
         interest(SelectionKey.OP_READ, false);
         EventLoop told = Objects.requireNonNull(loop);
-        Thread.ofVirtual().name("tls").start(() -> {
-            for (Runnable task = engine.getDelegatedTask(); task != null;
-                    task = engine.getDelegatedTask()) {
-                task.run();
-            }
-            told.later(this::computed);
-        });
+        Thread.ofVirtual()
+                .name("tls")
+                .start(
+                        () -> {
+                            for (Runnable task = engine.getDelegatedTask();
+                                    task != null;
+                                    task = engine.getDelegatedTask()) {
+                                task.run();
+                            }
+                            told.later(this::computed);
+                        });
     }
 
     private void computed() {
@@ -244,13 +257,14 @@ final class TlsWire implements Wire {
     private void interest(int operation, boolean wanted) {
         SelectionKey mine = Objects.requireNonNull(key);
         if (mine.isValid()) {
-            mine.interestOps(wanted ? mine.interestOps() | operation
-                    : mine.interestOps() & ~operation);
+            mine.interestOps(
+                    wanted ? mine.interestOps() | operation : mine.interestOps() & ~operation);
         }
     }
 
     private static ByteBuffer copy(ByteBuffer rest) {
         return rest.hasRemaining()
-                ? ByteBuffer.allocate(rest.remaining()).put(rest).flip() : NOTHING;
+                ? ByteBuffer.allocate(rest.remaining()).put(rest).flip()
+                : NOTHING;
     }
 }

@@ -1,4 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
+
+import org.jspecify.annotations.Nullable;
+import org.slf4j.Logger;
+import org.slf4j.LoggerFactory;
 
 import java.io.IOException;
 import java.nio.channels.FileChannel;
@@ -23,9 +28,6 @@ import java.util.Optional;
 import java.util.Set;
 import java.util.function.UnaryOperator;
 import java.util.stream.Collectors;
-import org.jspecify.annotations.Nullable;
-import org.slf4j.Logger;
-import org.slf4j.LoggerFactory;
 
 /**
  * The tokens of a server, in a file that its owner alone may read and write. A change of the file
@@ -35,14 +37,17 @@ public final class TokenFile {
 
     private static final Logger LOG = LoggerFactory.getLogger("reve.agents");
     private static final long MAX_BYTES = 16L * 1024 * 1024;
+
     /** Of files for their owner alone, from the moment in which they are made. */
     static final FileAttribute<Set<PosixFilePermission>> PRIVATE =
             PosixFilePermissions.asFileAttribute(FileVersion.OWNERS);
 
     private final Path path;
     private final InstantSource clock;
+
     /** Null if the file was not there. */
     private @Nullable FileVersion read;
+
     private Map<String, AgentToken> tokens;
     private Optional<String> problem = Optional.empty();
 
@@ -68,10 +73,13 @@ public final class TokenFile {
 
     /** Adds a token to a file, which is made if it is not there. */
     public static void add(Path path, AgentToken token) throws IOException {
-        change(path, true, tokens -> {
-            tokens.add(token);
-            return tokens;
-        });
+        change(
+                path,
+                true,
+                tokens -> {
+                    tokens.add(token);
+                    return tokens;
+                });
     }
 
     /**
@@ -82,13 +90,19 @@ public final class TokenFile {
      */
     public static List<AgentToken> revoke(Path path, String nameOrId) throws IOException {
         var revoked = new ArrayList<AgentToken>();
-        change(path, false, tokens -> {
-            tokens.stream()
-                    .filter(token -> token.name().equals(nameOrId) || token.id().equals(nameOrId))
-                    .forEach(revoked::add);
-            tokens.removeAll(revoked);
-            return tokens;
-        });
+        change(
+                path,
+                false,
+                tokens -> {
+                    tokens.stream()
+                            .filter(
+                                    token ->
+                                            token.name().equals(nameOrId)
+                                                    || token.id().equals(nameOrId))
+                            .forEach(revoked::add);
+                    tokens.removeAll(revoked);
+                    return tokens;
+                });
         return revoked;
     }
 
@@ -150,27 +164,32 @@ public final class TokenFile {
         try {
             version = FileVersion.of(path);
         } catch (NoSuchFileException e) {
-            throw new NoSuchFileException("there is no file of tokens " + path
-                    + "; the command `token new NAME --file " + path + "` makes one");
+            throw new NoSuchFileException(
+                    "there is no file of tokens "
+                            + path
+                            + "; the command `token new NAME --file "
+                            + path
+                            + "` makes one");
         }
         if (version.isFolder()) {
             throw new FileSystemException(path + " is a folder, expected a file of tokens");
         }
         if (!version.isFile()) { // reading a pipe waits for a writer
-            throw new FileSystemException(path + " is a pipe or a device, expected a file of "
-                    + "tokens; name that file");
+            throw new FileSystemException(
+                    path
+                            + " is a pipe or a device, expected a file of "
+                            + "tokens; name that file");
         }
         return version;
     }
 
-    private static Map<String, AgentToken> read(Path path, FileVersion version)
-            throws IOException {
+    private static Map<String, AgentToken> read(Path path, FileVersion version) throws IOException {
         if (version.isOpenToOthers()) {
             throw new FileSystemException(version.openToOthers(path));
         }
         if (version.bytes() > MAX_BYTES) {
-            throw new FileSystemException(path + " has " + version.bytes()
-                    + " bytes, expected at most " + MAX_BYTES);
+            throw new FileSystemException(
+                    path + " has " + version.bytes() + " bytes, expected at most " + MAX_BYTES);
         }
         try {
             var tokens = new LinkedHashMap<String, AgentToken>();
@@ -183,8 +202,8 @@ public final class TokenFile {
     }
 
     /**
-     * Changes of several programs come one after the other; readers see the file before
-     * or after one.
+     * Changes of several programs come one after the other; readers see the file before or after
+     * one.
      */
     private static void change(Path path, boolean make, UnaryOperator<List<AgentToken>> change)
             throws IOException {
@@ -192,16 +211,23 @@ public final class TokenFile {
         if (Files.exists(file)) {
             version(file); // refuses a folder
         } else if (!Files.isDirectory(file.getParent())) {
-            throw new NoSuchFileException("there is no folder " + file.getParent() + " for "
-                    + file.getFileName() + "; make it first");
+            throw new NoSuchFileException(
+                    "there is no folder "
+                            + file.getParent()
+                            + " for "
+                            + file.getFileName()
+                            + "; make it first");
         }
         Path lock = file.resolveSibling("." + file.getFileName() + ".lock");
         Path next = file.resolveSibling("." + file.getFileName() + ".new");
-        try (FileChannel guard = FileChannel.open(lock,
-                Set.of(StandardOpenOption.CREATE, StandardOpenOption.WRITE), PRIVATE);
+        try (FileChannel guard =
+                        FileChannel.open(
+                                lock,
+                                Set.of(StandardOpenOption.CREATE, StandardOpenOption.WRITE),
+                                PRIVATE);
                 FileLock _ = guard.lock()) {
-            Map<String, AgentToken> before = make && !Files.exists(file) ? Map.of()
-                    : read(file, version(file));
+            Map<String, AgentToken> before =
+                    make && !Files.exists(file) ? Map.of() : read(file, version(file));
             byte[] bytes = TokenFormat.write(change.apply(new ArrayList<>(before.values())));
             Files.deleteIfExists(next);
             Files.createFile(next, PRIVATE);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import java.util.concurrent.atomic.AtomicLong;
@@ -30,16 +31,21 @@ final class Turn {
     private final ClientMessage.LockStep wanted;
     private final long deadlineNanos;
     private final Allowance allowance;
+
     /** Rounds that the agent has done with, or was too late for. */
     private final AtomicLong done = new AtomicLong();
 
     /** Messages by which the agent said that it is done with a round, counted before they act. */
     private final AtomicLong said = new AtomicLong();
+
     private final AtomicReference<Presence> presence = new AtomicReference<>(Presence.HERE);
+
     /** It has been ready at least once. */
     private volatile boolean playing;
+
     /** The frame of the first round. Set on the loop's thread. */
     private volatile long origin = Long.MAX_VALUE;
+
     /** The frame that is not held for the agent any more. Set on the loop's thread. */
     private volatile long givenUp = -1;
 
@@ -47,9 +53,12 @@ final class Turn {
     private long missed;
     private boolean missedUnawaited;
     private int lateInRow;
+
     /** Rounds that were found to be done or missed, and {@link #said} at that time. */
     private long judged;
+
     private long saidWhenJudged;
+
     /** The others were told that it is away. */
     private boolean away;
 
@@ -87,8 +96,8 @@ final class Turn {
     }
 
     /**
-     * The agent is done with what it perceived in a frame, unless that was not the last
-     * round that began.
+     * The agent is done with what it perceived in a frame, unless that was not the last round that
+     * began.
      */
     void ready(long frame, long published, long nowNanos) {
         playing = true;
@@ -233,8 +242,9 @@ final class Turn {
     AgentInput.Late late() {
         missed++;
         boolean told = !missedUnawaited;
-        boolean goes = lateInRow >= MAX_LATE_ROUNDS
-                && presence.compareAndSet(Presence.HERE, Presence.AWAY);
+        boolean goes =
+                lateInRow >= MAX_LATE_ROUNDS
+                        && presence.compareAndSet(Presence.HERE, Presence.AWAY);
         away |= goes;
         missedUnawaited = presence.get() != Presence.HERE;
         if (goes && said.get() != saidWhenJudged) { // it was ready at this very moment

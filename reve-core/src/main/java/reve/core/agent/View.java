@@ -1,7 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
-import java.util.List;
 import reve.core.world.ItemId;
+
+import java.util.List;
 
 /**
  * What an agent perceives in one frame, in the order of the items' ids. Immutable.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import java.io.IOException;
@@ -9,8 +10,8 @@ import java.nio.channels.SelectionKey;
 import java.nio.channels.SocketChannel;
 
 /**
- * The bytes that go to and from one client; reading and writing never wait. The event
- * loop's thread.
+ * The bytes that go to and from one client; reading and writing never wait. The event loop's
+ * thread.
  */
 interface Wire extends ByteChannel {
 

@@ -1,12 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
-import java.util.Collection;
-import java.util.Map;
-import java.util.function.Consumer;
 import reve.core.world.ActionRefused;
 import reve.core.world.ItemId;
 import reve.core.world.World;
 import reve.core.world.WorldSnapshot;
+
+import java.util.Collection;
+import java.util.Map;
+import java.util.function.Consumer;
 
 /**
  * What the program that runs a world lets clients of the role control do, beside what every frame

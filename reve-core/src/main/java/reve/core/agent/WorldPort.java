@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import reve.core.file.AgentPolicy;
@@ -21,6 +22,13 @@ import reve.core.world.SnapshotRing;
  * @param control what else clients of the role control may do
  * @param cameras takes the pictures of bodies' cameras
  */
-public record WorldPort(String world, int framesPerSecond, AgentPolicy agents, FrameBus bus,
-        CommandQueue commands, SnapshotRing snapshots, FrameLoop loop, WorldControl control,
+public record WorldPort(
+        String world,
+        int framesPerSecond,
+        AgentPolicy agents,
+        FrameBus bus,
+        CommandQueue commands,
+        SnapshotRing snapshots,
+        FrameLoop loop,
+        WorldControl control,
         Cameras cameras) {}

@@ -1,4 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
+
+import org.jspecify.annotations.Nullable;
 
 import java.util.ArrayList;
 import java.util.List;
@@ -6,18 +9,18 @@ import java.util.Queue;
 import java.util.concurrent.ConcurrentLinkedQueue;
 import java.util.concurrent.atomic.AtomicInteger;
 import java.util.concurrent.locks.LockSupport;
-import org.jspecify.annotations.Nullable;
 
 /**
- * Writes what waits for clients. Long rows of them are written by two threads: the event loop's
- * and one that sleeps otherwise, since to write is more work than all else that many clients
- * make. While they do, the event loop does nothing else, so that what belongs to one connection is
- * never in two hands.
+ * Writes what waits for clients. Long rows of them are written by two threads: the event loop's and
+ * one that sleeps otherwise, since to write is more work than all else that many clients make.
+ * While they do, the event loop does nothing else, so that what belongs to one connection is never
+ * in two hands.
  */
 final class Writers {
 
     /** As many clients are worth waking a thread for. */
     private static final int LONG_ROW = 200;
+
     /** So long the event loop looks whether the other thread is done before it sleeps. */
     private static final long PATIENCE_NANOS = 20_000;
 
@@ -29,16 +32,23 @@ final class Writers {
 
     /** Filled and emptied by the event loop while it is closed. */
     private final List<Connection> row = new ArrayList<>();
+
     /** The place in the row of who is written to next. */
     private final AtomicInteger next = new AtomicInteger();
+
     private volatile boolean open;
+
     /** The helper looks at the row. Set before it looks whether the row is open. */
     private volatile boolean helping;
+
     /** Who sleeps until the helper is done. */
     private volatile @Nullable Thread sleeper;
+
     private volatile boolean stopped;
 
-    /** @param threads that there may be, with the event loop's */
+    /**
+     * @param threads that there may be, with the event loop's
+     */
     Writers(int threads) {
         this.helped = threads > 1;
     }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /**
  * The TCP server that agents join: {@link AgentServer}. It serves protocol version 1 of
  * agents/protocol/PROTOCOL.md.

@@ -1,8 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.derive;
 
-import java.lang.foreign.MemorySegment;
-import java.lang.foreign.ValueLayout;
 import org.jspecify.annotations.Nullable;
+
 import reve.core.world.Column;
 import reve.core.world.Mesh;
 import reve.core.world.ScalarType;
@@ -10,6 +10,9 @@ import reve.core.world.Shape;
 import reve.core.world.Table;
 import reve.core.world.World;
 import reve.core.world.WorldPrototype;
+
+import java.lang.foreign.MemorySegment;
+import java.lang.foreign.ValueLayout;
 
 /**
  * Keeps {@code boundsMin} and {@code boundsMax} of all bodies: the box along the world's axes
@@ -66,8 +69,8 @@ public final class BoundingBoxes {
     /** Reads numbers of a column of the prototype's real type. */
     private void read(Column column, int first, double[] into, int count) {
         if (column.type() == ScalarType.F64) {
-            MemorySegment.copy(column.segment(), ValueLayout.JAVA_DOUBLE, 8L * first, into, 0,
-                    count);
+            MemorySegment.copy(
+                    column.segment(), ValueLayout.JAVA_DOUBLE, 8L * first, into, 0, count);
             return;
         }
         MemorySegment.copy(column.segment(), ValueLayout.JAVA_FLOAT, 4L * first, singles, 0, count);
@@ -86,18 +89,38 @@ public final class BoundingBoxes {
         double a = half[at];
         double b = half[at + 1];
         double c = half[at + 2];
-        turn(at, 1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w),
-                a, b, c, mesh);
-        turn(at + 1, 2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w),
-                a, b, c, mesh);
-        turn(at + 2, 2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y),
-                a, b, c, mesh);
+        turn(at, 1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w), a, b, c, mesh);
+        turn(
+                at + 1,
+                2 * (x * y + z * w),
+                1 - 2 * (x * x + z * z),
+                2 * (y * z - x * w),
+                a,
+                b,
+                c,
+                mesh);
+        turn(
+                at + 2,
+                2 * (x * z - y * w),
+                2 * (y * z + x * w),
+                1 - 2 * (x * x + y * y),
+                a,
+                b,
+                c,
+                mesh);
     }
 
     /**
      * One axis of the world: (x, y, z) is its row of the rotation matrix, (a, b, c) the own half.
      */
-    private void turn(int at, double x, double y, double z, double a, double b, double c,
+    private void turn(
+            int at,
+            double x,
+            double y,
+            double z,
+            double a,
+            double b,
+            double c,
             @Nullable Mesh mesh) {
         half[at] = Math.abs(x) * a + Math.abs(y) * b + Math.abs(z) * c;
         if (mesh != null) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.derive;
 
 import reve.core.frame.FrameBus;
@@ -14,9 +15,12 @@ public final class DerivedColumns {
      */
     public static void subscribeTo(FrameBus bus) {
         var boxes = new BoundingBoxes();
-        bus.subscribe(FramePhase.DERIVE, "derived columns", event -> {
-            event.world().placeAttached();
-            boxes.update(event.world());
-        });
+        bus.subscribe(
+                FramePhase.DERIVE,
+                "derived columns",
+                event -> {
+                    event.world().placeAttached();
+                    boxes.update(event.world());
+                });
     }
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.disk;
 
 import java.io.Closeable;
@@ -24,8 +25,10 @@ import java.util.Set;
  */
 public final class OwnedFile implements Closeable {
     private static final int TRIES = 5;
+
     /** The bits of a Unix file mode that say what a file is, and what they are for a pipe. */
     private static final int TYPE_BITS = 0170000;
+
     private static final int PIPE = 0010000;
 
     private final Path path;
@@ -48,11 +51,17 @@ public final class OwnedFile implements Closeable {
             Optional<Object> before = key(path);
             if (before.isPresent()
                     && ((int) Files.getAttribute(path, "unix:mode") & TYPE_BITS) == PIPE) {
-                throw new FileSystemException(path.toString(), null,
-                        "it is a pipe, expected a file; name another file");
+                throw new FileSystemException(
+                        path.toString(), null, "it is a pipe, expected a file; name another file");
             }
-            FileChannel channel = FileChannel.open(path, Set.of(StandardOpenOption.CREATE,
-                    StandardOpenOption.WRITE, StandardOpenOption.APPEND), attributes);
+            FileChannel channel =
+                    FileChannel.open(
+                            path,
+                            Set.of(
+                                    StandardOpenOption.CREATE,
+                                    StandardOpenOption.WRITE,
+                                    StandardOpenOption.APPEND),
+                            attributes);
             try {
                 if (Files.isRegularFile(path)) {
                     lock(path, channel);
@@ -67,8 +76,8 @@ public final class OwnedFile implements Closeable {
             }
             channel.close(); // it was moved between the two steps
         }
-        throw new FileSystemException(path.toString(), null,
-                "something moves or removes it again and again");
+        throw new FileSystemException(
+                path.toString(), null, "something moves or removes it again and again");
     }
 
     private static void lock(Path path, FileChannel channel) throws IOException {
@@ -79,8 +88,11 @@ public final class OwnedFile implements Closeable {
             locked = false;
         }
         if (!locked) {
-            throw new FileSystemException(path.toString(), null, "it is in use by another process;"
-                    + " end that one first, or name another file");
+            throw new FileSystemException(
+                    path.toString(),
+                    null,
+                    "it is in use by another process;"
+                            + " end that one first, or name another file");
         }
     }
 

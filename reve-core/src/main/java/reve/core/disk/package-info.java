@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /** Files that a process writes for as long as it runs. */
 @NullMarked
 package reve.core.disk;

@@ -1,12 +1,6 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
 
-import java.util.ArrayList;
-import java.util.HashMap;
-import java.util.LinkedHashMap;
-import java.util.List;
-import java.util.Map;
-import java.util.Optional;
-import java.util.ServiceConfigurationError;
 import reve.core.access.ActionProvider;
 import reve.core.access.DeclaredAction;
 import reve.core.access.Effect;
@@ -21,6 +15,14 @@ import reve.core.world.ItemDefinition;
 import reve.core.world.Parameter;
 import reve.core.world.ParameterType;
 
+import java.util.ArrayList;
+import java.util.HashMap;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.ServiceConfigurationError;
+
 /** Reads the actions of access aspects, and refuses those that could never work. */
 final class ActionReader {
     /** Most different conditions and values of actions in one world. */
@@ -30,8 +32,10 @@ final class ActionReader {
     private final Definitions definitions;
     private final Problems problems;
     private final Quantities quantities;
+
     /** Actions of many items share their scopes, and so what they have in common is read once. */
     private final Map<ScopeKey, Scope> scopes = new HashMap<>();
+
     private final Allowance expressions = new Allowance(MAX_EXPRESSIONS);
 
     /** Reads the items that actions create. */
@@ -41,8 +45,7 @@ final class ActionReader {
 
     private record ScopeKey(String kind, List<Parameter> parameters) {}
 
-    ActionReader(PhysicsReader physics, Definitions definitions,
-            Problems problems) {
+    ActionReader(PhysicsReader physics, Definitions definitions, Problems problems) {
         this.physics = physics;
         this.definitions = definitions;
         this.problems = problems;
@@ -70,8 +73,8 @@ final class ActionReader {
     private Optional<Action> declared(Node node, Owner owner) throws WorldFileException {
         Map<String, Optional<Parameter>> parameters = parameters(node);
         List<Parameter> known = parameters.values().stream().flatMap(Optional::stream).toList();
-        var operands = new OperandReader(physics, problems, parameters, scope(owner, known),
-                expressions);
+        var operands =
+                new OperandReader(physics, problems, parameters, scope(owner, known), expressions);
         Terms terms = terms(node, operands);
         List<Effect> effects = new ArrayList<>();
         var reader = new EffectReader(node.key(), owner, physics, operands, definitions, problems);
@@ -87,38 +90,60 @@ final class ActionReader {
     }
 
     private Optional<Action> provided(Node node, Node java, Owner owner) {
-        node.get("parameters").ifPresent(parameters -> problems.addAtKey(parameters,
-                "an action in Java declares its parameters itself"));
+        node.get("parameters")
+                .ifPresent(
+                        parameters ->
+                                problems.addAtKey(
+                                        parameters,
+                                        "an action in Java declares its parameters itself"));
         List<ActionProvider> providers;
         try {
             providers = ProvidedAction.providers();
         } catch (ServiceConfigurationError broken) {
-            problems.add(java, "java: the actions on the class path cannot be read: "
-                    + broken.getMessage());
+            problems.add(
+                    java,
+                    "java: the actions on the class path cannot be read: " + broken.getMessage());
             return Optional.empty();
         }
-        Optional<ActionProvider> provider = providers.stream()
-                .filter(each -> each.name().equals(java.text().orElse(""))).findFirst();
+        Optional<ActionProvider> provider =
+                providers.stream()
+                        .filter(each -> each.name().equals(java.text().orElse("")))
+                        .findFirst();
         if (provider.isEmpty()) {
             List<String> names = providers.stream().map(ActionProvider::name).toList();
-            java.text().ifPresent(name -> problems.add(java, "java: no action `"
-                    + Node.shorten(name) + "` is on the class path; there "
-                    + (names.isEmpty() ? "is none" : "are " + String.join(", ", names))
-                    + problems.suggestion(name, names)));
+            java.text()
+                    .ifPresent(
+                            name ->
+                                    problems.add(
+                                            java,
+                                            "java: no action `"
+                                                    + Node.shorten(name)
+                                                    + "` is on the class path; there "
+                                                    + (names.isEmpty()
+                                                            ? "is none"
+                                                            : "are " + String.join(", ", names))
+                                                    + problems.suggestion(name, names)));
             return Optional.empty();
         }
         Map<String, Optional<Parameter>> parameters = new LinkedHashMap<>();
-        provider.get().parameters().forEach(
-                parameter -> parameters.put(parameter.name(), Optional.of(parameter)));
-        var operands = new OperandReader(physics, problems, parameters,
-                scope(owner, provider.get().parameters()), expressions);
+        provider.get()
+                .parameters()
+                .forEach(parameter -> parameters.put(parameter.name(), Optional.of(parameter)));
+        var operands =
+                new OperandReader(
+                        physics,
+                        problems,
+                        parameters,
+                        scope(owner, provider.get().parameters()),
+                        expressions);
         String doc = node.get("doc").isPresent() ? doc(node) : provider.get().doc();
         return Optional.of(
                 new ProvidedAction(node.key(), doc, terms(node, operands), provider.get()));
     }
 
     private Scope scope(Owner owner, List<Parameter> parameters) {
-        return scopes.computeIfAbsent(new ScopeKey(owner.kind, parameters),
+        return scopes.computeIfAbsent(
+                new ScopeKey(owner.kind, parameters),
                 key -> Scope.ofAction(physics.prototype(), key.kind, key.parameters));
     }
 
@@ -127,14 +152,18 @@ final class ActionReader {
     }
 
     private Terms terms(Node node, OperandReader operands) {
-        List<String> needs = node.get("needs").map(Node::children).orElse(List.of()).stream()
-                .map(Node::text).flatMap(Optional::stream).toList();
+        List<String> needs =
+                node.get("needs").map(Node::children).orElse(List.of()).stream()
+                        .map(Node::text)
+                        .flatMap(Optional::stream)
+                        .toList();
         List<Expression> conditions = new ArrayList<>();
         Optional<Node> when = node.get("when");
-        for (Node condition : when.filter(Node::isList).map(Node::children)
-                .orElse(when.stream().toList())) {
-            condition.text().flatMap(text ->
-                    operands.expression(condition, text, 0, ExpressionType.TRUTH))
+        for (Node condition :
+                when.filter(Node::isList).map(Node::children).orElse(when.stream().toList())) {
+            condition
+                    .text()
+                    .flatMap(text -> operands.expression(condition, text, 0, ExpressionType.TRUTH))
                     .ifPresent(conditions::add);
         }
         return new Terms(needs, conditions);
@@ -144,27 +173,37 @@ final class ActionReader {
     private Map<String, Optional<Parameter>> parameters(Node action) {
         Map<String, Optional<Parameter>> parameters = new LinkedHashMap<>();
         for (Node node : action.get("parameters").map(Node::children).orElse(List.of())) {
-            parameters.put(node.key(), PrototypeReader.unit(node, problems)
-                    .flatMap(unit -> parameter(node, unit)));
+            parameters.put(
+                    node.key(),
+                    PrototypeReader.unit(node, problems).flatMap(unit -> parameter(node, unit)));
         }
         return parameters;
     }
 
     private Optional<Parameter> parameter(Node node, Unit unit) {
-        ParameterType type = switch (node.get("type").flatMap(Node::text).orElse("number")) {
-            case "text" -> ParameterType.TEXT;
-            case "truth" -> ParameterType.TRUTH;
-            case "item" -> ParameterType.ITEM;
-            default -> ParameterType.NUMBER;
-        };
+        ParameterType type =
+                switch (node.get("type").flatMap(Node::text).orElse("number")) {
+                    case "text" -> ParameterType.TEXT;
+                    case "truth" -> ParameterType.TRUTH;
+                    case "item" -> ParameterType.ITEM;
+                    default -> ParameterType.NUMBER;
+                };
         try {
             if (OperandReader.RESERVED.contains(node.key())) {
-                throw new IllegalArgumentException("parameter " + node.key()
-                        + ": the name means something else in expressions; choose another");
+                throw new IllegalArgumentException(
+                        "parameter "
+                                + node.key()
+                                + ": the name means something else in expressions; choose another");
             }
-            return Optional.of(new Parameter(node.key(), type, PrototypeReader.components(node),
-                    unit, bound(node, "min", unit, Double.NEGATIVE_INFINITY),
-                    bound(node, "max", unit, Double.POSITIVE_INFINITY), doc(node)));
+            return Optional.of(
+                    new Parameter(
+                            node.key(),
+                            type,
+                            PrototypeReader.components(node),
+                            unit,
+                            bound(node, "min", unit, Double.NEGATIVE_INFINITY),
+                            bound(node, "max", unit, Double.POSITIVE_INFINITY),
+                            doc(node)));
         } catch (IllegalArgumentException refused) {
             problems.addAtKey(node, refused.getMessage());
             return Optional.empty();

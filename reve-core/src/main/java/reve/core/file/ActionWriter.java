@@ -1,10 +1,6 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
 
-import java.util.ArrayList;
-import java.util.LinkedHashMap;
-import java.util.List;
-import java.util.Map;
-import java.util.function.Function;
 import reve.core.access.DeclaredAction;
 import reve.core.access.Effect;
 import reve.core.access.Operand;
@@ -17,16 +13,26 @@ import reve.core.world.Action;
 import reve.core.world.ItemDefinition;
 import reve.core.world.Parameter;
 
+import java.util.ArrayList;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.function.Function;
+
 /** Actions as world files declare them; what {@link ActionReader} reads. */
 final class ActionWriter {
     private final Function<ItemDefinition, Map<String, Object>> definitions;
 
-    /** @param definitions writes the items that actions create */
+    /**
+     * @param definitions writes the items that actions create
+     */
     ActionWriter(Function<ItemDefinition, Map<String, Object>> definitions) {
         this.definitions = definitions;
     }
 
-    /** @throws IllegalArgumentException naming the action if no world file can declare it */
+    /**
+     * @throws IllegalArgumentException naming the action if no world file can declare it
+     */
     Map<String, Object> tree(Action action) {
         Map<String, Object> tree = new LinkedHashMap<>();
         if (!action.doc().isEmpty()) {
@@ -36,8 +42,10 @@ final class ActionWriter {
             case DeclaredAction declared -> {
                 if (!declared.parameters().isEmpty()) {
                     Map<String, Object> parameters = new LinkedHashMap<>();
-                    declared.parameters().forEach(parameter ->
-                            parameters.put(parameter.name(), parameter(parameter)));
+                    declared.parameters()
+                            .forEach(
+                                    parameter ->
+                                            parameters.put(parameter.name(), parameter(parameter)));
                     tree.put("parameters", parameters);
                 }
                 putTerms(tree, declared.terms());
@@ -47,8 +55,13 @@ final class ActionWriter {
                 putTerms(tree, provided.terms());
                 tree.put("java", provided.provider().name());
             }
-            default -> throw new IllegalArgumentException("action " + action.name() + " is a "
-                    + action.getClass().getName() + ", which a world file cannot declare");
+            default ->
+                    throw new IllegalArgumentException(
+                            "action "
+                                    + action.name()
+                                    + " is a "
+                                    + action.getClass().getName()
+                                    + ", which a world file cannot declare");
         }
         return tree;
     }
@@ -65,7 +78,7 @@ final class ActionWriter {
     private static Map<String, Object> parameter(Parameter parameter) {
         Map<String, Object> tree = new LinkedHashMap<>();
         switch (parameter.type()) {
-            case NUMBER -> { }
+            case NUMBER -> {}
             case TEXT -> tree.put("type", "text");
             case TRUTH -> tree.put("type", "truth");
             case ITEM -> tree.put("type", "item");

@@ -1,11 +1,6 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
 
-import java.util.HashSet;
-import java.util.IdentityHashMap;
-import java.util.List;
-import java.util.Map;
-import java.util.Optional;
-import java.util.Set;
 import reve.core.access.DeclaredAction;
 import reve.core.access.Effect;
 import reve.core.access.Operand;
@@ -17,16 +12,26 @@ import reve.core.world.Possible;
 import reve.core.world.Shape;
 import reve.core.world.WorldPrototype;
 
+import java.util.HashSet;
+import java.util.IdentityHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.Set;
+
 /** Checks what the values of an item mean together, once each of them is right. */
 final class BodyCheck {
     /** Farthest place on an axis [m]; the cubes of distances are still numbers. */
     static final double MAX_PLACE = 1e100;
+
     /** Longest time that a force acts [s]; its frames can be counted at every rate. */
     static final double MAX_FORCE_SECONDS = Forces.MAX_FRAMES / 10_000;
+
     private static final String MASS = "mass";
 
     private final Doubts doubts;
     private final Problems problems;
+
     /** Where inertia was refused: what repetitions have in common is told once. */
     private final Set<String> refused = new HashSet<>();
 
@@ -38,14 +43,19 @@ final class BodyCheck {
         this.problems = problems;
     }
 
-    /** @param node of the item, or of its first repetition */
+    /**
+     * @param node of the item, or of its first repetition
+     */
     void check(Node node, ItemDefinition item) {
         if (!item.kind().equals(WorldPrototype.BODY)) {
             return;
         }
         if (item.material().isPresent() && item.shape() == Shape.none()) {
-            doubts.refuse(find(node, "physical", "material"), "material: the item has no `shape` "
-                    + "that could show it; give it one, or leave the material out", problems);
+            doubts.refuse(
+                    find(node, "physical", "material"),
+                    "material: the item has no `shape` "
+                            + "that could show it; give it one, or leave the material out",
+                    problems);
         }
         checkInertia(node, item);
         if (isFirstOfThese(item)) {
@@ -65,15 +75,15 @@ final class BodyCheck {
     }
 
     private static boolean moves(ItemDefinition item) {
-        return item.parent().isEmpty() && item.physics(MASS)
-                .filter(mass -> mass[0] > 0).isPresent();
+        return item.parent().isEmpty()
+                && item.physics(MASS).filter(mass -> mass[0] > 0).isPresent();
     }
 
     private void checkActions(Node node, ItemDefinition item) {
         for (Action action : item.actions()) {
             if (action instanceof DeclaredAction declared) {
-                checkEffects(find(node, "access", action.name(), "effects"), declared.effects(),
-                        item);
+                checkEffects(
+                        find(node, "access", action.name(), "effects"), declared.effects(), item);
             }
         }
     }
@@ -82,8 +92,14 @@ final class BodyCheck {
     void checkPlace(Node node, double[] metres) {
         for (double coordinate : metres) {
             if (!(Math.abs(coordinate) <= MAX_PLACE)) {
-                doubts.refuse(node, node.label() + ": " + coordinate + " m is farther than "
-                        + MAX_PLACE + " m from the origin; distances to it would not be numbers",
+                doubts.refuse(
+                        node,
+                        node.label()
+                                + ": "
+                                + coordinate
+                                + " m is farther than "
+                                + MAX_PLACE
+                                + " m from the origin; distances to it would not be numbers",
                         problems);
                 return;
             }
@@ -103,25 +119,40 @@ final class BodyCheck {
 
     private void checkEffects(Node nodes, List<Effect> effects, ItemDefinition item) {
         boolean moves = moves(item);
-        boolean getsMass = effects.stream().anyMatch(effect -> effect instanceof Effect.SetProperty
-                && effect.changes().equals("physics." + MASS));
+        boolean getsMass =
+                effects.stream()
+                        .anyMatch(
+                                effect ->
+                                        effect instanceof Effect.SetProperty
+                                                && effect.changes().equals("physics." + MASS));
         for (int i = 0; i < effects.size(); i++) {
             Node node = nodes.get(i).orElse(nodes);
             Effect effect = effects.get(i);
             if (effect instanceof Effect.Force force && force.seconds() > MAX_FORCE_SECONDS) {
                 Node time = node.get("for").orElse(node);
-                doubts.refuse(time, "for: found " + force.seconds() + " s, expected at most "
-                        + MAX_FORCE_SECONDS + " s", problems);
+                doubts.refuse(
+                        time,
+                        "for: found "
+                                + force.seconds()
+                                + " s, expected at most "
+                                + MAX_FORCE_SECONDS
+                                + " s",
+                        problems);
             }
             if (effect instanceof Effect.SetLocation place
                     && place.to() instanceof Operand.Numbers numbers) {
                 checkPlace(node.get("to").orElse(node), numbers.values());
             }
-            if ((effect instanceof Effect.Force || effect instanceof Effect.Impulse) && !moves
-                    && !getsMass && item.hasPhysics() && effect.of().equals(Subject.ITEM)) {
+            if ((effect instanceof Effect.Force || effect instanceof Effect.Impulse)
+                    && !moves
+                    && !getsMass
+                    && item.hasPhysics()
+                    && effect.of().equals(Subject.ITEM)) {
                 Node push = node.get("force").or(() -> node.get("impulse")).orElse(node);
-                doubts.warn(push, push.label() + ": moves nothing as long as the item has "
-                        + "mass 0", problems);
+                doubts.warn(
+                        push,
+                        push.label() + ": moves nothing as long as the item has " + "mass 0",
+                        problems);
             }
         }
     }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
 
 import java.util.Arrays;
@@ -10,8 +11,8 @@ import java.util.Arrays;
  * @param up the direction that is up in the picture (3), not along the line of sight
  * @param verticalFovRadians opening angle from bottom to top, above 0 and below pi
  */
-public record CameraDescription(double[] eye, double[] target, double[] up,
-        double verticalFovRadians) {
+public record CameraDescription(
+        double[] eye, double[] target, double[] up, double verticalFovRadians) {
     public CameraDescription {
         eye = eye.clone();
         target = target.clone();

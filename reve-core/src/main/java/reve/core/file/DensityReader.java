@@ -1,8 +1,6 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
 
-import java.util.Arrays;
-import java.util.List;
-import java.util.Locale;
 import reve.core.mesh.MassProperties;
 import reve.core.unit.Unit;
 import reve.core.world.ItemDefinition;
@@ -10,9 +8,14 @@ import reve.core.world.PropertyDescriptor;
 import reve.core.world.Shape;
 import reve.core.world.WorldPrototype;
 
+import java.util.Arrays;
+import java.util.List;
+import java.util.Locale;
+
 /** Gives a body mass and inertia from {@code density} and its shape, and spheres their radius. */
 final class DensityReader {
     private static final Unit DENSITY = Unit.parse("kg/m^3");
+
     /** Parts of the extent that the centre of mass, of the moments that products may be off. */
     private static final double TOLERANCE = 1e-3;
 
@@ -26,30 +29,40 @@ final class DensityReader {
         this.problems = problems;
     }
 
-    /** @param item with the shape; gets the properties that follow */
+    /**
+     * @param item with the shape; gets the properties that follow
+     */
     void read(Node density, Node aspect, ItemDefinition.Builder item) {
         for (String given : List.of("mass", "inertia")) {
             if (aspect.get(given).isPresent()) {
-                problems.addAtKey(density, "density: `" + given + "` is given too, which follows "
-                        + "from density and shape; say one of them");
+                problems.addAtKey(
+                        density,
+                        "density: `"
+                                + given
+                                + "` is given too, which follows "
+                                + "from density and shape; say one of them");
                 return;
             }
         }
         Shape shape = item.build().shape();
-        new Quantities(problems).number(density, DENSITY).ifPresent(value -> {
-            try {
-                requirePositive(value);
-                MassProperties solid = MassProperties.of(shape, value);
-                requireOwnAxes(shape, solid);
-                set(density, item, "mass", solid.mass());
-                set(density, item, "inertia", solid.moments());
-                if (shape instanceof Shape.Sphere sphere && aspect.get("radius").isEmpty()) {
-                    set(density, item, "radius", sphere.radius());
-                }
-            } catch (IllegalArgumentException refused) {
-                problems.add(density, "density: " + refused.getMessage());
-            }
-        });
+        new Quantities(problems)
+                .number(density, DENSITY)
+                .ifPresent(
+                        value -> {
+                            try {
+                                requirePositive(value);
+                                MassProperties solid = MassProperties.of(shape, value);
+                                requireOwnAxes(shape, solid);
+                                set(density, item, "mass", solid.mass());
+                                set(density, item, "inertia", solid.moments());
+                                if (shape instanceof Shape.Sphere sphere
+                                        && aspect.get("radius").isEmpty()) {
+                                    set(density, item, "radius", sphere.radius());
+                                }
+                            } catch (IllegalArgumentException refused) {
+                                problems.add(density, "density: " + refused.getMessage());
+                            }
+                        });
     }
 
     private void set(Node node, ItemDefinition.Builder item, String name, double... values) {
@@ -71,15 +84,20 @@ final class DensityReader {
         double moment = Arrays.stream(solid.moments()).max().orElseThrow();
         for (int axis = 0; axis < 3; axis++) {
             if (Math.abs(solid.centre()[axis]) > TOLERANCE * extent) {
-                throw new IllegalArgumentException("the centre of mass is at "
-                        + text(solid.centre()) + " m, expected the item's origin; move the "
-                        + "mesh in its file by the opposite of that");
+                throw new IllegalArgumentException(
+                        "the centre of mass is at "
+                                + text(solid.centre())
+                                + " m, expected the item's origin; move the "
+                                + "mesh in its file by the opposite of that");
             }
             if (Math.abs(solid.products()[axis]) > TOLERANCE * moment) {
-                throw new IllegalArgumentException("the products of inertia yz zx xy are "
-                        + text(solid.products()) + " kg*m^2 beside moments of "
-                        + text(solid.moments()) + ", expected 0; turn the mesh in its file until "
-                        + "its principal axes are x, y and z");
+                throw new IllegalArgumentException(
+                        "the products of inertia yz zx xy are "
+                                + text(solid.products())
+                                + " kg*m^2 beside moments of "
+                                + text(solid.moments())
+                                + ", expected 0; turn the mesh in its file until "
+                                + "its principal axes are x, y and z");
             }
         }
     }

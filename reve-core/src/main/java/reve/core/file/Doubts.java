@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
 
 /**
@@ -7,7 +8,9 @@ package reve.core.file;
  * taken as they are.
  */
 enum Doubts {
-    REFUSED, WARNED, IGNORED;
+    REFUSED,
+    WARNED,
+    IGNORED;
 
     static Doubts of(boolean ran) {
         return ran ? WARNED : REFUSED;
@@ -17,7 +20,7 @@ enum Doubts {
         switch (this) {
             case REFUSED -> problems.add(node, message);
             case WARNED -> problems.warn(node, message);
-            case IGNORED -> { }
+            case IGNORED -> {}
         }
     }
 

@@ -1,9 +1,6 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
 
-import java.util.LinkedHashMap;
-import java.util.List;
-import java.util.Map;
-import java.util.Optional;
 import reve.core.access.Effect;
 import reve.core.access.Operand;
 import reve.core.access.Subject;
@@ -18,19 +15,48 @@ import reve.core.world.PropertyDescriptor;
 import reve.core.world.ScalarType;
 import reve.core.world.WorldPrototype;
 
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+
 /** Reads the effects of one action. */
 final class EffectReader {
-    private static final List<String> EFFECTS = List.of("impulse", "force", "set", "symbol",
-            "attach", "detach", "create", "remove", "raise");
+    private static final List<String> EFFECTS =
+            List.of(
+                    "impulse", "force", "set", "symbol", "attach", "detach", "create", "remove",
+                    "raise");
+
     /** Keys that go with some effects only, and with which. */
-    private static final Map<String, List<String>> COMPANIONS = Map.of(
-            "to", List.of("set", "symbol"), "for", List.of("force"),
-            "with", List.of("create", "raise"),
-            "item", List.of("impulse", "force", "set", "symbol", "attach", "detach", "remove"));
+    private static final Map<String, List<String>> COMPANIONS =
+            Map.of(
+                    "to",
+                    List.of("set", "symbol"),
+                    "for",
+                    List.of("force"),
+                    "with",
+                    List.of("create", "raise"),
+                    "item",
+                    List.of("impulse", "force", "set", "symbol", "attach", "detach", "remove"));
+
     /** What the server itself tells agents, and those who start it and read its output. */
-    private static final List<String> OWN_EVENTS = List.of("joined", "left", "acted",
-            "law-loaded", "law-unloaded", "fault", "missed", "waiting", "ready", "snapshot",
-            "snapshot-failed", "end", "detached", "removed");
+    private static final List<String> OWN_EVENTS =
+            List.of(
+                    "joined",
+                    "left",
+                    "acted",
+                    "law-loaded",
+                    "law-unloaded",
+                    "fault",
+                    "missed",
+                    "waiting",
+                    "ready",
+                    "snapshot",
+                    "snapshot-failed",
+                    "end",
+                    "detached",
+                    "removed");
+
     private static final List<String> OWN_FIELDS = List.of("item", "action", "actor");
     private static final String PHYSICAL = "physical.";
     private static final String LOCATION = "physical.location";
@@ -47,8 +73,13 @@ final class EffectReader {
     private final Definitions definitions;
     private final Problems problems;
 
-    EffectReader(String action, Owner owner, PhysicsReader physics, OperandReader operands,
-            Definitions definitions, Problems problems) {
+    EffectReader(
+            String action,
+            Owner owner,
+            PhysicsReader physics,
+            OperandReader operands,
+            Definitions definitions,
+            Problems problems) {
         this.action = action;
         this.owner = owner;
         this.physics = physics;
@@ -61,8 +92,13 @@ final class EffectReader {
         List<Node> given = EFFECTS.stream().map(node::get).flatMap(Optional::stream).toList();
         if (given.size() != 1) {
             if (node.isMapping() && !problems.isMisspelt(node)) {
-                problems.add(node, node.label() + ": an effect is exactly one of `"
-                        + String.join("`, `", EFFECTS) + "`, found " + given.size());
+                problems.add(
+                        node,
+                        node.label()
+                                + ": an effect is exactly one of `"
+                                + String.join("`, `", EFFECTS)
+                                + "`, found "
+                                + given.size());
             }
             return Optional.empty();
         }
@@ -70,10 +106,17 @@ final class EffectReader {
         if (!companionsFit(node, what)) {
             return Optional.empty();
         }
-        Optional<Subject> of = node.get("item").isEmpty() ? Optional.of(Subject.ITEM)
-                : subject(node.get("item").get());
-        return of.isEmpty() ? Optional.empty() : read(node, what, of.get(),
-                of.get().equals(Subject.ITEM) ? owner : someBody(of.get()));
+        Optional<Subject> of =
+                node.get("item").isEmpty()
+                        ? Optional.of(Subject.ITEM)
+                        : subject(node.get("item").get());
+        return of.isEmpty()
+                ? Optional.empty()
+                : read(
+                        node,
+                        what,
+                        of.get(),
+                        of.get().equals(Subject.ITEM) ? owner : someBody(of.get()));
     }
 
     /** Actors, and items that are given as arguments, may have everything that bodies have. */
@@ -85,8 +128,9 @@ final class EffectReader {
         for (Map.Entry<String, List<String>> companion : COMPANIONS.entrySet()) {
             Optional<Node> given = node.get(companion.getKey());
             if (given.isPresent() && !companion.getValue().contains(what.key())) {
-                problems.add(given.get(), "`" + companion.getKey() + "` does not go with `"
-                        + what.key() + "`");
+                problems.add(
+                        given.get(),
+                        "`" + companion.getKey() + "` does not go with `" + what.key() + "`");
                 return false;
             }
         }
@@ -100,15 +144,20 @@ final class EffectReader {
     private Optional<Effect> read(Node node, Node what, Subject of, Owner whose)
             throws WorldFileException {
         return switch (what.key()) {
-            case "impulse" -> vector(what, whose, Effect.Impulse.UNIT)
-                    .map(impulse -> new Effect.Impulse(of, impulse));
+            case "impulse" ->
+                    vector(what, whose, Effect.Impulse.UNIT)
+                            .map(impulse -> new Effect.Impulse(of, impulse));
             case "force" -> force(node, what, of, whose);
             case "set" -> set(what, node.get("to").orElseThrow(), of, whose);
             case "symbol" -> symbol(what, node.get("to").orElseThrow(), of, whose);
-            case "attach" -> requireBody(what, whose) ? subject(what)
-                    .map(to -> new Effect.Attach(of, to)) : Optional.empty();
-            case "detach" -> requireBody(what, whose) ? Optional.of(new Effect.Detach(of))
-                    : Optional.empty();
+            case "attach" ->
+                    requireBody(what, whose)
+                            ? subject(what).map(to -> new Effect.Attach(of, to))
+                            : Optional.empty();
+            case "detach" ->
+                    requireBody(what, whose)
+                            ? Optional.of(new Effect.Detach(of))
+                            : Optional.empty();
             case "remove" -> Optional.of(new Effect.Remove(of));
             case "create" -> create(node, what);
             default -> raise(node, what);
@@ -122,10 +171,14 @@ final class EffectReader {
             return Optional.of(new Subject(name));
         }
         Optional<Parameter> parameter = operands.parameters().get(name);
-        if (parameter == null || parameter.isPresent()
-                && parameter.get().type() != ParameterType.ITEM) {
-            problems.add(node, node.label() + ": found " + node.describe()
-                    + ", expected `item`, `actor` or the name of a parameter of type item");
+        if (parameter == null
+                || parameter.isPresent() && parameter.get().type() != ParameterType.ITEM) {
+            problems.add(
+                    node,
+                    node.label()
+                            + ": found "
+                            + node.describe()
+                            + ", expected `item`, `actor` or the name of a parameter of type item");
             return Optional.empty();
         }
         return parameter.map(Subject::argument);
@@ -134,11 +187,13 @@ final class EffectReader {
     private Optional<Operand> vector(Node node, Owner whose, Unit unit) {
         if (!whose.kind().equals(WorldPrototype.BODY)) {
             String article = node.key().equals("impulse") ? "an " : "a ";
-            problems.addAtKey(node, "only bodies take " + article + node.key() + ", this is a "
-                    + whose.kind());
+            problems.addAtKey(
+                    node,
+                    "only bodies take " + article + node.key() + ", this is a " + whose.kind());
             return Optional.empty();
         }
-        return requirePhysics(node, whose) ? operands.numbers(node, 3, unit, ScalarType.F64)
+        return requirePhysics(node, whose)
+                ? operands.numbers(node, 3, unit, ScalarType.F64)
                 : Optional.empty();
     }
 
@@ -167,19 +222,34 @@ final class EffectReader {
         if (target.startsWith(PHYSICS)) {
             return property(what, target.substring(PHYSICS.length()), whose)
                     .filter(property -> requirePhysics(what, whose))
-                    .flatMap(property -> numbers(to, property).map(operand ->
-                            new Effect.SetProperty(of, property.name(), operand)));
+                    .flatMap(
+                            property ->
+                                    numbers(to, property)
+                                            .map(
+                                                    operand ->
+                                                            new Effect.SetProperty(
+                                                                    of, property.name(), operand)));
         }
         return switch (body ? target : "") {
             case COLOUR -> operands.colour(to).map(operand -> new Effect.SetColour(of, operand));
-            case LOCATION -> operands.numbers(to, 3, Effect.SetLocation.UNIT, real())
-                    .map(operand -> new Effect.SetLocation(of, operand));
-            case ORIENTATION -> operands.numbers(to, 4, Unit.ONE, real())
-                    .map(operand -> new Effect.SetOrientation(of, operand));
+            case LOCATION ->
+                    operands.numbers(to, 3, Effect.SetLocation.UNIT, real())
+                            .map(operand -> new Effect.SetLocation(of, operand));
+            case ORIENTATION ->
+                    operands.numbers(to, 4, Unit.ONE, real())
+                            .map(operand -> new Effect.SetOrientation(of, operand));
             default -> {
-                problems.add(what, "set: found " + what.describe() + ", expected physics.PROPERTY"
-                        + (body ? ", " + String.join(", ", LOCATION, ORIENTATION) + " or "
-                                + COLOUR : ""));
+                problems.add(
+                        what,
+                        "set: found "
+                                + what.describe()
+                                + ", expected physics.PROPERTY"
+                                + (body
+                                        ? ", "
+                                                + String.join(", ", LOCATION, ORIENTATION)
+                                                + " or "
+                                                + COLOUR
+                                        : ""));
                 yield Optional.empty();
             }
         };
@@ -191,13 +261,20 @@ final class EffectReader {
 
     /** A numeric property. */
     private Optional<PropertyDescriptor> property(Node where, String name, Owner whose) {
-        return physics.find(where, name, whose.kind()).filter(property -> {
-            if (property.type() == ScalarType.REF) {
-                problems.add(where, where.label() + ": " + property.name()
-                        + " refers to an item, which an action cannot change");
-            }
-            return property.type() != ScalarType.REF;
-        });
+        return physics.find(where, name, whose.kind())
+                .filter(
+                        property -> {
+                            if (property.type() == ScalarType.REF) {
+                                problems.add(
+                                        where,
+                                        where.label()
+                                                + ": "
+                                                + property.name()
+                                                + " refers to an item, which an action cannot"
+                                                + " change");
+                            }
+                            return property.type() != ScalarType.REF;
+                        });
     }
 
     private Optional<Operand> numbers(Node node, PropertyDescriptor property) {
@@ -214,8 +291,8 @@ final class EffectReader {
     private boolean requireBody(Node node, Owner whose) {
         boolean body = whose.kind().equals(WorldPrototype.BODY);
         if (!body) {
-            problems.addAtKey(node, "only bodies are attached to each other, this is a "
-                    + whose.kind());
+            problems.addAtKey(
+                    node, "only bodies are attached to each other, this is a " + whose.kind());
         }
         return body;
     }
@@ -232,8 +309,9 @@ final class EffectReader {
     private boolean isSettable(Node node, String symbol) {
         boolean derived = ItemSymbols.DERIVED.contains(symbol);
         if (derived) {
-            problems.add(node, node.label() + ": " + symbol
-                    + " is derived by the world and cannot be set");
+            problems.add(
+                    node,
+                    node.label() + ": " + symbol + " is derived by the world and cannot be set");
         }
         return !derived;
     }
@@ -242,7 +320,8 @@ final class EffectReader {
         Optional<ItemDefinition> definition = definitions.read(what);
         Map<String, Operand> with = new LinkedHashMap<>();
         for (Node value : node.get("with").map(Node::children).orElse(List.of())) {
-            definition.flatMap(item -> part(value, item))
+            definition
+                    .flatMap(item -> part(value, item))
                     .ifPresent(operand -> with.put(value.key(), operand));
         }
         return definition.map(item -> new Effect.Create(item, with));
@@ -258,7 +337,8 @@ final class EffectReader {
         }
         if (name.startsWith(SEMANTIC)) {
             String symbol = name.substring(SEMANTIC.length());
-            return isSettable(value, symbol) ? operands.symbol(value, item.name(), symbol)
+            return isSettable(value, symbol)
+                    ? operands.symbol(value, item.name(), symbol)
                     : Optional.empty();
         }
         return switch (item.kind().equals(WorldPrototype.BODY) ? name : "") {
@@ -266,9 +346,17 @@ final class EffectReader {
             case ORIENTATION -> operands.numbers(value, 4, Unit.ONE, real());
             case COLOUR -> operands.colour(value);
             default -> {
-                problems.addAtKey(value, "found `" + Node.shorten(name) + "`, expected "
-                        + PHYSICS + "PROPERTY, " + SEMANTIC + "SYMBOL, or of a body " + PHYSICAL
-                        + "location, orientation or colour");
+                problems.addAtKey(
+                        value,
+                        "found `"
+                                + Node.shorten(name)
+                                + "`, expected "
+                                + PHYSICS
+                                + "PROPERTY, "
+                                + SEMANTIC
+                                + "SYMBOL, or of a body "
+                                + PHYSICAL
+                                + "location, orientation or colour");
                 yield Optional.empty();
             }
         };
@@ -277,10 +365,14 @@ final class EffectReader {
     private Optional<Effect> raise(Node node, Node what) {
         Optional<String> event = what.text();
         if (event.filter(OWN_EVENTS::contains).isPresent()) {
-            problems.add(what, "raise: the event " + event.get()
-                    + " is the server's own; choose a name other than "
-                    + String.join(", ", OWN_EVENTS.subList(0, OWN_EVENTS.size() - 1)) + " and "
-                    + OWN_EVENTS.getLast());
+            problems.add(
+                    what,
+                    "raise: the event "
+                            + event.get()
+                            + " is the server's own; choose a name other than "
+                            + String.join(", ", OWN_EVENTS.subList(0, OWN_EVENTS.size() - 1))
+                            + " and "
+                            + OWN_EVENTS.getLast());
             return Optional.empty();
         }
         Map<String, Operand> with = new LinkedHashMap<>();

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
 
 import java.util.Optional;
@@ -9,8 +10,8 @@ import java.util.regex.Pattern;
  * with an exception of its own at some, and takes halves of characters.
  */
 final class Escapes {
-    private static final Pattern ESCAPE = Pattern.compile(
-            "\\\\(?:u([0-9A-Fa-f]{4})|U([0-9A-Fa-f]{8})|\\R|.)", Pattern.DOTALL);
+    private static final Pattern ESCAPE =
+            Pattern.compile("\\\\(?:u([0-9A-Fa-f]{4})|U([0-9A-Fa-f]{8})|\\R|.)", Pattern.DOTALL);
 
     /**
      * An escape that is wrong.
@@ -25,7 +26,8 @@ final class Escapes {
     /** Whether a text holds half a character. */
     static boolean hasHalf(String text) {
         for (int i = 0; i < text.length(); i++) {
-            if (Character.isHighSurrogate(text.charAt(i)) && i + 1 < text.length()
+            if (Character.isHighSurrogate(text.charAt(i))
+                    && i + 1 < text.length()
                     && Character.isLowSurrogate(text.charAt(i + 1))) {
                 i++;
             } else if (Character.isSurrogate(text.charAt(i))) {
@@ -43,19 +45,32 @@ final class Escapes {
             at = escape.end();
             long code = code(escape);
             if (code > Character.MAX_CODE_POINT) {
-                return Optional.of(new Wrong(escape.start(), "`" + escape.group()
-                        + "` is no character; the last one is `\\U0010FFFF`"));
+                return Optional.of(
+                        new Wrong(
+                                escape.start(),
+                                "`"
+                                        + escape.group()
+                                        + "` is no character; the last one is `\\U0010FFFF`"));
             }
             if (!isHalf(code)) {
                 continue;
             }
             int begin = escape.start();
             String half = escape.group();
-            boolean whole = isHigh(code) && escape.find(at) && escape.start() == at
-                    && isHalf(code(escape)) && !isHigh(code(escape));
+            boolean whole =
+                    isHigh(code)
+                            && escape.find(at)
+                            && escape.start() == at
+                            && isHalf(code(escape))
+                            && !isHigh(code(escape));
             if (!whole) {
-                return Optional.of(new Wrong(begin, "`" + half + "` is half a character; write "
-                        + "the character itself, or both halves, as in `\\uD83D\\uDE00`"));
+                return Optional.of(
+                        new Wrong(
+                                begin,
+                                "`"
+                                        + half
+                                        + "` is half a character; write the character itself, or"
+                                        + " both halves, as in `\\uD83D\\uDE00`"));
             }
             at = escape.end();
         }

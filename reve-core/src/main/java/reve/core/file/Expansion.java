@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
 
 import java.util.List;
@@ -7,8 +8,10 @@ import java.util.Optional;
 final class Expansion {
     /** Most values that come of it. */
     static final int MAX_VALUES = 10_000_000;
+
     /** Most items, with their repetitions. */
     static final int MAX_ITEMS = 1_000_000;
+
     /** Most formulas that are worked out for all repetitions. */
     static final int MAX_FORMULAS = 10_000_000;
 
@@ -17,7 +20,9 @@ final class Expansion {
     private final Room values;
     private final Prefabs prefabs;
 
-    /** @param source of which the prefabs are */
+    /**
+     * @param source of which the prefabs are
+     */
     Expansion(WorldSource source, Problems problems) throws WorldFileException {
         this.problems = problems;
         this.files = source.files();
@@ -44,29 +49,48 @@ final class Expansion {
             this.problems = problems;
         }
 
-        /** @throws WorldFileException at the item if there is no room for it and those like it */
+        /**
+         * @throws WorldFileException at the item if there is no room for it and those like it
+         */
         void requireItems(long count, Node item) throws WorldFileException {
             if (!itemsLeft.take(count)) {
-                throw problems.of(item.file()).fatal(item.line(), item.column(), "more than "
-                        + MAX_ITEMS + " items with their repetitions");
+                throw problems.of(item.file())
+                        .fatal(
+                                item.line(),
+                                item.column(),
+                                "more than " + MAX_ITEMS + " items with their repetitions");
             }
         }
 
-        /** @throws WorldFileException at the item if its repetitions have too many formulas */
+        /**
+         * @throws WorldFileException at the item if its repetitions have too many formulas
+         */
         void requireFormulas(long count, Node item) throws WorldFileException {
             if (!formulasLeft.take(count)) {
-                throw problems.of(item.file()).fatal(item.line(), item.column(), "more than "
-                        + MAX_FORMULAS + " formulas in all items with their repetitions; a text "
-                        + "counts as one more for each 64 characters");
+                throw problems.of(item.file())
+                        .fatal(
+                                item.line(),
+                                item.column(),
+                                "more than "
+                                        + MAX_FORMULAS
+                                        + " formulas in all items with their repetitions; a text "
+                                        + "counts as one more for each 64 characters");
             }
         }
 
-        /** @throws WorldFileException at the item if there is no room for its values */
+        /**
+         * @throws WorldFileException at the item if there is no room for its values
+         */
         void require(long count, Node item) throws WorldFileException {
             if (!left.take(count)) {
-                throw problems.of(item.file()).fatal(item.line(), item.column(), "more than "
-                        + MAX_VALUES + " values in all items with what they are like and their "
-                        + "repetitions");
+                throw problems.of(item.file())
+                        .fatal(
+                                item.line(),
+                                item.column(),
+                                "more than "
+                                        + MAX_VALUES
+                                        + " values in all items with what they are like and their "
+                                        + "repetitions");
             }
         }
     }
@@ -112,7 +136,10 @@ final class Expansion {
         }
         Optional<Repetition> repetition = Repetition.read(repeat.get(), files, problems);
         if (repetition.isPresent()) {
-            repeat(complete.without("repeat"), repetition.get(), repeat.get().text().isPresent(),
+            repeat(
+                    complete.without("repeat"),
+                    repetition.get(),
+                    repeat.get().text().isPresent(),
                     sink);
         }
     }
@@ -124,13 +151,22 @@ final class Expansion {
         }
         var template = new Template(item, repetition.variables(), problems);
         values.require(Math.min(repetition.count(), MAX_VALUES) * (1 + template.size()), item);
-        values.requireFormulas(Math.min(repetition.count(), MAX_FORMULAS + 1L)
-                * template.formulas(), item);
-        Optional<Node> fixed = item.get("name").filter(node -> node.text()
-                .filter(name -> name.indexOf('{') < 0).isPresent());
+        values.requireFormulas(
+                Math.min(repetition.count(), MAX_FORMULAS + 1L) * template.formulas(), item);
+        Optional<Node> fixed =
+                item.get("name")
+                        .filter(
+                                node ->
+                                        node.text()
+                                                .filter(name -> name.indexOf('{') < 0)
+                                                .isPresent());
         if (fixed.isPresent() && repetition.count() > 1) {
-            problems.add(fixed.get(), "name: the item is repeated, so its name needs a formula, "
-                    + "as in `ball-{" + repetition.variables().getFirst() + "}`");
+            problems.add(
+                    fixed.get(),
+                    "name: the item is repeated, so its name needs a formula, "
+                            + "as in `ball-{"
+                            + repetition.variables().getFirst()
+                            + "}`");
             return;
         }
         sink.accept(template, repetition);

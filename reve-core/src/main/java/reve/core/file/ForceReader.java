@@ -1,4 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
+
+import reve.core.unit.Unit;
+import reve.core.world.ItemDefinition;
+import reve.core.world.ScalarType;
 
 import java.util.ArrayList;
 import java.util.Arrays;
@@ -6,9 +11,6 @@ import java.util.List;
 import java.util.Optional;
 import java.util.Set;
 import java.util.stream.Collectors;
-import reve.core.unit.Unit;
-import reve.core.world.ItemDefinition;
-import reve.core.world.ScalarType;
 
 /** Reads the forces that act when a world begins; the items are known by then. */
 final class ForceReader {
@@ -25,8 +27,12 @@ final class ForceReader {
     /**
      * @param items those of the file, without those that have a problem
      */
-    ForceReader(ItemNames names, List<ItemDefinition> items, PhysicsReader physics,
-            Doubts doubts, Problems problems) {
+    ForceReader(
+            ItemNames names,
+            List<ItemDefinition> items,
+            PhysicsReader physics,
+            Doubts doubts,
+            Problems problems) {
         this.physics = physics;
         this.names = names;
         this.items = items;
@@ -39,8 +45,11 @@ final class ForceReader {
     /** In the order of the file, without those that have a problem. */
     List<LastingForce> readAll(Node list) {
         List<LastingForce> forces = new ArrayList<>();
-        Set<String> immovable = items.stream().filter(ForceReader::isImmovable)
-                .map(ItemDefinition::name).collect(Collectors.toSet());
+        Set<String> immovable =
+                items.stream()
+                        .filter(ForceReader::isImmovable)
+                        .map(ItemDefinition::name)
+                        .collect(Collectors.toSet());
         for (Node node : list.children()) {
             if (problems.full()) {
                 break;
@@ -48,13 +57,22 @@ final class ForceReader {
             Optional<String> item = node.get("item").flatMap(names::physicalBody);
             Optional<double[]> newtons = node.get("force").flatMap(this::newtons);
             Optional<Double> frames = node.get("frames").flatMap(Node::number);
-            item.filter(immovable::contains).ifPresent(name -> doubts.refuse(
-                    node.get("item").orElseThrow(), "item: `" + Node.shorten(name)
-                            + "` has mass 0, so no force moves it; give it a mass, or leave the "
-                            + "force out", problems));
+            item.filter(immovable::contains)
+                    .ifPresent(
+                            name ->
+                                    doubts.refuse(
+                                            node.get("item").orElseThrow(),
+                                            "item: `"
+                                                    + Node.shorten(name)
+                                                    + "` has mass 0, so no force moves it; give it"
+                                                    + " a mass, or leave the force out",
+                                            problems));
             if (item.isPresent() && newtons.isPresent() && frames.isPresent()) {
-                forces.add(new LastingForce(item.get(),
-                        Arrays.stream(newtons.get()).boxed().toList(), frames.get().longValue()));
+                forces.add(
+                        new LastingForce(
+                                item.get(),
+                                Arrays.stream(newtons.get()).boxed().toList(),
+                                frames.get().longValue()));
             }
         }
         return forces;
@@ -65,13 +83,20 @@ final class ForceReader {
     }
 
     private Optional<double[]> newtons(Node force) {
-        return quantities.numbers(force, 3, NEWTON).filter(newtons -> {
-            boolean fits = Arrays.stream(newtons).allMatch(real::holds);
-            if (!fits) {
-                problems.add(force, "force: " + Arrays.toString(newtons)
-                        + " N is not within the range of a 32-bit real; use prototype si-f64");
-            }
-            return fits && physics.isWorkable(force, newtons);
-        });
+        return quantities
+                .numbers(force, 3, NEWTON)
+                .filter(
+                        newtons -> {
+                            boolean fits = Arrays.stream(newtons).allMatch(real::holds);
+                            if (!fits) {
+                                problems.add(
+                                        force,
+                                        "force: "
+                                                + Arrays.toString(newtons)
+                                                + " N is not within the range of a 32-bit real; use"
+                                                + " prototype si-f64");
+                            }
+                            return fits && physics.isWorkable(force, newtons);
+                        });
     }
 }

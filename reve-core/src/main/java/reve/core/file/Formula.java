@@ -1,6 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
 
 import reve.core.text.Suggestion;
+
 import java.util.ArrayList;
 import java.util.List;
 import java.util.Map;
@@ -10,27 +12,29 @@ import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 
 /**
- * Arithmetic with the numbers of a repetition: {@code 0.1 * i}, {@code [cos(i), sin(i), 0]},
- * {@code 3 * ball(7)}. A value is one number or a list of them; operators and functions work on
- * each. The same values on every machine. Immutable.
+ * Arithmetic with the numbers of a repetition: {@code 0.1 * i}, {@code [cos(i), sin(i), 0]}, {@code
+ * 3 * ball(7)}. A value is one number or a list of them; operators and functions work on each. The
+ * same values on every machine. Immutable.
  */
 final class Formula {
     /** Longest formula [characters], and so its deepest nesting. */
     static final int MAX_LENGTH = 512;
 
-    private static final Pattern TOKEN = Pattern.compile(
-            "\\s*(?:(\\d++(?:\\.\\d*+)?(?:[eE][+-]?\\d++)?|\\.\\d++(?:[eE][+-]?\\d++)?)"
-                    + "|([A-Za-z][A-Za-z0-9_.]*+)|(\\S)|$)");
+    private static final Pattern TOKEN =
+            Pattern.compile(
+                    "\\s*(?:(\\d++(?:\\.\\d*+)?(?:[eE][+-]?\\d++)?|\\.\\d++(?:[eE][+-]?\\d++)?)"
+                            + "|([A-Za-z][A-Za-z0-9_.]*+)|(\\S)|$)");
     private static final Map<String, Double> CONSTANTS = Map.of("pi", Math.PI);
-    private static final Map<String, DoubleUnaryOperator> FUNCTIONS = Map.ofEntries(
-            Map.entry("sin", StrictMath::sin), Map.entry("cos", StrictMath::cos),
-            Map.entry("tan", StrictMath::tan), Map.entry("asin", StrictMath::asin),
-            Map.entry("acos", StrictMath::acos), Map.entry("atan", StrictMath::atan),
-            Map.entry("sqrt", StrictMath::sqrt), Map.entry("cbrt", StrictMath::cbrt),
-            Map.entry("exp", StrictMath::exp), Map.entry("log", StrictMath::log),
-            Map.entry("abs", StrictMath::abs), Map.entry("floor", StrictMath::floor));
-    private static final Map<String, DoubleBinaryOperator> FUNCTIONS_OF_TWO = Map.of(
-            "min", Math::min, "max", Math::max, "atan2", StrictMath::atan2);
+    private static final Map<String, DoubleUnaryOperator> FUNCTIONS =
+            Map.ofEntries(
+                    Map.entry("sin", StrictMath::sin), Map.entry("cos", StrictMath::cos),
+                    Map.entry("tan", StrictMath::tan), Map.entry("asin", StrictMath::asin),
+                    Map.entry("acos", StrictMath::acos), Map.entry("atan", StrictMath::atan),
+                    Map.entry("sqrt", StrictMath::sqrt), Map.entry("cbrt", StrictMath::cbrt),
+                    Map.entry("exp", StrictMath::exp), Map.entry("log", StrictMath::log),
+                    Map.entry("abs", StrictMath::abs), Map.entry("floor", StrictMath::floor));
+    private static final Map<String, DoubleBinaryOperator> FUNCTIONS_OF_TWO =
+            Map.of("min", Math::min, "max", Math::max, "atan2", StrictMath::atan2);
 
     /** What a formula is worth in one repetition. */
     private interface Term {
@@ -56,8 +60,10 @@ final class Formula {
 
     /** Whether a name means something in every formula. */
     static boolean isTaken(String name) {
-        return CONSTANTS.containsKey(name) || FUNCTIONS.containsKey(name)
-                || FUNCTIONS_OF_TWO.containsKey(name) || RandomNumbers.FUNCTIONS.containsKey(name);
+        return CONSTANTS.containsKey(name)
+                || FUNCTIONS.containsKey(name)
+                || FUNCTIONS_OF_TWO.containsKey(name)
+                || RandomNumbers.FUNCTIONS.containsKey(name);
     }
 
     /**
@@ -81,13 +87,13 @@ final class Formula {
 
     private static double[] combine(double[] a, double[] b, DoubleBinaryOperator operator) {
         if (a.length != b.length && a.length != 1 && b.length != 1) {
-            throw new IllegalArgumentException("combines " + a.length + " numbers with "
-                    + b.length);
+            throw new IllegalArgumentException(
+                    "combines " + a.length + " numbers with " + b.length);
         }
         double[] combined = new double[Math.max(a.length, b.length)];
         for (int i = 0; i < combined.length; i++) {
-            combined[i] = operator.applyAsDouble(a[a.length == 1 ? 0 : i],
-                    b[b.length == 1 ? 0 : i]);
+            combined[i] =
+                    operator.applyAsDouble(a[a.length == 1 ? 0 : i], b[b.length == 1 ? 0 : i]);
         }
         return combined;
     }
@@ -139,8 +145,12 @@ final class Formula {
         }
 
         private IllegalArgumentException unexpected(String expected) {
-            return new IllegalArgumentException("has " + (next.isEmpty() ? "its end"
-                    : "`" + next + "`") + " where " + expected + " is expected");
+            return new IllegalArgumentException(
+                    "has "
+                            + (next.isEmpty() ? "its end" : "`" + next + "`")
+                            + " where "
+                            + expected
+                            + " is expected");
         }
 
         private Term sum() {
@@ -181,8 +191,11 @@ final class Formula {
         }
 
         private static Term operation(Term left, Term right, DoubleBinaryOperator operator) {
-            return (variables, number) -> combine(left.value(variables, number),
-                    right.value(variables, number), operator);
+            return (variables, number) ->
+                    combine(
+                            left.value(variables, number),
+                            right.value(variables, number),
+                            operator);
         }
 
         private Term single() {
@@ -232,8 +245,8 @@ final class Formula {
 
         private static double one(double[] values, String where) {
             if (values.length != 1) {
-                throw new IllegalArgumentException("has a list where " + where
-                        + " takes one number");
+                throw new IllegalArgumentException(
+                        "has a list where " + where + " takes one number");
             }
             return values[0];
         }
@@ -245,9 +258,13 @@ final class Formula {
             }
             Double constant = CONSTANTS.get(name);
             if (constant == null) {
-                throw new IllegalArgumentException("names `" + name + "`, which is unknown; known "
-                        + "are " + String.join(", ", variables)
-                        + Suggestion.of(name, variables));
+                throw new IllegalArgumentException(
+                        "names `"
+                                + name
+                                + "`, which is unknown; known "
+                                + "are "
+                                + String.join(", ", variables)
+                                + Suggestion.of(name, variables));
             }
             return constant(constant);
         }
@@ -261,8 +278,8 @@ final class Formula {
             }
             int count = ofTwo != null ? 2 : 1;
             if (arguments.size() != count) {
-                throw new IllegalArgumentException("gives " + name + " " + arguments.size()
-                        + " arguments, expected " + count);
+                throw new IllegalArgumentException(
+                        "gives " + name + " " + arguments.size() + " arguments, expected " + count);
             }
             Term first = arguments.getFirst();
             if (ofTwo != null) {
@@ -271,8 +288,10 @@ final class Formula {
             if (function != null) {
                 return (variables, number) -> map(first.value(variables, number), function);
             }
-            return (variables, number) -> random.value(new RandomNumbers(
-                    (long) one(first.value(variables, number), name), number));
+            return (variables, number) ->
+                    random.value(
+                            new RandomNumbers(
+                                    (long) one(first.value(variables, number), name), number));
         }
     }
 }

@@ -1,4 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
+
+import reve.core.world.WorldPrototype;
 
 import java.util.ArrayList;
 import java.util.HashSet;
@@ -8,14 +11,16 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
-import reve.core.world.WorldPrototype;
 
 /** Which items a world file has, by name, and where it mentions them. */
 final class ItemNames {
     private final Problems problems;
+
     /** Of several items with one name, the first. */
     private final Map<String, Entry> byName = new LinkedHashMap<>();
+
     private final List<Mention> mentions = new ArrayList<>();
+
     /** Where items name their parents, by the items' names. */
     private final Map<String, Node> parents = new LinkedHashMap<>();
 
@@ -33,8 +38,13 @@ final class ItemNames {
     boolean add(Node name, String kind, boolean hasPhysics) {
         String text = name.text().orElseThrow();
         Entry first = byName.putIfAbsent(text, new Entry(name, kind, hasPhysics));
-        return first == null || refuse(name, "duplicate item name `" + Node.shorten(text)
-                + "`, first " + Problems.place(first.name, name));
+        return first == null
+                || refuse(
+                        name,
+                        "duplicate item name `"
+                                + Node.shorten(text)
+                                + "`, first "
+                                + Problems.place(first.name, name));
     }
 
     /** To be resolved when all items are known. */
@@ -65,38 +75,60 @@ final class ItemNames {
         List<String> names = new ArrayList<>();
         Set<String> seen = new HashSet<>();
         for (Node node : list.children()) {
-            node.text().ifPresent(name -> {
-                if (resolve(new Mention(node, WorldPrototype.BODY, false)) && !seen.add(name)) {
-                    refuse(node, node.label() + ": `" + name + "` is listed twice");
-                }
-                names.add(name);
-            });
+            node.text()
+                    .ifPresent(
+                            name -> {
+                                if (resolve(new Mention(node, WorldPrototype.BODY, false))
+                                        && !seen.add(name)) {
+                                    refuse(node, node.label() + ": `" + name + "` is listed twice");
+                                }
+                                names.add(name);
+                            });
         }
         return names;
     }
 
     /** The name of a body that takes part in physics; empty and a problem noted for any other. */
     Optional<String> physicalBody(Node name) {
-        return name.text().filter(
-                text -> resolve(new Mention(name, WorldPrototype.BODY, true)));
+        return name.text().filter(text -> resolve(new Mention(name, WorldPrototype.BODY, true)));
     }
 
-    /** @return false and a problem noted if it is of no item that is as it should be */
+    /**
+     * @return false and a problem noted if it is of no item that is as it should be
+     */
     private boolean resolve(Mention mention) {
         Node target = mention.target;
         String name = target.text().orElseThrow();
         Entry entry = byName.get(name);
         if (entry == null) {
-            return refuse(target, target.label() + ": no item is named `" + Node.shorten(name)
-                    + "`" + problems.suggestion(name, byName.keySet()));
+            return refuse(
+                    target,
+                    target.label()
+                            + ": no item is named `"
+                            + Node.shorten(name)
+                            + "`"
+                            + problems.suggestion(name, byName.keySet()));
         }
         if (!entry.kind.equals(mention.kind)) {
-            return refuse(target, target.label() + ": `" + name + "` is a " + entry.kind
-                    + ", expected a " + mention.kind);
+            return refuse(
+                    target,
+                    target.label()
+                            + ": `"
+                            + name
+                            + "` is a "
+                            + entry.kind
+                            + ", expected a "
+                            + mention.kind);
         }
-        return !mention.needsPhysics || entry.hasPhysics
-                || refuse(target, target.label() + ": `" + name + "` has no `physics`, so nothing "
-                        + "can hold on to it; mass 0 makes a body immovable");
+        return !mention.needsPhysics
+                || entry.hasPhysics
+                || refuse(
+                        target,
+                        target.label()
+                                + ": `"
+                                + name
+                                + "` has no `physics`, so nothing "
+                                + "can hold on to it; mass 0 makes a body immovable");
     }
 
     private boolean refuse(Node node, String message) {
@@ -113,9 +145,12 @@ final class ItemNames {
             while (parents.containsKey(next) && !free.contains(next)) {
                 Node parent = parents.get(next);
                 if (!path.add(next)) {
-                    problems.add(parent, "parent: `" + Node.shorten(next)
-                            + "` would be its own parent, by way of "
-                            + Node.shorten(String.join(", ", path)));
+                    problems.add(
+                            parent,
+                            "parent: `"
+                                    + Node.shorten(next)
+                                    + "` would be its own parent, by way of "
+                                    + Node.shorten(String.join(", ", path)));
                     break;
                 }
                 next = parent.text().orElseThrow();

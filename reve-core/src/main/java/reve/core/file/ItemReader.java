@@ -1,4 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
+
+import reve.core.mesh.Assets;
+import reve.core.world.Action;
+import reve.core.world.ItemDefinition;
+import reve.core.world.PropertyDescriptor;
+import reve.core.world.SemanticAspect;
+import reve.core.world.SymbolDescriptor;
+import reve.core.world.SymbolType;
+import reve.core.world.WorldPrototype;
 
 import java.util.ArrayList;
 import java.util.HashMap;
@@ -12,25 +22,21 @@ import java.util.function.BiConsumer;
 import java.util.function.BiFunction;
 import java.util.function.Consumer;
 import java.util.function.Function;
-import reve.core.mesh.Assets;
-import reve.core.world.Action;
-import reve.core.world.ItemDefinition;
-import reve.core.world.PropertyDescriptor;
-import reve.core.world.SemanticAspect;
-import reve.core.world.SymbolDescriptor;
-import reve.core.world.SymbolType;
-import reve.core.world.WorldPrototype;
 
 /** Reads items with their four aspects, and then what they say about each other. */
 final class ItemReader {
     private final WorldPrototype prototype;
     private final Completion completion;
+
     /** How deep actions that create items may stand in the actions of items that are created. */
     private static final int MAX_CREATED_DEPTH = 8;
+
     /** Most items that actions create, each as often as it is read. */
     private static final int MAX_CREATED = 10_000;
+
     /** Most values that are read for single items. */
     static final int MAX_READ = 2_000_000;
+
     /** Values of an aspect that are not counted, except those of actions. */
     private static final int FREE_VALUES = 16;
 
@@ -42,10 +48,13 @@ final class ItemReader {
     private final SensorReader sensors;
     private final ItemNames names;
     private final BodyCheck bodies;
+
     /** Begins the definition of an item of a name, which it may refuse. */
     private final Function<String, ItemDefinition.Builder> beginning;
+
     /** What was read of the aspects that items have wholly from prefabs. */
     private final Map<SharedAspect, ItemDefinition> shared = new HashMap<>();
+
     private final Allowance created = new Allowance(MAX_CREATED);
     private final Allowance work = new Allowance(MAX_READ);
     private int createdDepth;
@@ -63,9 +72,16 @@ final class ItemReader {
         Node complete(Node item) throws WorldFileException;
     }
 
-    /** @param pathOf where a file is that a value names, as the assets take it */
-    ItemReader(WorldPrototype prototype, PhysicsReader physics, Assets assets,
-            BiFunction<Node, String, String> pathOf, Completion completion, Doubts doubts,
+    /**
+     * @param pathOf where a file is that a value names, as the assets take it
+     */
+    ItemReader(
+            WorldPrototype prototype,
+            PhysicsReader physics,
+            Assets assets,
+            BiFunction<Node, String, String> pathOf,
+            Completion completion,
+            Doubts doubts,
             Problems problems) {
         this.prototype = prototype;
         this.completion = completion;
@@ -81,20 +97,21 @@ final class ItemReader {
     }
 
     /** All items under {@code items}, without those that have a problem. */
-    List<ItemDefinition> readAll(List<Node> nodes, Expansion expansion)
-            throws WorldFileException {
+    List<ItemDefinition> readAll(List<Node> nodes, Expansion expansion) throws WorldFileException {
         List<ItemDefinition> items = new ArrayList<>();
-        var sink = new Expansion.Sink() {
-            @Override
-            public void accept(Node item) throws WorldFileException {
-                read(item).ifPresent(items::add);
-            }
+        var sink =
+                new Expansion.Sink() {
+                    @Override
+                    public void accept(Node item) throws WorldFileException {
+                        read(item).ifPresent(items::add);
+                    }
 
-            @Override
-            public void accept(Template item, Repetition repetition) throws WorldFileException {
-                readRepeated(item, repetition, items);
-            }
-        };
+                    @Override
+                    public void accept(Template item, Repetition repetition)
+                            throws WorldFileException {
+                        readRepeated(item, repetition, items);
+                    }
+                };
         expansion.requireRoom(nodes);
         for (Node node : nodes) {
             expansion.expand(node, sink);
@@ -112,8 +129,12 @@ final class ItemReader {
     ItemDefinition readTemplate(Node description) throws WorldFileException {
         Node template = completion.complete(description);
         ItemDefinition.Builder item = ItemDefinition.named("agent");
-        kind(template).filter(kind -> !kind.equals(WorldPrototype.BODY)).ifPresent(kind ->
-                problems.add(template, "body: is like a " + kind + ", expected a body"));
+        kind(template)
+                .filter(kind -> !kind.equals(WorldPrototype.BODY))
+                .ifPresent(
+                        kind ->
+                                problems.add(
+                                        template, "body: is like a " + kind + ", expected a body"));
         readAspects(template, WorldPrototype.BODY, hasPhysics(template), item);
         bodies.check(template, item.build());
         return item.build();
@@ -122,8 +143,8 @@ final class ItemReader {
     /** An item that was kept, without its world: what it says of others is taken as it is. */
     Optional<ItemDefinition> readAlone(Node node) throws WorldFileException {
         Optional<String> kind = kind(node);
-        Optional<ItemDefinition.Builder> item = node.get("name")
-                .flatMap(name -> named(name, kind.orElse(""), hasPhysics(node)));
+        Optional<ItemDefinition.Builder> item =
+                node.get("name").flatMap(name -> named(name, kind.orElse(""), hasPhysics(node)));
         if (kind.isPresent() && item.isPresent()) {
             item.get().kind(kind.get());
             node.get("parent").ifPresent(parent -> readParent(parent, kind.get(), item.get()));
@@ -142,9 +163,14 @@ final class ItemReader {
     /** An item that actions create, any number of times. */
     private Optional<ItemDefinition> readCreated(Node description) throws WorldFileException {
         if (createdDepth == MAX_CREATED_DEPTH || !created.take(1)) {
-            problems.add(description, "create: the actions of a created item may create items "
-                    + "in turn, at most " + MAX_CREATED_DEPTH + " deep and " + MAX_CREATED
-                    + " times in one world; a prefab cannot create itself");
+            problems.add(
+                    description,
+                    "create: the actions of a created item may create items "
+                            + "in turn, at most "
+                            + MAX_CREATED_DEPTH
+                            + " deep and "
+                            + MAX_CREATED
+                            + " times in one world; a prefab cannot create itself");
             return Optional.empty();
         }
         createdDepth++;
@@ -164,15 +190,23 @@ final class ItemReader {
         }
         try {
             ItemDefinition.Builder item = beginning.apply(name.get()).kind(kind.get());
-            node.get("parent").filter(parent -> parent.text().isPresent()).ifPresent(parent -> {
-                item.parent(parent.text().orElseThrow());
-                names.mention(parent, WorldPrototype.BODY, false);
-            });
+            node.get("parent")
+                    .filter(parent -> parent.text().isPresent())
+                    .ifPresent(
+                            parent -> {
+                                item.parent(parent.text().orElseThrow());
+                                names.mention(parent, WorldPrototype.BODY, false);
+                            });
             readAspects(node, kind.get(), hasPhysics(node), item);
             requireReferences(node, kind.get());
-            node.get("repeat").ifPresent(repeat -> problems.addAtKey(repeat,
-                    "`repeat` does not go with `create`, which makes one item each time; write the "
-                            + "effect as often as items are wanted"));
+            node.get("repeat")
+                    .ifPresent(
+                            repeat ->
+                                    problems.addAtKey(
+                                            repeat,
+                                            "`repeat` does not go with `create`, which makes one"
+                                                    + " item each time; write the effect as often as"
+                                                    + " items are wanted"));
             bodies.check(node, item.build());
             return Optional.of(item.build());
         } catch (IllegalArgumentException refused) {
@@ -193,8 +227,9 @@ final class ItemReader {
                 Optional<ItemDefinition> item = read(node);
                 item.ifPresent(items::add);
                 List<Template.Made> parts = template.makeParts(values, n);
-                repeated = item.map(first -> new RepeatedItem(node, first))
-                        .filter(first -> first.differsInSingleValues(parts));
+                repeated =
+                        item.map(first -> new RepeatedItem(node, first))
+                                .filter(first -> first.differsInSingleValues(parts));
             }
         }
     }
@@ -203,22 +238,26 @@ final class ItemReader {
     private Optional<ItemDefinition> readAgain(RepeatedItem first, List<Template.Made> values)
             throws WorldFileException {
         ItemDefinition definition = first.definition();
-        Optional<ItemDefinition.Builder> named = named(first.name(values), definition.kind(),
-                definition.hasPhysics()).map(name -> definition.copy(name.name()));
+        Optional<ItemDefinition.Builder> named =
+                named(first.name(values), definition.kind(), definition.hasPhysics())
+                        .map(name -> definition.copy(name.name()));
         ItemDefinition.Builder item = named.orElseGet(() -> definition.copy("unnamed"));
         for (Template.Made made : values) {
             switch (made.aspect()) {
                 case "physical" -> physical.readPlaceOrColour(made.value(), item);
                 case "semantic" -> readSymbol(made.value(), item);
-                case "physics" -> physics.readProperty(made.value(), definition.kind(),
-                        sink(item, item::physics));
-                default -> { } // the name, and the parent, which comes last
+                case "physics" ->
+                        physics.readProperty(
+                                made.value(), definition.kind(), sink(item, item::physics));
+                default -> {} // the name, and the parent, which comes last
             }
         }
         first.parent(values).ifPresent(parent -> readParent(parent, definition.kind(), item));
         if (!definition.references().isEmpty()) {
-            requireReferences(property -> first.physics(values, property),
-                    first.node().get("physics").orElseThrow(), definition.kind());
+            requireReferences(
+                    property -> first.physics(values, property),
+                    first.node().get("physics").orElseThrow(),
+                    definition.kind());
         }
         Optional<ItemDefinition> read = named.map(ItemDefinition.Builder::build);
         read.ifPresent(complete -> bodies.check(first.node(), complete));
@@ -228,8 +267,8 @@ final class ItemReader {
     /** What an item of that kind holds is checked even if its name is wrong. */
     private Optional<ItemDefinition> read(Node node) throws WorldFileException {
         Optional<String> kind = kind(node);
-        Optional<ItemDefinition.Builder> named = node.get("name")
-                .flatMap(name -> named(name, kind.orElse(""), hasPhysics(node)));
+        Optional<ItemDefinition.Builder> named =
+                node.get("name").flatMap(name -> named(name, kind.orElse(""), hasPhysics(node)));
         ItemDefinition.Builder item = named.orElseGet(() -> ItemDefinition.named("unnamed"));
         if (kind.isPresent()) {
             item.kind(kind.get());
@@ -238,10 +277,11 @@ final class ItemReader {
             requireReferences(node, kind.get());
         }
         Optional<ItemDefinition> read = named.map(ItemDefinition.Builder::build);
-        read.ifPresent(complete -> {
-            refuseMassOfChild(node, complete);
-            bodies.check(node, complete);
-        });
+        read.ifPresent(
+                complete -> {
+                    refuseMassOfChild(node, complete);
+                    bodies.check(node, complete);
+                });
         return read;
     }
 
@@ -251,8 +291,10 @@ final class ItemReader {
             return Optional.empty();
         }
         if (name.get().equals(WorldPrototype.WORLD)) {
-            return refuse(node, "name: `world` is the item that holds the constants; they belong "
-                    + "under `constants`");
+            return refuse(
+                    node,
+                    "name: `world` is the item that holds the constants; they belong "
+                            + "under `constants`");
         }
         if (!names.add(node, kind, hasPhysics)) {
             return Optional.empty();
@@ -269,13 +311,18 @@ final class ItemReader {
         Optional<Node> node = item.get("kind");
         String kind = node.flatMap(Node::text).orElse(WorldPrototype.BODY);
         if (kind.equals(WorldPrototype.WORLD)) {
-            return refuse(node.orElseThrow(),
+            return refuse(
+                    node.orElseThrow(),
                     "kind: there is only one world; its properties belong under `constants`");
         }
         if (!prototype.hasKind(kind)) {
-            return refuse(node.orElseThrow(), "kind: no properties are declared for kind `" + kind
-                    + "`, known are " + Node.list(prototype.kinds())
-                    + problems.suggestion(kind, prototype.kinds()));
+            return refuse(
+                    node.orElseThrow(),
+                    "kind: no properties are declared for kind `"
+                            + kind
+                            + "`, known are "
+                            + Node.list(prototype.kinds())
+                            + problems.suggestion(kind, prototype.kinds()));
         }
         return Optional.of(kind);
     }
@@ -304,32 +351,53 @@ final class ItemReader {
     private void refuseMassOfChild(Node node, ItemDefinition item) {
         boolean massive = item.physics("mass").filter(mass -> mass[0] != 0).isPresent();
         if (massive && item.parent().isPresent()) {
-            problems.add(node.get("physics").flatMap(aspect -> aspect.get("mass"))
-                    .orElse(node), "mass: an item with a `parent` moves with it and not by laws; "
+            problems.add(
+                    node.get("physics").flatMap(aspect -> aspect.get("mass")).orElse(node),
+                    "mass: an item with a `parent` moves with it and not by laws; "
                             + "expected mass 0, or none");
         }
     }
 
-    private void readAspects(Node node, String kind, boolean hasPhysics,
-            ItemDefinition.Builder item) throws WorldFileException {
+    private void readAspects(
+            Node node, String kind, boolean hasPhysics, ItemDefinition.Builder item)
+            throws WorldFileException {
         Optional<Node> place = node.get("physical");
         if (place.isPresent() && kind.equals(WorldPrototype.BODY)) {
-            read(node, place.get(), kind, hasPhysics, item, (aspect, into) -> {
-                requireWork(aspect, FREE_VALUES);
-                physical.read(aspect, into);
-            }, item::physicalOf);
+            read(
+                    node,
+                    place.get(),
+                    kind,
+                    hasPhysics,
+                    item,
+                    (aspect, into) -> {
+                        requireWork(aspect, FREE_VALUES);
+                        physical.read(aspect, into);
+                    },
+                    item::physicalOf);
         } else if (place.isPresent()) {
-            problems.addAtKey(place.get(), "only items of kind body have `physical`, this is a "
-                    + kind);
+            problems.addAtKey(
+                    place.get(), "only items of kind body have `physical`, this is a " + kind);
         }
         if (node.get("semantic").isPresent()) {
-            read(node, node.get("semantic").get(), kind, hasPhysics, item, this::readSymbols,
+            read(
+                    node,
+                    node.get("semantic").get(),
+                    kind,
+                    hasPhysics,
+                    item,
+                    this::readSymbols,
                     item::symbolsOf);
         }
         Optional<Node> properties = node.get("physics");
         if (properties.isPresent() && physics.density(properties.get(), kind).isEmpty()) {
-            read(node, properties.get(), kind, hasPhysics, item,
-                    (aspect, into) -> readPhysics(aspect, kind, into), item::physicsOf);
+            read(
+                    node,
+                    properties.get(),
+                    kind,
+                    hasPhysics,
+                    item,
+                    (aspect, into) -> readPhysics(aspect, kind, into),
+                    item::physicsOf);
         } else if (properties.isPresent()) {
             readPhysics(properties.get(), kind, item); // the density's mass follows from the shape
         }
@@ -338,24 +406,45 @@ final class ItemReader {
             readCapabilities(node.get("capabilities").get(), item);
         }
         if (node.get("access").isPresent()) {
-            read(node, node.get("access").get(), kind, hasPhysics, item, (aspect, into) ->
-                    readActions(aspect, kind, hasPhysics, into), item::actionsOf);
+            read(
+                    node,
+                    node.get("access").get(),
+                    kind,
+                    hasPhysics,
+                    item,
+                    (aspect, into) -> readActions(aspect, kind, hasPhysics, into),
+                    item::actionsOf);
         }
         if (node.get("sensors").isPresent()) {
             requireWork(node.get("sensors").get(), FREE_VALUES);
         }
-        node.get("sensors").ifPresent(all -> {
-            if (kind.equals(WorldPrototype.BODY)) {
-                all.children().forEach(sensor -> sensors.read(sensor).ifPresent(item::sensor));
-            } else {
-                problems.addAtKey(all, "only items of kind body have `sensors`, this is a " + kind);
-            }
-        });
+        node.get("sensors")
+                .ifPresent(
+                        all -> {
+                            if (kind.equals(WorldPrototype.BODY)) {
+                                all.children()
+                                        .forEach(
+                                                sensor ->
+                                                        sensors.read(sensor)
+                                                                .ifPresent(item::sensor));
+                            } else {
+                                problems.addAtKey(
+                                        all,
+                                        "only items of kind body have `sensors`, this is a "
+                                                + kind);
+                            }
+                        });
     }
 
     /** Reads an aspect; what is wholly of a prefab only for the first item that is like it. */
-    private void read(Node node, Node aspect, String kind, boolean hasPhysics,
-            ItemDefinition.Builder item, AspectReading reading, Consumer<ItemDefinition> taking)
+    private void read(
+            Node node,
+            Node aspect,
+            String kind,
+            boolean hasPhysics,
+            ItemDefinition.Builder item,
+            AspectReading reading,
+            Consumer<ItemDefinition> taking)
             throws WorldFileException {
         if (aspect.isWrittenIn(node)) {
             reading.read(aspect, item);
@@ -375,27 +464,41 @@ final class ItemReader {
     /** Counts what is about to be read, and refuses it if that is too much for one world. */
     private void requireWork(Node part, int free) throws WorldFileException {
         if (!work.take(Math.max(0, part.valueCount() - free))) {
-            throw problems.of(part.file()).fatal(part.keyLine(), part.keyColumn(), part.label()
-                    + ": actions, symbols and other values that are read for each item anew are "
-                    + "more than " + MAX_READ + " in all items, which is the limit: give items "
-                    + "what does not change by a prefab that they are `like`, in an aspect or an "
-                    + "action that they say nothing of");
+            throw problems.of(part.file())
+                    .fatal(
+                            part.keyLine(),
+                            part.keyColumn(),
+                            part.label()
+                                    + ": actions, symbols and other values that are read for each"
+                                    + " item anew are more than "
+                                    + MAX_READ
+                                    + " in all items, which is the limit: give items what does not"
+                                    + " change by a prefab that they are `like`, in an aspect or an"
+                                    + " action that they say nothing of");
         }
     }
 
     /** Actions that an item has wholly from a prefab are read once, beside those that it adds. */
-    private void readActions(Node access, String kind, boolean hasPhysics,
-            ItemDefinition.Builder item) throws WorldFileException {
+    private void readActions(
+            Node access, String kind, boolean hasPhysics, ItemDefinition.Builder item)
+            throws WorldFileException {
         var owner = new ActionReader.Owner(item.name(), kind, hasPhysics);
         for (Node each : access.children()) {
             if (problems.full()) {
                 return;
             }
-            read(access, each, kind, hasPhysics, item, (action, into) -> {
-                requireWork(action, 0);
-                Optional<Action> read = actions.read(action, owner);
-                read.ifPresent(into::action);
-            }, read -> read.actions().forEach(item::action));
+            read(
+                    access,
+                    each,
+                    kind,
+                    hasPhysics,
+                    item,
+                    (action, into) -> {
+                        requireWork(action, 0);
+                        Optional<Action> read = actions.read(action, owner);
+                        read.ifPresent(into::action);
+                    },
+                    read -> read.actions().forEach(item::action));
         }
     }
 
@@ -409,8 +512,7 @@ final class ItemReader {
         }
     }
 
-    private void readSymbols(Node aspect, ItemDefinition.Builder item)
-            throws WorldFileException {
+    private void readSymbols(Node aspect, ItemDefinition.Builder item) throws WorldFileException {
         requireWork(aspect, FREE_VALUES);
         for (Node symbol : aspect.children()) {
             if (problems.full()) {
@@ -421,21 +523,28 @@ final class ItemReader {
     }
 
     private void readSymbol(Node symbol, ItemDefinition.Builder item) {
-        symbolValue(symbol).ifPresent(value -> {
-            try {
-                item.symbol(symbol.key(), SemanticAspect.requireSettable(prototype,
-                        item.name(), symbol.key(), value));
-            } catch (IllegalArgumentException refused) {
-                problems.addAtKey(symbol, refused.getMessage());
-            }
-        });
+        symbolValue(symbol)
+                .ifPresent(
+                        value -> {
+                            try {
+                                item.symbol(
+                                        symbol.key(),
+                                        SemanticAspect.requireSettable(
+                                                prototype, item.name(), symbol.key(), value));
+                            } catch (IllegalArgumentException refused) {
+                                problems.addAtKey(symbol, refused.getMessage());
+                            }
+                        });
     }
 
     /** A number of a symbol that has a unit may name another, as properties may. */
     private Optional<Object> symbolValue(Node symbol) {
-        Optional<SymbolDescriptor> number = prototype.symbol(symbol.key())
-                .filter(declared -> declared.type() == SymbolType.NUMBER);
-        return number.isEmpty() ? OperandReader.constant(symbol)
+        Optional<SymbolDescriptor> number =
+                prototype
+                        .symbol(symbol.key())
+                        .filter(declared -> declared.type() == SymbolType.NUMBER);
+        return number.isEmpty()
+                ? OperandReader.constant(symbol)
                 : new Quantities(problems).number(symbol, number.get().unit()).map(value -> value);
     }
 
@@ -448,8 +557,8 @@ final class ItemReader {
         physics.density(aspect, kind).ifPresent(value -> densities.read(value, aspect, item));
     }
 
-    private PhysicsReader.Sink sink(ItemDefinition.Builder item,
-            BiConsumer<String, double[]> numbers) {
+    private PhysicsReader.Sink sink(
+            ItemDefinition.Builder item, BiConsumer<String, double[]> numbers) {
         return new PhysicsReader.Sink() {
             @Override
             public void numbers(String property, double[] values) {
@@ -458,10 +567,13 @@ final class ItemReader {
 
             @Override
             public void references(PropertyDescriptor property, List<Node> targets) {
-                item.reference(property.name(), targets.stream()
-                        .map(target -> target.text().orElseThrow()).toArray(String[]::new));
-                targets.forEach(target ->
-                        names.mention(target, property.refersTo().orElseThrow(), true));
+                item.reference(
+                        property.name(),
+                        targets.stream()
+                                .map(target -> target.text().orElseThrow())
+                                .toArray(String[]::new));
+                targets.forEach(
+                        target -> names.mention(target, property.refersTo().orElseThrow(), true));
             }
         };
     }
@@ -475,21 +587,30 @@ final class ItemReader {
         requireReferences(aspect::get, aspect, kind);
     }
 
-    private void requireReferences(Function<String, Optional<Node>> values, Node aspect,
-            String kind) {
+    private void requireReferences(
+            Function<String, Optional<Node>> values, Node aspect, String kind) {
         Set<String> targets = new HashSet<>();
         for (PropertyDescriptor property : prototype.references(kind)) {
             Optional<Node> given = values.apply(property.name());
             if (given.isEmpty()) {
-                problems.addAtKey(aspect, "a " + kind + " needs `" + property.name() + "`: "
-                        + property.doc());
+                problems.addAtKey(
+                        aspect,
+                        "a " + kind + " needs `" + property.name() + "`: " + property.doc());
                 continue;
             }
-            for (Node mention : property.components() == 1 ? List.of(given.get())
-                    : given.get().children()) {
-                mention.text().filter(target -> !targets.add(target)).ifPresent(twice ->
-                        problems.add(mention, mention.label() + ": `" + Node.shorten(twice)
-                                + "` is referred to twice; expected different items"));
+            for (Node mention :
+                    property.components() == 1 ? List.of(given.get()) : given.get().children()) {
+                mention.text()
+                        .filter(target -> !targets.add(target))
+                        .ifPresent(
+                                twice ->
+                                        problems.add(
+                                                mention,
+                                                mention.label()
+                                                        + ": `"
+                                                        + Node.shorten(twice)
+                                                        + "` is referred to twice; expected"
+                                                        + " different items"));
             }
         }
     }

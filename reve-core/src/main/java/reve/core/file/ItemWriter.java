@@ -1,13 +1,6 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
 
-import java.nio.FloatBuffer;
-import java.nio.IntBuffer;
-import java.util.ArrayList;
-import java.util.LinkedHashMap;
-import java.util.List;
-import java.util.Locale;
-import java.util.Map;
-import java.util.TreeMap;
 import reve.core.world.Action;
 import reve.core.world.Colour;
 import reve.core.world.ItemDefinition;
@@ -21,6 +14,15 @@ import reve.core.world.Shape;
 import reve.core.world.Texture;
 import reve.core.world.WorldPrototype;
 
+import java.nio.FloatBuffer;
+import java.nio.IntBuffer;
+import java.util.ArrayList;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Locale;
+import java.util.Map;
+import java.util.TreeMap;
+
 /**
  * Items as text of a world file, always the same text for the same item; {@link
  * WorldFile#parseItem} reads it back to the bit. What an item has by default, such as properties
@@ -32,7 +34,9 @@ public final class ItemWriter {
 
     private final WorldPrototype prototype;
 
-    /** @param prototype of the world that the items belong to */
+    /**
+     * @param prototype of the world that the items belong to
+     */
     public ItemWriter(WorldPrototype prototype) {
         this.prototype = prototype;
     }
@@ -51,8 +55,8 @@ public final class ItemWriter {
     public String write(Likeness item) {
         Map<String, Object> tree = named(ANYBODY, item.kind());
         Map<String, Object> physical = shape(ANYBODY, item.shape());
-        item.material().ifPresent(material -> physical.put("material",
-                material(ANYBODY, material)));
+        item.material()
+                .ifPresent(material -> physical.put("material", material(ANYBODY, material)));
         putIfAny(tree, "physical", physical);
         putIfAny(tree, "access", actions(ANYBODY, item.actions()));
         putCapabilities(tree, item.capabilities());
@@ -119,18 +123,29 @@ public final class ItemWriter {
         }
         sensor.symbols().ifPresent(names -> tree.put("symbols", List.copyOf(names)));
         if (!sensor.isCamera() && sensor.aspects().size() < Sensor.Aspect.values().length) {
-            tree.put("aspects", sensor.aspects().stream().sorted()
-                    .map(aspect -> aspect.name().toLowerCase(Locale.ROOT)).toList());
+            tree.put(
+                    "aspects",
+                    sensor.aspects().stream()
+                            .sorted()
+                            .map(aspect -> aspect.name().toLowerCase(Locale.ROOT))
+                            .toList());
         }
         return tree;
     }
 
     private static Map<String, Object> camera(Sensor.Camera camera) {
         Map<String, Object> tree = new LinkedHashMap<>();
-        tree.put("size", List.of(YamlWriter.Numeral.of(camera.width()),
-                YamlWriter.Numeral.of(camera.height())));
-        tree.put("layers", camera.layers().stream().sorted()
-                .map(layer -> layer.name().toLowerCase(Locale.ROOT)).toList());
+        tree.put(
+                "size",
+                List.of(
+                        YamlWriter.Numeral.of(camera.width()),
+                        YamlWriter.Numeral.of(camera.height())));
+        tree.put(
+                "layers",
+                camera.layers().stream()
+                        .sorted()
+                        .map(layer -> layer.name().toLowerCase(Locale.ROOT))
+                        .toList());
         return tree;
     }
 
@@ -148,8 +163,8 @@ public final class ItemWriter {
 
     private Map<String, Object> physical(ItemDefinition item) {
         Map<String, Object> aspect = shape(item.name(), item.shape());
-        item.material().ifPresent(material -> aspect.put("material",
-                material(item.name(), material)));
+        item.material()
+                .ifPresent(material -> aspect.put("material", material(item.name(), material)));
         if (!item.colour().equals(Colour.defaultOf(item.shape(), item.material()))) {
             aspect.put("colour", hex(item.colour()));
         }
@@ -173,7 +188,7 @@ public final class ItemWriter {
     private static Map<String, Object> shape(String item, Shape shape) {
         Map<String, Object> tree = new LinkedHashMap<>();
         switch (shape) {
-            case Shape.None none -> { }
+            case Shape.None none -> {}
             case Shape.Sphere sphere -> {
                 tree.put("shape", "sphere");
                 tree.put("radius", YamlWriter.Numeral.of(sphere.radius()));
@@ -190,10 +205,14 @@ public final class ItemWriter {
                 tree.put("shape", "mesh");
                 if (mesh.file().isPresent()) {
                     tree.put("file", mesh.file().get());
-                } else if (mesh.normals().isPresent() || mesh.textureCoordinates().isPresent()
-                        || mesh.colours().isPresent() || !mesh.parts().isEmpty()) {
-                    throw new IllegalArgumentException("item " + item
-                            + " has a mesh of more than triangles that is in no file");
+                } else if (mesh.normals().isPresent()
+                        || mesh.textureCoordinates().isPresent()
+                        || mesh.colours().isPresent()
+                        || !mesh.parts().isEmpty()) {
+                    throw new IllegalArgumentException(
+                            "item "
+                                    + item
+                                    + " has a mesh of more than triangles that is in no file");
                 } else {
                     tree.put("vertices", vertices(mesh.vertices()));
                     tree.put("triangles", triangles(mesh.triangles()));
@@ -221,8 +240,12 @@ public final class ItemWriter {
     private static List<Object> vertices(FloatBuffer coordinates) {
         List<Object> points = new ArrayList<>();
         while (coordinates.hasRemaining()) {
-            points.add(numbers(ScalarType.F32, coordinates.get(), coordinates.get(),
-                    coordinates.get()));
+            points.add(
+                    numbers(
+                            ScalarType.F32,
+                            coordinates.get(),
+                            coordinates.get(),
+                            coordinates.get()));
         }
         return points;
     }
@@ -265,15 +288,20 @@ public final class ItemWriter {
     /** In the order of the prototype; an aspect of zeros is told by the kind's first property. */
     private Map<String, Object> physics(ItemDefinition item) {
         Map<String, Object> aspect = new LinkedHashMap<>();
-        List<PropertyDescriptor> properties = prototype.properties().stream()
-                .filter(property -> property.kind().equals(item.kind())).toList();
+        List<PropertyDescriptor> properties =
+                prototype.properties().stream()
+                        .filter(property -> property.kind().equals(item.kind()))
+                        .toList();
         for (PropertyDescriptor property : properties) {
             List<String> targets = item.references().getOrDefault(property.name(), List.of());
             if (!targets.isEmpty()) {
                 aspect.put(property.name(), targets.size() == 1 ? targets.getFirst() : targets);
             }
-            item.physics(property.name()).filter(values -> !isZero(values)).ifPresent(
-                    values -> aspect.put(property.name(), quantity(property.type(), values)));
+            item.physics(property.name())
+                    .filter(values -> !isZero(values))
+                    .ifPresent(
+                            values ->
+                                    aspect.put(property.name(), quantity(property.type(), values)));
         }
         if (aspect.isEmpty() && item.hasPhysics()) {
             PropertyDescriptor first = properties.getFirst();
@@ -305,7 +333,8 @@ public final class ItemWriter {
     }
 
     private static YamlWriter.Numeral numeral(ScalarType type, double value) {
-        return type == ScalarType.F32 ? YamlWriter.Numeral.of((float) value)
+        return type == ScalarType.F32
+                ? YamlWriter.Numeral.of((float) value)
                 : YamlWriter.Numeral.of(value);
     }
 }

@@ -1,7 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
 
-import java.util.List;
 import reve.core.world.Forces;
+
+import java.util.List;
 
 /**
  * A force that acts from the first frame on, as an action began it before the world was saved.

@@ -1,10 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
+
+import reve.core.unit.Unit;
 
 import java.util.Collections;
 import java.util.LinkedHashMap;
 import java.util.Map;
 import java.util.Optional;
-import reve.core.unit.Unit;
 
 /**
  * A physics law that a world asks for.
@@ -14,8 +16,8 @@ import reve.core.unit.Unit;
  * @param place where it is asked for, as {@code file:line:column}, for messages
  * @param mentions how a file says the parameters, by their names; empty if no file does
  */
-public record LawReference(String name, Map<String, Double> parameters, String place,
-        Map<String, Mention> mentions) {
+public record LawReference(
+        String name, Map<String, Double> parameters, String place, Map<String, Mention> mentions) {
     /**
      * How a file says a parameter.
      *

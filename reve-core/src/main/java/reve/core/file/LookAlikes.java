@@ -1,6 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
 
 import com.ibm.icu.text.SpoofChecker;
+
 import java.lang.Character.UnicodeScript;
 import java.nio.charset.CharsetEncoder;
 import java.nio.charset.StandardCharsets;
@@ -24,8 +26,8 @@ final class LookAlikes {
 
     private final Problems problems;
     private final CharsetEncoder ascii = StandardCharsets.US_ASCII.newEncoder();
-    private final SpoofChecker checker = new SpoofChecker.Builder()
-            .setChecks(SpoofChecker.CONFUSABLE).build();
+    private final SpoofChecker checker =
+            new SpoofChecker.Builder().setChecks(SpoofChecker.CONFUSABLE).build();
 
     private final Set<String> warned = new HashSet<>();
 
@@ -33,7 +35,9 @@ final class LookAlikes {
         this.problems = problems;
     }
 
-    /** @param names texts, all different, in the order of the file */
+    /**
+     * @param names texts, all different, in the order of the file
+     */
     static void warn(Collection<Node> names, Problems problems) {
         CharsetEncoder ascii = StandardCharsets.US_ASCII.newEncoder();
         List<Node> others = names.stream().filter(name -> !ascii.canEncode(text(name))).toList();
@@ -61,7 +65,8 @@ final class LookAlikes {
                 }
             }
         }
-        others.stream().filter(name -> !warned.contains(text(name)))
+        others.stream()
+                .filter(name -> !warned.contains(text(name)))
                 .forEach(this::warnOfMixedWords);
     }
 
@@ -72,9 +77,15 @@ final class LookAlikes {
 
     private void warn(Node name, Node other) {
         warned.add(text(name));
-        problems.warn(name, "name: `" + Node.shorten(text(name)) + "` looks like `"
-                + Node.shorten(text(other)) + "` " + Problems.place(other, name)
-                + ", but has other characters; write them alike or choose another name");
+        problems.warn(
+                name,
+                "name: `"
+                        + Node.shorten(text(name))
+                        + "` looks like `"
+                        + Node.shorten(text(other))
+                        + "` "
+                        + Problems.place(other, name)
+                        + ", but has other characters; write them alike or choose another name");
     }
 
     /** A word that looks like one of ASCII letters, and is of letters of several scripts. */
@@ -84,9 +95,14 @@ final class LookAlikes {
             if (scripts(word.group()).size() > 1) {
                 String skeleton = checker.getSkeleton(word.group());
                 if (ascii.canEncode(skeleton)) {
-                    problems.warn(name, "name: `" + Node.shorten(word.group()) + "` looks like `"
-                            + Node.shorten(skeleton) + "`, but mixes letters of "
-                            + "several scripts; write it in one");
+                    problems.warn(
+                            name,
+                            "name: `"
+                                    + Node.shorten(word.group())
+                                    + "` looks like `"
+                                    + Node.shorten(skeleton)
+                                    + "`, but mixes letters of "
+                                    + "several scripts; write it in one");
                 }
             }
         }

@@ -1,4 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
+
+import org.jspecify.annotations.Nullable;
 
 import java.util.ArrayList;
 import java.util.Collection;
@@ -7,7 +10,6 @@ import java.util.List;
 import java.util.Map;
 import java.util.Objects;
 import java.util.Optional;
-import org.jspecify.annotations.Nullable;
 
 /**
  * One value of a file and where it stands. The asking methods answer "empty" where a value has
@@ -24,12 +26,21 @@ final class Node {
     private final int keyColumn;
     private final int line;
     private final int column;
+
     /** A map or list of nodes, String, Long, Double, Boolean, or null for nothing. */
     private final @Nullable Object value;
+
     private int textColumn;
 
-    private Node(String file, @Nullable Node parent, Object key, int keyLine, int keyColumn,
-            int line, int column, @Nullable Object value) {
+    private Node(
+            String file,
+            @Nullable Node parent,
+            Object key,
+            int keyLine,
+            int keyColumn,
+            int line,
+            int column,
+            @Nullable Object value) {
         this.file = file;
         this.parent = parent;
         this.key = key;
@@ -68,8 +79,16 @@ final class Node {
      */
     Node over(Node base) {
         var fields = new LinkedHashMap<>(base.fieldMap());
-        fieldMap().forEach((name, value) -> fields.merge(name, value, (below, above) ->
-                above.isMapping() && below.isMapping() ? above.over(below) : above));
+        fieldMap()
+                .forEach(
+                        (name, value) ->
+                                fields.merge(
+                                        name,
+                                        value,
+                                        (below, above) ->
+                                                above.isMapping() && below.isMapping()
+                                                        ? above.over(below)
+                                                        : above));
         return withValue(fields);
     }
 
@@ -103,7 +122,9 @@ final class Node {
 
     /** A place in a mapping or a list that waits for its value. */
     record Slot(Node parent, Object key, int keyLine, int keyColumn) {
-        /** @param value a new LinkedHashMap or ArrayList for a mapping or list, else the scalar */
+        /**
+         * @param value a new LinkedHashMap or ArrayList for a mapping or list, else the scalar
+         */
         Node fill(int line, int column, @Nullable Object value) {
             Node node = new Node(parent.file, parent, key, keyLine, keyColumn, line, column, value);
             if (parent.value instanceof List<?>) {
@@ -159,13 +180,15 @@ final class Node {
 
     /** How messages name this value: {@code mass}, {@code laws[2]}; empty for the root. */
     String label() {
-        return parent == null || key instanceof String ? shorten(key())
+        return parent == null || key instanceof String
+                ? shorten(key())
                 : parent.label() + "[" + key + "]";
     }
 
     /** The JSON pointer from the root to here. */
     String pointer() {
-        return parent == null ? ""
+        return parent == null
+                ? ""
                 : parent.pointer() + "/" + key().replace("~", "~0").replace("/", "~1");
     }
 
@@ -194,7 +217,8 @@ final class Node {
     /** The value at a place of a list, from 0. */
     Optional<Node> get(int index) {
         return isList() && index >= 0 && index < elementList().size()
-                ? Optional.of(elementList().get(index)) : Optional.empty();
+                ? Optional.of(elementList().get(index))
+                : Optional.empty();
     }
 
     /** What a mapping or list holds, in the order of the file. */
@@ -207,7 +231,8 @@ final class Node {
     }
 
     Optional<Double> number() {
-        return value instanceof Number number ? Optional.of(number.doubleValue())
+        return value instanceof Number number
+                ? Optional.of(number.doubleValue())
                 : Optional.empty();
     }
 
@@ -234,9 +259,12 @@ final class Node {
 
     /** Names for messages, with commas between them; of many, the first. */
     static String list(List<String> names) {
-        return names.size() <= MAX_LISTED ? String.join(", ", names)
-                : String.join(", ", names.subList(0, MAX_LISTED)) + " and "
-                        + (names.size() - MAX_LISTED) + " more";
+        return names.size() <= MAX_LISTED
+                ? String.join(", ", names)
+                : String.join(", ", names.subList(0, MAX_LISTED))
+                        + " and "
+                        + (names.size() - MAX_LISTED)
+                        + " more";
     }
 
     /** The text or, of a long one, its beginning. */

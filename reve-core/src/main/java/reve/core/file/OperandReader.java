@@ -1,11 +1,6 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
 
-import java.util.List;
-import java.util.Map;
-import java.util.Optional;
-import java.util.Set;
-import java.util.function.Predicate;
-import java.util.regex.Pattern;
 import reve.core.access.Operand;
 import reve.core.rule.Expression;
 import reve.core.rule.ExpressionException;
@@ -20,6 +15,13 @@ import reve.core.world.ScalarType;
 import reve.core.world.SemanticAspect;
 import reve.core.world.SymbolDescriptor;
 
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.Set;
+import java.util.function.Predicate;
+import java.util.regex.Pattern;
+
 /**
  * Reads the values that the effects of one action take: constants, and behind a {@code $}
  * parameters and expressions.
@@ -28,6 +30,7 @@ final class OperandReader {
     /** Names that parameters cannot have, because they mean something else in expressions. */
     static final Set<String> RESERVED =
             Set.of("physics", "physical", "semantic", "item", Scope.ACTOR);
+
     private static final Pattern NAME = Pattern.compile("[A-Za-z][A-Za-z0-9_]*");
 
     private final PhysicsReader physics;
@@ -41,8 +44,12 @@ final class OperandReader {
      * @param parameters by name; empty where the declaration is wrong, which was reported
      * @param expressions how many more different ones the actions of the world may have
      */
-    OperandReader(PhysicsReader physics, Problems problems,
-            Map<String, Optional<Parameter>> parameters, Scope scope, Allowance expressions) {
+    OperandReader(
+            PhysicsReader physics,
+            Problems problems,
+            Map<String, Optional<Parameter>> parameters,
+            Scope scope,
+            Allowance expressions) {
         this.physics = physics;
         this.problems = problems;
         this.quantities = new Quantities(problems);
@@ -57,7 +64,10 @@ final class OperandReader {
 
     /** Numbers that a property can have. */
     Optional<Operand> numbers(Node node, PropertyDescriptor property) {
-        return numbers(node, property.components(), property.unit(),
+        return numbers(
+                node,
+                property.components(),
+                property.unit(),
                 values -> physics.fits(node, property, values));
     }
 
@@ -66,10 +76,10 @@ final class OperandReader {
         return numbers(node, count, unit, values -> physics.fits(node, type, values));
     }
 
-    private Optional<Operand> numbers(Node node, int count, Unit unit,
-            Predicate<double[]> fits) {
+    private Optional<Operand> numbers(Node node, int count, Unit unit, Predicate<double[]> fits) {
         if (isParameter(node)) {
-            return named(node).filter(parameter -> suits(node, parameter, count, unit))
+            return named(node)
+                    .filter(parameter -> suits(node, parameter, count, unit))
                     .map(Operand.Argument::new);
         }
         if (isExpression(node)) {
@@ -79,14 +89,16 @@ final class OperandReader {
             problems.add(node, node.label() + ": found " + node.describe() + ", expected numbers");
             return Optional.empty();
         }
-        return quantities.numbers(node, count, unit)
+        return quantities
+                .numbers(node, count, unit)
                 .filter(fits)
                 .map(values -> new Operand.Numbers(values, unit));
     }
 
     Optional<Operand> colour(Node node) {
         if (isParameter(node)) {
-            return named(node).filter(parameter -> isText(node, parameter))
+            return named(node)
+                    .filter(parameter -> isText(node, parameter))
                     .map(Operand.Argument::new);
         }
         if (isExpression(node)) {
@@ -104,16 +116,24 @@ final class OperandReader {
     /** A value for a symbol of an item. */
     Optional<Operand> symbol(Node node, String item, String symbol) {
         if (isParameter(node)) {
-            return named(node).filter(parameter -> isSingle(node, parameter, "symbol"))
+            return named(node)
+                    .filter(parameter -> isSingle(node, parameter, "symbol"))
                     .map(Operand.Argument::new);
         }
         if (isExpression(node)) {
-            return computed(node, physics.prototype().symbol(symbol)
-                    .map(OperandReader::type).orElse(ExpressionType.ANY));
+            return computed(
+                    node,
+                    physics.prototype()
+                            .symbol(symbol)
+                            .map(OperandReader::type)
+                            .orElse(ExpressionType.ANY));
         }
         try {
-            return constant(node).map(value -> SemanticAspect
-                    .requireSettable(physics.prototype(), item, symbol, value))
+            return constant(node)
+                    .map(
+                            value ->
+                                    SemanticAspect.requireSettable(
+                                            physics.prototype(), item, symbol, value))
                     .map(OperandReader::constant);
         } catch (IllegalArgumentException refused) {
             problems.add(node, refused.getMessage());
@@ -124,32 +144,45 @@ final class OperandReader {
     /** A value for a field of an event: a text, a number or a truth value. */
     Optional<Operand> field(Node node) {
         if (isParameter(node)) {
-            return named(node).filter(parameter -> isSingle(node, parameter, "field"))
+            return named(node)
+                    .filter(parameter -> isSingle(node, parameter, "field"))
                     .map(Operand.Argument::new);
         }
-        return isExpression(node) ? computed(node, ExpressionType.ANY)
+        return isExpression(node)
+                ? computed(node, ExpressionType.ANY)
                 : node.scalar().map(OperandReader::widened).map(OperandReader::constant);
     }
 
     /** An expression that is not behind a {@code $}. */
     Optional<Expression> expression(Node node, String text, int begin, ExpressionType expected) {
         if (!scope.knows(text) && !expressions.take(1)) {
-            problems.add(node, node.label() + ": the actions of the world have more than "
-                    + ActionReader.MAX_EXPRESSIONS + " different expressions, which is the limit: "
-                    + "let actions share conditions and values, as those of a prefab do");
+            problems.add(
+                    node,
+                    node.label()
+                            + ": the actions of the world have more than "
+                            + ActionReader.MAX_EXPRESSIONS
+                            + " different expressions, which is the limit: "
+                            + "let actions share conditions and values, as those of a prefab do");
             return Optional.empty();
         }
         try {
             Expression expression = scope.compile(text);
             if (!expression.type().suits(expected)) {
-                problems.add(node, node.label() + ": `" + Node.shorten(text) + "` is "
-                        + expression.type().words() + ", expected " + expected.words());
+                problems.add(
+                        node,
+                        node.label()
+                                + ": `"
+                                + Node.shorten(text)
+                                + "` is "
+                                + expression.type().words()
+                                + ", expected "
+                                + expected.words());
                 return Optional.empty();
             }
             return Optional.of(expression);
         } catch (ExpressionException refused) {
-            problems.addInText(node, begin + refused.offset(),
-                    node.label() + ": " + refused.getMessage());
+            problems.addInText(
+                    node, begin + refused.offset(), node.label() + ": " + refused.getMessage());
             return Optional.empty();
         }
     }
@@ -157,9 +190,14 @@ final class OperandReader {
     /** Text, truth value, number or list of such, as symbols hold them. */
     static Optional<Object> constant(Node node) {
         if (node.isList()) {
-            List<Object> elements = node.children().stream().map(Node::scalar)
-                    .flatMap(Optional::stream).map(OperandReader::widened).toList();
-            return elements.size() == node.children().size() ? Optional.of(elements)
+            List<Object> elements =
+                    node.children().stream()
+                            .map(Node::scalar)
+                            .flatMap(Optional::stream)
+                            .map(OperandReader::widened)
+                            .toList();
+            return elements.size() == node.children().size()
+                    ? Optional.of(elements)
                     : Optional.empty();
         }
         return node.scalar().map(OperandReader::widened);
@@ -171,7 +209,8 @@ final class OperandReader {
 
     private static Operand constant(Object value) {
         return value instanceof Double number
-                ? new Operand.Numbers(new double[] {number}, Unit.ONE) : new Operand.Symbol(value);
+                ? new Operand.Numbers(new double[] {number}, Unit.ONE)
+                : new Operand.Symbol(value);
     }
 
     private Optional<Operand> computed(Node node, ExpressionType expected) {
@@ -206,8 +245,15 @@ final class OperandReader {
 
     private boolean isSingle(Node node, Parameter parameter, String taker) {
         if (parameter.components() != 1) {
-            problems.add(node, node.label() + ": a " + taker + " takes one value, $"
-                    + parameter.name() + " has " + parameter.components());
+            problems.add(
+                    node,
+                    node.label()
+                            + ": a "
+                            + taker
+                            + " takes one value, $"
+                            + parameter.name()
+                            + " has "
+                            + parameter.components());
         }
         return parameter.components() == 1;
     }
@@ -215,8 +261,8 @@ final class OperandReader {
     private boolean isText(Node node, Parameter parameter) {
         boolean text = parameter.type() == ParameterType.TEXT;
         if (!text) {
-            problems.add(node, node.label() + ": a colour is a text, $" + parameter.name()
-                    + " is not");
+            problems.add(
+                    node, node.label() + ": a colour is a text, $" + parameter.name() + " is not");
         }
         return text;
     }
@@ -227,18 +273,30 @@ final class OperandReader {
 
     /** {@code $p}, whether or not there is a parameter p. */
     private boolean isParameter(Node node) {
-        return node.text().filter(text -> text.startsWith("$")).map(text -> text.substring(1))
-                .filter(name -> parameters.containsKey(name)
-                        || NAME.matcher(name).matches() && !RESERVED.contains(name)
-                                && !name.equals("true") && !name.equals("false")).isPresent();
+        return node.text()
+                .filter(text -> text.startsWith("$"))
+                .map(text -> text.substring(1))
+                .filter(
+                        name ->
+                                parameters.containsKey(name)
+                                        || NAME.matcher(name).matches()
+                                                && !RESERVED.contains(name)
+                                                && !name.equals("true")
+                                                && !name.equals("false"))
+                .isPresent();
     }
 
     private Optional<Parameter> named(Node node) {
         String name = node.text().orElseThrow().substring(1);
         Optional<Parameter> declared = parameters.get(name);
         if (declared == null) {
-            problems.add(node, node.label() + ": the action has no parameter `"
-                    + Node.shorten(name) + "`" + problems.suggestion(name, parameters.keySet()));
+            problems.add(
+                    node,
+                    node.label()
+                            + ": the action has no parameter `"
+                            + Node.shorten(name)
+                            + "`"
+                            + problems.suggestion(name, parameters.keySet()));
             return Optional.empty();
         }
         return declared;

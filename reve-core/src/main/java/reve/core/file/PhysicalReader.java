@@ -1,11 +1,6 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
 
-import java.util.LinkedHashSet;
-import java.util.List;
-import java.util.Map;
-import java.util.Optional;
-import java.util.Set;
-import java.util.function.BiFunction;
 import reve.core.mesh.AssetException;
 import reve.core.mesh.Assets;
 import reve.core.unit.Unit;
@@ -17,14 +12,22 @@ import reve.core.world.Shape;
 import reve.core.world.Texture;
 import reve.core.world.WorldPrototype;
 
+import java.util.LinkedHashSet;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.Set;
+import java.util.function.BiFunction;
+
 /** Reads physical aspects: shape, material, colour, location and orientation. */
 final class PhysicalReader {
     private static final Unit METRE = Unit.parse("m");
-    private static final Map<String, Set<String>> KEYS_BY_SHAPE = Map.of(
-            "sphere", Set.of("radius"),
-            "box", Set.of("size"),
-            "plane", Set.of("size"),
-            "mesh", new LinkedHashSet<>(List.of("vertices", "triangles")));
+    private static final Map<String, Set<String>> KEYS_BY_SHAPE =
+            Map.of(
+                    "sphere", Set.of("radius"),
+                    "box", Set.of("size"),
+                    "plane", Set.of("size"),
+                    "mesh", new LinkedHashSet<>(List.of("vertices", "triangles")));
     private static final List<String> SHAPE_KEYS =
             List.of("radius", "size", "vertices", "triangles", "file");
 
@@ -35,9 +38,15 @@ final class PhysicalReader {
     private final Problems problems;
     private final Quantities quantities;
 
-    /** @param pathOf where a file is that a value names, as the assets take it */
-    PhysicalReader(WorldPrototype prototype, PhysicsReader physics, Assets assets,
-            BiFunction<Node, String, String> pathOf, Problems problems) {
+    /**
+     * @param pathOf where a file is that a value names, as the assets take it
+     */
+    PhysicalReader(
+            WorldPrototype prototype,
+            PhysicsReader physics,
+            Assets assets,
+            BiFunction<Node, String, String> pathOf,
+            Problems problems) {
         this.prototype = prototype;
         this.physics = physics;
         this.assets = assets;
@@ -55,48 +64,55 @@ final class PhysicalReader {
     /** Takes the value of one key, if it is about where the item is or which colour it has. */
     void readPlaceOrColour(Node value, ItemDefinition.Builder item) {
         switch (value.key()) {
-            case "colour" -> value.text().ifPresent(
-                    colour -> attempt(value, () -> item.colour(colour)));
-            case "location" -> quantities.numbers(value, 3, METRE)
-                    .filter(at -> physics.fits(value, prototype.realType(), at))
-                    .ifPresent(at -> item.at(at[0], at[1], at[2]));
+            case "colour" ->
+                    value.text().ifPresent(colour -> attempt(value, () -> item.colour(colour)));
+            case "location" ->
+                    quantities
+                            .numbers(value, 3, METRE)
+                            .filter(at -> physics.fits(value, prototype.realType(), at))
+                            .ifPresent(at -> item.at(at[0], at[1], at[2]));
             case "orientation" -> orientation(value, item);
-            default -> { }
+            default -> {}
         }
     }
 
     private void orientation(Node node, ItemDefinition.Builder item) {
-        Optional<double[]> quaternion = node.isMapping() ? aroundAxis(node)
-                : quantities.numbers(node, 4, Unit.ONE);
+        Optional<double[]> quaternion =
+                node.isMapping() ? aroundAxis(node) : quantities.numbers(node, 4, Unit.ONE);
         quaternion.ifPresent(q -> attempt(node, () -> item.orientation(q[0], q[1], q[2], q[3])));
     }
 
     private Optional<double[]> aroundAxis(Node node) {
-        Optional<double[]> axis = node.get("axis")
-                .flatMap(value -> quantities.numbers(value, 3, Unit.ONE));
-        Optional<Double> angle = node.get("angle")
-                .flatMap(value -> quantities.number(value, Unit.ONE));
+        Optional<double[]> axis =
+                node.get("axis").flatMap(value -> quantities.numbers(value, 3, Unit.ONE));
+        Optional<Double> angle =
+                node.get("angle").flatMap(value -> quantities.number(value, Unit.ONE));
         if (axis.isEmpty() || angle.isEmpty()) {
             return Optional.empty();
         }
         double[] a = axis.get();
         double length = Math.hypot(Math.hypot(a[0], a[1]), a[2]);
         if (length == 0 || !Double.isFinite(length)) {
-            problems.add(node.get("axis").orElseThrow(),
+            problems.add(
+                    node.get("axis").orElseThrow(),
                     "axis: has no direction, expected one such as 0 1 0");
             return Optional.empty();
         }
         double sine = StrictMath.sin(angle.get() / 2);
-        return Optional.of(new double[] {a[0] / length * sine, a[1] / length * sine,
-            a[2] / length * sine, StrictMath.cos(angle.get() / 2)});
+        return Optional.of(
+                new double[] {
+                    a[0] / length * sine,
+                    a[1] / length * sine,
+                    a[2] / length * sine,
+                    StrictMath.cos(angle.get() / 2)
+                });
     }
 
     private void shape(Node aspect, ItemDefinition.Builder item) {
         Optional<Node> node = aspect.get("shape");
         String name = node.flatMap(Node::text).orElse("");
         boolean fromFile = name.equals("mesh") && aspect.get("file").isPresent();
-        Set<String> wanted = fromFile ? Set.of("file")
-                : KEYS_BY_SHAPE.getOrDefault(name, Set.of());
+        Set<String> wanted = fromFile ? Set.of("file") : KEYS_BY_SHAPE.getOrDefault(name, Set.of());
         if (node.isPresent() && wanted.isEmpty()) {
             return; // an unknown shape, which the schema reported
         }
@@ -104,22 +120,39 @@ final class PhysicalReader {
         for (String key : SHAPE_KEYS) {
             Optional<Node> value = aspect.get(key);
             if (value.isPresent() && !wanted.contains(key)) {
-                problems.addAtKey(value.get(), name.isEmpty()
-                        ? "`" + key + "` without a `shape`"
-                        : "`" + key + "` does not go with shape " + name + ", which takes `"
-                                + String.join("` and `", wanted) + "`");
+                problems.addAtKey(
+                        value.get(),
+                        name.isEmpty()
+                                ? "`" + key + "` without a `shape`"
+                                : "`"
+                                        + key
+                                        + "` does not go with shape "
+                                        + name
+                                        + ", which takes `"
+                                        + String.join("` and `", wanted)
+                                        + "`");
             } else if (value.isEmpty() && wanted.contains(key)) {
                 complete = false;
                 if (problems.isMisspelt(aspect)) {
                     continue;
                 }
-                problems.add(node.orElseThrow(), "shape " + name + " needs `" + key + "`"
-                        + (name.equals("mesh") ? " (or a `file`)" : ""));
+                problems.add(
+                        node.orElseThrow(),
+                        "shape "
+                                + name
+                                + " needs `"
+                                + key
+                                + "`"
+                                + (name.equals("mesh") ? " (or a `file`)" : ""));
             }
         }
         if (complete && node.isPresent() && !problems.isMisspelt(aspect)) {
-            Node size = wanted.stream().map(aspect::get).flatMap(Optional::stream).findFirst()
-                    .orElse(node.get());
+            Node size =
+                    wanted.stream()
+                            .map(aspect::get)
+                            .flatMap(Optional::stream)
+                            .findFirst()
+                            .orElse(node.get());
             attempt(size, () -> form(name, aspect).ifPresent(item::shape));
         }
     }
@@ -127,19 +160,25 @@ final class PhysicalReader {
     private Optional<Shape> form(String name, Node aspect) {
         return switch (name) {
             case "sphere" -> lengths(aspect, "radius", 1).map(radius -> Shape.sphere(radius[0]));
-            case "box" -> lengths(aspect, "size", 3)
-                    .map(size -> Shape.box(size[0], size[1], size[2]));
-            case "plane" -> lengths(aspect, "size", 2)
-                    .map(size -> Shape.plane(size[0], size[1]));
-            default -> aspect.get("file").isPresent() ? file(aspect.get("file").get())
-                    : mesh(aspect.get("vertices").orElseThrow(),
-                            aspect.get("triangles").orElseThrow());
+            case "box" ->
+                    lengths(aspect, "size", 3).map(size -> Shape.box(size[0], size[1], size[2]));
+            case "plane" -> lengths(aspect, "size", 2).map(size -> Shape.plane(size[0], size[1]));
+            default ->
+                    aspect.get("file").isPresent()
+                            ? file(aspect.get("file").get())
+                            : mesh(
+                                    aspect.get("vertices").orElseThrow(),
+                                    aspect.get("triangles").orElseThrow());
         };
     }
 
     private Optional<double[]> lengths(Node aspect, String key, int count) {
-        return aspect.get(key).flatMap(node -> quantities.numbers(node, count, METRE)
-                .filter(metres -> physics.isWorkable(node, metres)));
+        return aspect.get(key)
+                .flatMap(
+                        node ->
+                                quantities
+                                        .numbers(node, count, METRE)
+                                        .filter(metres -> physics.isWorkable(node, metres)));
     }
 
     private Optional<Shape> file(Node node) {
@@ -149,22 +188,50 @@ final class PhysicalReader {
     private void material(Node node, ItemDefinition.Builder item) {
         double roughness = fraction(node, "roughness", Material.DEFAULT.roughness());
         double metallic = fraction(node, "metallic", Material.DEFAULT.metallic());
-        Optional<Texture> texture = node.get("texture").flatMap(path -> path.text()
-                .flatMap(text -> load(path, () -> assets.texture(pathOf.apply(path, text)))));
-        Colour colour = node.get("colour").flatMap(Node::text).filter(text -> text.startsWith("#"))
-                .map(Colour::parse).orElse(Colour.WHITE);
-        attempt(node, () -> item.material(
-                new Material(colour, roughness, metallic, texture)));
+        Optional<Texture> texture =
+                node.get("texture")
+                        .flatMap(
+                                path ->
+                                        path.text()
+                                                .flatMap(
+                                                        text ->
+                                                                load(
+                                                                        path,
+                                                                        () ->
+                                                                                assets.texture(
+                                                                                        pathOf
+                                                                                                .apply(
+                                                                                                        path,
+                                                                                                        text)))));
+        Colour colour =
+                node.get("colour")
+                        .flatMap(Node::text)
+                        .filter(text -> text.startsWith("#"))
+                        .map(Colour::parse)
+                        .orElse(Colour.WHITE);
+        attempt(node, () -> item.material(new Material(colour, roughness, metallic, texture)));
     }
 
     private double fraction(Node material, String key, double otherwise) {
-        return material.get(key).flatMap(node -> quantities.number(node, Unit.ONE).filter(value -> {
-            boolean fits = value >= 0 && value <= 1;
-            if (!fits) {
-                problems.add(node, key + ": " + value + ", expected 0 to 1");
-            }
-            return fits;
-        })).orElse(otherwise);
+        return material.get(key)
+                .flatMap(
+                        node ->
+                                quantities
+                                        .number(node, Unit.ONE)
+                                        .filter(
+                                                value -> {
+                                                    boolean fits = value >= 0 && value <= 1;
+                                                    if (!fits) {
+                                                        problems.add(
+                                                                node,
+                                                                key
+                                                                        + ": "
+                                                                        + value
+                                                                        + ", expected 0 to 1");
+                                                    }
+                                                    return fits;
+                                                }))
+                .orElse(otherwise);
     }
 
     private interface Loading<T> {
@@ -181,7 +248,9 @@ final class PhysicalReader {
     }
 
     private Optional<Shape> mesh(Node vertices, Node triangles) {
-        if (!vertices.isList() || !triangles.isList() || vertices.children().size() < 3
+        if (!vertices.isList()
+                || !triangles.isList()
+                || vertices.children().size() < 3
                 || triangles.children().isEmpty()) {
             return Optional.empty(); // which the schema reported
         }
@@ -190,8 +259,10 @@ final class PhysicalReader {
         boolean complete = true;
         int next = 0;
         for (Node vertex : vertices.children()) {
-            Optional<double[]> point = quantities.numbers(vertex, 3, METRE)
-                    .filter(at -> physics.fits(vertex, ScalarType.F32, at));
+            Optional<double[]> point =
+                    quantities
+                            .numbers(vertex, 3, METRE)
+                            .filter(at -> physics.fits(vertex, ScalarType.F32, at));
             complete &= point.isPresent();
             for (int axis = 0; axis < 3 && point.isPresent(); axis++) {
                 coordinates[next++] = (float) point.get()[axis];
@@ -199,8 +270,13 @@ final class PhysicalReader {
         }
         next = 0;
         for (Node triangle : triangles.children()) {
-            Optional<double[]> corners = quantities.numbers(triangle, 3, Unit.ONE)
-                    .filter(numbers -> areVertices(triangle, numbers, vertices.children().size()));
+            Optional<double[]> corners =
+                    quantities
+                            .numbers(triangle, 3, Unit.ONE)
+                            .filter(
+                                    numbers ->
+                                            areVertices(
+                                                    triangle, numbers, vertices.children().size()));
             complete &= corners.isPresent();
             for (int corner = 0; corner < 3 && corners.isPresent(); corner++) {
                 indices[next++] = (int) corners.get()[corner];
@@ -212,8 +288,13 @@ final class PhysicalReader {
     private boolean areVertices(Node triangle, double[] numbers, int vertexCount) {
         for (double number : numbers) {
             if (number != Math.rint(number) || number < 0 || number >= vertexCount) {
-                problems.add(triangle, triangle.label() + ": " + number
-                        + " is not the number of a vertex, expected 0 to " + (vertexCount - 1));
+                problems.add(
+                        triangle,
+                        triangle.label()
+                                + ": "
+                                + number
+                                + " is not the number of a vertex, expected 0 to "
+                                + (vertexCount - 1));
                 return false;
             }
         }

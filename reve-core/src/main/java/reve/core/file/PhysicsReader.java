@@ -1,4 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
+
+import reve.core.world.PropertyDescriptor;
+import reve.core.world.ScalarType;
+import reve.core.world.WorldPrototype;
 
 import java.util.ArrayList;
 import java.util.Arrays;
@@ -8,9 +13,6 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
-import reve.core.world.PropertyDescriptor;
-import reve.core.world.ScalarType;
-import reve.core.world.WorldPrototype;
 
 /** Reads physics aspects; the prototype says which properties there are, of which type and unit. */
 final class PhysicsReader {
@@ -20,9 +22,11 @@ final class PhysicsReader {
     private final Problems problems;
     private final Quantities quantities;
 
-    /** @param misdeclared names of properties whose declaration was refused: say no more of them */
-    PhysicsReader(WorldPrototype prototype, Set<String> misdeclared, Doubts doubts,
-            Problems problems) {
+    /**
+     * @param misdeclared names of properties whose declaration was refused: say no more of them
+     */
+    PhysicsReader(
+            WorldPrototype prototype, Set<String> misdeclared, Doubts doubts, Problems problems) {
         this.doubts = doubts;
         this.prototype = prototype;
         this.misdeclared = misdeclared;
@@ -38,7 +42,9 @@ final class PhysicsReader {
     interface Sink {
         void numbers(String property, double[] values);
 
-        /** @param targets texts, the names of items, as many as the property has components */
+        /**
+         * @param targets texts, the names of items, as many as the property has components
+         */
         void references(PropertyDescriptor property, List<Node> targets);
     }
 
@@ -55,15 +61,18 @@ final class PhysicsReader {
 
     /** Takes the value of the property that is its key. */
     void readProperty(Node value, String kind, Sink sink) {
-        find(value, value.key(), kind).ifPresent(property -> {
-            if (property.type() == ScalarType.REF) {
-                references(value, property)
-                        .ifPresent(targets -> sink.references(property, targets));
-            } else {
-                numbers(value, property)
-                        .ifPresent(numbers -> sink.numbers(property.name(), numbers));
-            }
-        });
+        find(value, value.key(), kind)
+                .ifPresent(
+                        property -> {
+                            if (property.type() == ScalarType.REF) {
+                                references(value, property)
+                                        .ifPresent(targets -> sink.references(property, targets));
+                            } else {
+                                numbers(value, property)
+                                        .ifPresent(
+                                                numbers -> sink.numbers(property.name(), numbers));
+                            }
+                        });
     }
 
     /**
@@ -74,7 +83,8 @@ final class PhysicsReader {
     }
 
     private boolean isDensity(Node value, String kind) {
-        return value.key().equals("density") && kind.equals(WorldPrototype.BODY)
+        return value.key().equals("density")
+                && kind.equals(WorldPrototype.BODY)
                 && prototype.find(kind, "density").isEmpty();
     }
 
@@ -86,8 +96,12 @@ final class PhysicsReader {
             for (Node value : aspect.children()) {
                 Node first = given.putIfAbsent(value.key(), value);
                 if (first != null) {
-                    problems.addAtKey(value, "duplicate constant `" + Node.shorten(value.key())
-                            + "`, first " + Problems.place(first, value));
+                    problems.addAtKey(
+                            value,
+                            "duplicate constant `"
+                                    + Node.shorten(value.key())
+                                    + "`, first "
+                                    + Problems.place(first, value));
                 }
             }
             readConstants(aspect, values);
@@ -96,17 +110,21 @@ final class PhysicsReader {
     }
 
     private void readConstants(Node aspect, Map<String, List<Double>> values) {
-        read(aspect, WorldPrototype.WORLD, new Sink() {
-            @Override
-            public void numbers(String property, double[] numbers) {
-                values.put(property, Arrays.stream(numbers).boxed().toList());
-            }
+        read(
+                aspect,
+                WorldPrototype.WORLD,
+                new Sink() {
+                    @Override
+                    public void numbers(String property, double[] numbers) {
+                        values.put(property, Arrays.stream(numbers).boxed().toList());
+                    }
 
-            @Override
-            public void references(PropertyDescriptor property, List<Node> targets) {
-                throw new IllegalStateException("kind world has no references: " + property);
-            }
-        });
+                    @Override
+                    public void references(PropertyDescriptor property, List<Node> targets) {
+                        throw new IllegalStateException(
+                                "kind world has no references: " + property);
+                    }
+                });
     }
 
     /**
@@ -117,8 +135,12 @@ final class PhysicsReader {
     Optional<PropertyDescriptor> find(Node where, String name, String kind) {
         Optional<PropertyDescriptor> property = prototype.find(kind, name);
         if (property.isEmpty() && !misdeclared.contains(name)) {
-            String message = "unknown physics property `" + Node.shorten(name) + "` of kind "
-                    + kind + hint(name, kind);
+            String message =
+                    "unknown physics property `"
+                            + Node.shorten(name)
+                            + "` of kind "
+                            + kind
+                            + hint(name, kind);
             if (where.key().equals(name)) {
                 problems.addAtKey(where, message);
             } else {
@@ -130,7 +152,8 @@ final class PhysicsReader {
 
     /** The value of a numeric property in its unit; empty and a problem if it does not fit. */
     Optional<double[]> numbers(Node node, PropertyDescriptor property) {
-        return quantities.numbers(node, property.components(), property.unit())
+        return quantities
+                .numbers(node, property.components(), property.unit())
                 .filter(values -> fits(node, property, values));
     }
 
@@ -138,8 +161,9 @@ final class PhysicsReader {
     boolean fits(Node node, PropertyDescriptor property, double[] values) {
         for (double value : values) {
             if (value < property.minimum()) {
-                problems.add(node, node.label() + ": found " + value + ", expected "
-                        + property.allowed());
+                problems.add(
+                        node,
+                        node.label() + ": found " + value + ", expected " + property.allowed());
                 return false;
             }
         }
@@ -150,16 +174,28 @@ final class PhysicsReader {
     boolean fits(Node node, ScalarType type, double[] values) {
         for (double value : values) {
             if (!type.holds(value)) {
-                problems.add(node, node.label() + ": " + value + " is not " + switch (type) {
-                    case I32 -> "a whole number from -2147483648 to 2147483647";
-                    case U32 -> "a whole number from 0 to 4294967295";
-                    case F32, F64, REF -> "within the range of a 32-bit real; use prototype si-f64";
-                });
+                problems.add(
+                        node,
+                        node.label()
+                                + ": "
+                                + value
+                                + " is not "
+                                + switch (type) {
+                                    case I32 -> "a whole number from -2147483648 to 2147483647";
+                                    case U32 -> "a whole number from 0 to 4294967295";
+                                    case F32, F64, REF ->
+                                            "within the range of a 32-bit real; use prototype"
+                                                    + " si-f64";
+                                });
                 return false;
             }
             if (type == ScalarType.F32 && value != 0 && (float) value == 0) {
-                problems.add(node, node.label() + ": " + value
-                        + " would become 0 as a 32-bit real; use prototype si-f64");
+                problems.add(
+                        node,
+                        node.label()
+                                + ": "
+                                + value
+                                + " would become 0 as a 32-bit real; use prototype si-f64");
                 return false;
             }
         }
@@ -170,13 +206,24 @@ final class PhysicsReader {
     boolean isWorkable(Node node, double... values) {
         for (double value : values) {
             if (Math.abs(value) > ScalarType.MAX_F64) {
-                doubts.refuse(node, node.label() + ": " + value + " is beyond 1e100; its powers "
-                        + "would be no numbers, so expected a smaller one", problems);
+                doubts.refuse(
+                        node,
+                        node.label()
+                                + ": "
+                                + value
+                                + " is beyond 1e100; its powers "
+                                + "would be no numbers, so expected a smaller one",
+                        problems);
                 return doubts != Doubts.REFUSED;
             }
             if (value != 0 && Math.abs(value) < ScalarType.MIN_F64 && doubts == Doubts.REFUSED) {
-                problems.add(node, node.label() + ": " + value + " is nearer to 0 than 1e-100; "
-                        + "its powers would be 0, so expected 0 or a larger one");
+                problems.add(
+                        node,
+                        node.label()
+                                + ": "
+                                + value
+                                + " is nearer to 0 than 1e-100; "
+                                + "its powers would be 0, so expected 0 or a larger one");
                 return false;
             }
         }
@@ -196,21 +243,27 @@ final class PhysicsReader {
             }
         }
         String suggestion = problems.suggestion(name, known);
-        return suggestion.isEmpty() ? "; known are " + Node.list(known)
-                + "; others are declared under `properties`" : suggestion;
+        return suggestion.isEmpty()
+                ? "; known are " + Node.list(known) + "; others are declared under `properties`"
+                : suggestion;
     }
 
     private Optional<List<Node>> references(Node node, PropertyDescriptor property) {
-        String expected = property.components() == 1
-                ? "the name of a " + property.refersTo().orElseThrow()
-                : "a list of " + property.components() + " names of items of kind "
-                        + property.refersTo().orElseThrow();
-        List<Node> targets = property.components() == 1 ? List.of(node)
-                : node.isList() ? List.copyOf(node.children()) : List.of();
+        String expected =
+                property.components() == 1
+                        ? "the name of a " + property.refersTo().orElseThrow()
+                        : "a list of "
+                                + property.components()
+                                + " names of items of kind "
+                                + property.refersTo().orElseThrow();
+        List<Node> targets =
+                property.components() == 1
+                        ? List.of(node)
+                        : node.isList() ? List.copyOf(node.children()) : List.of();
         if (targets.size() != property.components()
                 || targets.stream().anyMatch(target -> target.text().isEmpty())) {
-            problems.add(node, node.label() + ": found " + node.describe() + ", expected "
-                    + expected);
+            problems.add(
+                    node, node.label() + ": found " + node.describe() + ", expected " + expected);
             return Optional.empty();
         }
         return Optional.of(targets);

@@ -1,4 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
+
+import reve.core.world.WorldPrototype;
 
 import java.util.HashMap;
 import java.util.LinkedHashMap;
@@ -6,7 +9,6 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
-import reve.core.world.WorldPrototype;
 
 /**
  * Checks prefabs that no item is like, so that a typo is told before the prefab is needed. What
@@ -15,18 +17,30 @@ import reve.core.world.WorldPrototype;
 final class PrefabCheck {
     private static final List<String> SHAPE_KEYS =
             List.of("shape", "radius", "size", "vertices", "triangles", "file");
-    private static final Map<String, Set<String>> WHOLE = Map.of("sphere", Set.of("radius"),
-            "box", Set.of("size"), "plane", Set.of("size"),
-            "mesh", Set.of("vertices", "triangles"));
+    private static final Map<String, Set<String>> WHOLE =
+            Map.of(
+                    "sphere",
+                    Set.of("radius"),
+                    "box",
+                    Set.of("size"),
+                    "plane",
+                    Set.of("size"),
+                    "mesh",
+                    Set.of("vertices", "triangles"));
 
     private final WorldPrototype prototype;
+
     /** Of which kind a property is, by its name. */
     private final Map<String, String> kinds = new HashMap<>();
+
     private final ItemReader reader;
+
     /** Aspects without what is given by formulas. */
     private final Map<Node, Node> constants = new HashMap<>();
 
-    /** @param reader for these only: the items that prefabs refer to need not be there */
+    /**
+     * @param reader for these only: the items that prefabs refer to need not be there
+     */
     PrefabCheck(WorldPrototype prototype, ItemReader reader) {
         this.prototype = prototype;
         prototype.properties().forEach(each -> kinds.put(each.name(), each.kind()));
@@ -52,8 +66,8 @@ final class PrefabCheck {
         Map<String, Node> fields = new LinkedHashMap<>();
         for (Node value : prefab.children()) {
             if (value.isMapping()) {
-                fields.put(value.key(),
-                        constants.computeIfAbsent(value, Template::withoutFormulas));
+                fields.put(
+                        value.key(), constants.computeIfAbsent(value, Template::withoutFormulas));
             } else if (!Template.hasFormula(value)) {
                 fields.put(value.key(), value);
             }
@@ -87,8 +101,10 @@ final class PrefabCheck {
     /** The kind that is said, or else the one that has most of the properties. */
     private String kind(Node prefab) {
         Optional<String> said = prefab.get("kind").flatMap(Node::text);
-        if (said.isPresent() || prefab.get("physical").isPresent()
-                || prefab.get("sensors").isPresent() || prefab.get("physics").isEmpty()) {
+        if (said.isPresent()
+                || prefab.get("physical").isPresent()
+                || prefab.get("sensors").isPresent()
+                || prefab.get("physics").isEmpty()) {
             return said.orElse(WorldPrototype.BODY);
         }
         Map<String, Integer> known = new HashMap<>();

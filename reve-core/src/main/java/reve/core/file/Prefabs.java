@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
 
 import java.util.HashMap;
@@ -19,6 +20,7 @@ final class Prefabs {
     private final Expansion.Room values;
     private final Map<String, Node> given = new LinkedHashMap<>();
     private final Map<String, Node> complete = new HashMap<>();
+
     /** Names of those that something other than a prefab is like. */
     private final Set<String> used = new HashSet<>();
 
@@ -33,8 +35,12 @@ final class Prefabs {
         for (Node prefab : prefabs) {
             Node first = given.putIfAbsent(prefab.key(), prefab);
             if (first != null) {
-                problems.addAtKey(prefab, "duplicate prefab `" + Node.shorten(prefab.key())
-                        + "`, first " + Problems.place(first, prefab));
+                problems.addAtKey(
+                        prefab,
+                        "duplicate prefab `"
+                                + Node.shorten(prefab.key())
+                                + "`, first "
+                                + Problems.place(first, prefab));
             }
         }
         for (Node prefab : given.values()) {
@@ -57,11 +63,17 @@ final class Prefabs {
                 next = next.get().get("like").flatMap(Node::text).map(given::get);
             }
         }
-        return given.keySet().stream().filter(name -> !reached.contains(name))
-                .map(complete::get).filter(Objects::nonNull).filter(Node::isMapping).toList();
+        return given.keySet().stream()
+                .filter(name -> !reached.contains(name))
+                .map(complete::get)
+                .filter(Objects::nonNull)
+                .filter(Node::isMapping)
+                .toList();
     }
 
-    /** @param users prefabs that are being completed, the innermost last */
+    /**
+     * @param users prefabs that are being completed, the innermost last
+     */
     private Node complete(Node item, Set<String> users) throws WorldFileException {
         Optional<Node> like = item.get("like");
         if (like.flatMap(Node::text).isEmpty()) {
@@ -76,23 +88,36 @@ final class Prefabs {
         return own.over(prefab.get());
     }
 
-    /** @param where what is complained about if there is no such prefab */
+    /**
+     * @param where what is complained about if there is no such prefab
+     */
     private Optional<Node> prefab(Node where, String name, Set<String> users)
             throws WorldFileException {
         Node known = complete.get(name);
         Node prefab = given.get(name);
         if (known != null || prefab == null) {
             if (prefab == null) {
-                problems.add(where, "like: there is no prefab `" + Node.shorten(name) + "`"
-                        + problems.suggestion(name, given.keySet()));
+                problems.add(
+                        where,
+                        "like: there is no prefab `"
+                                + Node.shorten(name)
+                                + "`"
+                                + problems.suggestion(name, given.keySet()));
             }
             return Optional.ofNullable(known);
         }
         if (users.size() == MAX_CHAIN || !users.add(name)) {
-            problems.add(where, "like: " + (users.size() == MAX_CHAIN
-                    ? "more than " + MAX_CHAIN + " prefabs of which each is like the next"
-                    : "prefabs are like each other in a circle: "
-                            + String.join(", ", users) + ", " + name));
+            problems.add(
+                    where,
+                    "like: "
+                            + (users.size() == MAX_CHAIN
+                                    ? "more than "
+                                            + MAX_CHAIN
+                                            + " prefabs of which each is like the next"
+                                    : "prefabs are like each other in a circle: "
+                                            + String.join(", ", users)
+                                            + ", "
+                                            + name));
             return Optional.empty();
         }
         Node whole = complete(prefab, users);

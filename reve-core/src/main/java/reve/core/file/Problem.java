@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
 
 import java.util.Comparator;
@@ -13,8 +14,9 @@ import java.util.Comparator;
  *     file as a whole
  * @param message what was found, what was expected, what to do
  */
-public record Problem(Severity severity, String file, int line, int column, String pointer,
-        String message) implements Comparable<Problem> {
+public record Problem(
+        Severity severity, String file, int line, int column, String pointer, String message)
+        implements Comparable<Problem> {
     /** What a problem does to the file. */
     public enum Severity {
         /** The file is refused. */
@@ -23,9 +25,12 @@ public record Problem(Severity severity, String file, int line, int column, Stri
         WARNING
     }
 
-    private static final Comparator<Problem> BY_POSITION = Comparator.comparing(Problem::file)
-            .thenComparingInt(Problem::line).thenComparingInt(Problem::column)
-            .thenComparing(Problem::message).thenComparing(Problem::pointer);
+    private static final Comparator<Problem> BY_POSITION =
+            Comparator.comparing(Problem::file)
+                    .thenComparingInt(Problem::line)
+                    .thenComparingInt(Problem::column)
+                    .thenComparing(Problem::message)
+                    .thenComparing(Problem::pointer);
 
     @Override
     public int compareTo(Problem other) {
@@ -35,7 +40,13 @@ public record Problem(Severity severity, String file, int line, int column, Stri
     /** {@code file:line:column: message}, or {@code file:line:column: warning: message}. */
     @Override
     public String toString() {
-        return file + ":" + line + ":" + column + ": "
-                + (severity == Severity.WARNING ? "warning: " : "") + message;
+        return file
+                + ":"
+                + line
+                + ":"
+                + column
+                + ": "
+                + (severity == Severity.WARNING ? "warning: " : "")
+                + message;
     }
 }

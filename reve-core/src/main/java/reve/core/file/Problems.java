@@ -1,4 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
+
+import reve.core.text.Suggestion;
+import reve.core.text.Visible;
 
 import java.util.ArrayList;
 import java.util.Collection;
@@ -6,8 +10,6 @@ import java.util.HashSet;
 import java.util.List;
 import java.util.Set;
 import java.util.regex.Pattern;
-import reve.core.text.Suggestion;
-import reve.core.text.Visible;
 
 /**
  * Collects what is wrong with a world file and those that it includes; stops taking more when
@@ -16,6 +18,7 @@ import reve.core.text.Visible;
 final class Problems {
     /** Most problems that one report holds. */
     static final int MAX_REPORTED = 100;
+
     /** Most names for which one report looks for what was meant. */
     static final int MAX_SUGGESTIONS = 20;
 
@@ -24,17 +27,27 @@ final class Problems {
     private final String file;
     private final List<Problem> found;
     private final List<Problem> warnings;
+
     /** Mappings in which a key is not known: what they seem to lack may be that. */
     private final Set<String> misspelt;
+
     private final Allowance suggestions;
 
     Problems(String file) {
-        this(file, new ArrayList<>(), new ArrayList<>(), new HashSet<>(),
+        this(
+                file,
+                new ArrayList<>(),
+                new ArrayList<>(),
+                new HashSet<>(),
                 new Allowance(MAX_SUGGESTIONS));
     }
 
-    private Problems(String file, List<Problem> found, List<Problem> warnings,
-            Set<String> misspelt, Allowance suggestions) {
+    private Problems(
+            String file,
+            List<Problem> found,
+            List<Problem> warnings,
+            Set<String> misspelt,
+            Allowance suggestions) {
         this.suggestions = suggestions;
         this.file = file;
         this.found = found;
@@ -64,7 +77,8 @@ final class Problems {
 
     /** Where another node stands, for messages: {@code on line 5}, or {@code in f.yaml:5}. */
     static String place(Node other, Node here) {
-        return other.file().equals(here.file()) ? "on line " + other.line()
+        return other.file().equals(here.file())
+                ? "on line " + other.line()
                 : "in " + other.file() + ":" + other.line();
     }
 
@@ -76,8 +90,13 @@ final class Problems {
     }
 
     private boolean isFirst(Node node) {
-        return node.isMapping() || node.isList() || found.stream().noneMatch(problem ->
-                problem.file().equals(node.file()) && problem.pointer().equals(node.pointer()));
+        return node.isMapping()
+                || node.isList()
+                || found.stream()
+                        .noneMatch(
+                                problem ->
+                                        problem.file().equals(node.file())
+                                                && problem.pointer().equals(node.pointer()));
     }
 
     /** Notes a problem at a character of a text, from 0; of a text in block style, at its start. */
@@ -118,8 +137,14 @@ final class Problems {
 
     /** Notes what does not keep a file from being valid. */
     void warn(Node node, String message) {
-        Problem warning = problem(Problem.Severity.WARNING, node.file(), node.line(),
-                node.column(), node.pointer(), message);
+        Problem warning =
+                problem(
+                        Problem.Severity.WARNING,
+                        node.file(),
+                        node.line(),
+                        node.column(),
+                        node.pointer(),
+                        message);
         if (warnings.size() < MAX_REPORTED && !warnings.contains(warning)) {
             warnings.add(warning);
         }
@@ -154,8 +179,15 @@ final class Problems {
     void requireAtMost(int most, List<Node> declared, String key) throws WorldFileException {
         if (declared.size() > most) {
             Node first = declared.get(most);
-            throw of(first.file()).fatal(first.keyLine(), first.keyColumn(), key + ": found "
-                    + declared.size() + " in all files, expected at most " + most);
+            throw of(first.file())
+                    .fatal(
+                            first.keyLine(),
+                            first.keyColumn(),
+                            key
+                                    + ": found "
+                                    + declared.size()
+                                    + " in all files, expected at most "
+                                    + most);
         }
     }
 
@@ -179,16 +211,26 @@ final class Problems {
         return exception();
     }
 
-    private static Problem problem(String file, int line, int column, String pointer,
-            String message) {
+    private static Problem problem(
+            String file, int line, int column, String pointer, String message) {
         return problem(Problem.Severity.ERROR, file, line, column, pointer, message);
     }
 
     /** What a file contains must not control the terminal that shows the message. */
-    private static Problem problem(Problem.Severity severity, String file, int line, int column,
-            String pointer, String message) {
-        return new Problem(severity, file, line, column, pointer, Visible.line(
-                CONTROL_CHARACTER.matcher(message).replaceAll(" ")));
+    private static Problem problem(
+            Problem.Severity severity,
+            String file,
+            int line,
+            int column,
+            String pointer,
+            String message) {
+        return new Problem(
+                severity,
+                file,
+                line,
+                column,
+                pointer,
+                Visible.line(CONTROL_CHARACTER.matcher(message).replaceAll(" ")));
     }
 
     private WorldFileException exception() {
@@ -196,8 +238,15 @@ final class Problems {
         sorted.sort(null);
         if (full()) {
             Problem last = sorted.getLast();
-            sorted.add(problem(last.file(), last.line(), last.column(), "",
-                    "no more than " + MAX_REPORTED + " problems are shown; there may be others"));
+            sorted.add(
+                    problem(
+                            last.file(),
+                            last.line(),
+                            last.column(),
+                            "",
+                            "no more than "
+                                    + MAX_REPORTED
+                                    + " problems are shown; there may be others"));
         }
         return new WorldFileException(sorted);
     }

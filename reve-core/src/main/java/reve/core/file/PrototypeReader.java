@@ -1,13 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
+
+import reve.core.unit.Unit;
+import reve.core.world.PropertyDescriptor;
+import reve.core.world.ScalarType;
+import reve.core.world.WorldPrototype;
 
 import java.util.HashSet;
 import java.util.List;
 import java.util.Optional;
 import java.util.Set;
-import reve.core.unit.Unit;
-import reve.core.world.PropertyDescriptor;
-import reve.core.world.ScalarType;
-import reve.core.world.WorldPrototype;
 
 /** Reads {@code prototype} and {@code properties}: which properties the items of a world have. */
 final class PrototypeReader {
@@ -54,8 +56,10 @@ final class PrototypeReader {
 
     /** The number under the key {@code components}, else 1; the schema reports wrong ones. */
     static int components(Node owner) {
-        return Math.clamp(owner.get("components").flatMap(Node::number).orElse(1.0).longValue(),
-                1, PropertyDescriptor.MAX_COMPONENTS);
+        return Math.clamp(
+                owner.get("components").flatMap(Node::number).orElse(1.0).longValue(),
+                1,
+                PropertyDescriptor.MAX_COMPONENTS);
     }
 
     private static WorldPrototype standard(Node root) {
@@ -64,7 +68,8 @@ final class PrototypeReader {
     }
 
     private double minimum(Node property, Unit unit) {
-        return property.get("min").flatMap(node -> quantities.number(node, unit))
+        return property.get("min")
+                .flatMap(node -> quantities.number(node, unit))
                 .orElse(Double.NEGATIVE_INFINITY);
     }
 
@@ -76,15 +81,24 @@ final class PrototypeReader {
             name.ifPresent(misdeclared::add);
             return prototype;
         }
-        ScalarType type = switch (node.get("type").flatMap(Node::text).orElse("real")) {
-            case "i32" -> ScalarType.I32;
-            case "u32" -> ScalarType.U32;
-            default -> prototype.realType();
-        };
+        ScalarType type =
+                switch (node.get("type").flatMap(Node::text).orElse("real")) {
+                    case "i32" -> ScalarType.I32;
+                    case "u32" -> ScalarType.U32;
+                    default -> prototype.realType();
+                };
         try {
-            return prototype.extendedBy(List.of(new PropertyDescriptor(name.get(), kind.get(), type,
-                    components(node), unit.get(), Optional.empty(), minimum(node, unit.get()),
-                    node.get("doc").flatMap(Node::text).orElse(""))));
+            return prototype.extendedBy(
+                    List.of(
+                            new PropertyDescriptor(
+                                    name.get(),
+                                    kind.get(),
+                                    type,
+                                    components(node),
+                                    unit.get(),
+                                    Optional.empty(),
+                                    minimum(node, unit.get()),
+                                    node.get("doc").flatMap(Node::text).orElse(""))));
         } catch (IllegalArgumentException refused) {
             problems.add(node.get("name").orElseThrow(), refused.getMessage());
             misdeclared.add(name.get());

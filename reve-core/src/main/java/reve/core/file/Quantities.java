@@ -1,4 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
+
+import reve.core.unit.Unit;
 
 import java.util.Arrays;
 import java.util.HashMap;
@@ -9,16 +12,16 @@ import java.util.function.DoubleUnaryOperator;
 import java.util.regex.MatchResult;
 import java.util.regex.Matcher;
 import java.util.regex.Pattern;
-import reve.core.unit.Unit;
 
 /**
- * Reads the numbers of a world file: {@code 3}, {@code [0, 3, 0]}, {@code 3 kg},
- * {@code 0 3 0 km/h} or {@code "[0, 3, 0] km/h"}. Numbers without a unit are in the unit that is
- * asked for, others are converted to it.
+ * Reads the numbers of a world file: {@code 3}, {@code [0, 3, 0]}, {@code 3 kg}, {@code 0 3 0 km/h}
+ * or {@code "[0, 3, 0] km/h"}. Numbers without a unit are in the unit that is asked for, others are
+ * converted to it.
  */
 final class Quantities {
     /** Longest text that is looked at; hundreds of numbers fit. */
     private static final int MAX_LENGTH = 1024;
+
     private static final Pattern NUMBER =
             Pattern.compile("[+-]?(?:\\d++(?:\\.\\d*+)?|\\.\\d++)(?:[eE][+-]?\\d++)?");
     private static final Pattern NOT_FINITE =
@@ -30,6 +33,7 @@ final class Quantities {
     private static final Pattern GAP = Pattern.compile("\\s*,\\s*|\\s+");
 
     private final Problems problems;
+
     /** Those that were read, by their texts: many items use the same few. */
     private final Map<String, Unit> units = new HashMap<>();
 
@@ -73,8 +77,9 @@ final class Quantities {
         Unit from = parsed.get().unit.orElse(Unit.ONE);
         double[] numbers = parsed.get().numbers;
         if (numbers.length != 1) {
-            return refuse(node, "found " + plural(numbers.length) + ", expected one"
-                    + commaHint(node, 1));
+            return refuse(
+                    node,
+                    "found " + plural(numbers.length) + ", expected one" + commaHint(node, 1));
         }
         return finite(node, numbers, from, from::toSi)
                 .map(values -> new Quantity(values[0], parsed.get().unit));
@@ -100,9 +105,14 @@ final class Quantities {
         int next = 0;
         for (Node element : node.children()) {
             if (element.number().isEmpty()) {
-                problems.add(element, node.label() + ": found " + element.describe()
-                        + " in a list of numbers; a unit goes behind all of them, as in `"
-                        + example(count, unit) + "`");
+                problems.add(
+                        element,
+                        node.label()
+                                + ": found "
+                                + element.describe()
+                                + " in a list of numbers; a unit goes behind all of them, as in `"
+                                + example(count, unit)
+                                + "`");
                 return Optional.empty();
             }
             numbers[next++] = element.number().get();
@@ -111,24 +121,33 @@ final class Quantities {
     }
 
     private Optional<double[]> counted(Node node, double[] numbers, int count, Unit unit) {
-        return numbers.length == count ? Optional.of(numbers)
-                : refuse(node, "found " + plural(numbers.length) + ", expected "
-                        + expected(count, unit) + commaHint(node, count));
+        return numbers.length == count
+                ? Optional.of(numbers)
+                : refuse(
+                        node,
+                        "found "
+                                + plural(numbers.length)
+                                + ", expected "
+                                + expected(count, unit)
+                                + commaHint(node, count));
     }
 
     private static String commaHint(Node node, int count) {
         Matcher comma = DECIMAL_COMMA.matcher(node.text().orElse(""));
         List<String> numbers = comma.results().map(MatchResult::group).toList();
-        return numbers.size() != count ? "" : "; a decimal point is written `.`, as in `"
-                + numbers.getFirst().replace(',', '.') + "`";
+        return numbers.size() != count
+                ? ""
+                : "; a decimal point is written `.`, as in `"
+                        + numbers.getFirst().replace(',', '.')
+                        + "`";
     }
 
     /** Takes a text apart into leading numbers and what follows them. */
     private Optional<Parsed> parse(Node node, String expected) {
         String text = node.text().orElseThrow().strip();
         if (text.length() > MAX_LENGTH) {
-            return refuse(node, "found a text of " + text.length() + " characters, expected "
-                    + expected);
+            return refuse(
+                    node, "found a text of " + text.length() + " characters, expected " + expected);
         }
         Matcher list = LIST.matcher(text);
         boolean bracketed = list.matches();
@@ -146,16 +165,19 @@ final class Quantities {
         for (int i = 0; i < count; i++) {
             numbers[i] = Double.parseDouble(words[i]);
             if (Double.isInfinite(numbers[i])) {
-                return refuse(node, "`" + Node.shorten(words[i])
-                        + "` is too large for a 64-bit number");
+                return refuse(
+                        node, "`" + Node.shorten(words[i]) + "` is too large for a 64-bit number");
             }
         }
         if (count == 0 || bracketed && count < words.length) {
             return refuse(node, noNumber(words[count], text, expected));
         }
-        String unit = bracketed ? list.group(2).strip()
-                : String.join(" ", Arrays.asList(words).subList(count, words.length));
-        return unit.isEmpty() ? Optional.of(new Parsed(numbers, Optional.empty()))
+        String unit =
+                bracketed
+                        ? list.group(2).strip()
+                        : String.join(" ", Arrays.asList(words).subList(count, words.length));
+        return unit.isEmpty()
+                ? Optional.of(new Parsed(numbers, Optional.empty()))
                 : unit(node, unit).map(read -> new Parsed(numbers, Optional.of(read)));
     }
 
@@ -170,13 +192,18 @@ final class Quantities {
     private static String noNumber(String word, String text, String expected) {
         Matcher joined = NO_SPACE.matcher(word);
         return joined.matches()
-                ? "`" + Node.shorten(word) + "` needs a space between number and unit: `"
-                        + joined.group("number") + " " + Node.shorten(joined.group("unit")) + "`"
+                ? "`"
+                        + Node.shorten(word)
+                        + "` needs a space between number and unit: `"
+                        + joined.group("number")
+                        + " "
+                        + Node.shorten(joined.group("unit"))
+                        + "`"
                 : "found text `" + Node.shorten(text) + "`, expected " + expected;
     }
 
-    private Optional<double[]> finite(Node node, double[] numbers, Unit from,
-            DoubleUnaryOperator conversion) {
+    private Optional<double[]> finite(
+            Node node, double[] numbers, Unit from, DoubleUnaryOperator conversion) {
         double[] values = Arrays.stream(numbers).map(conversion).toArray();
         for (int i = 0; i < values.length; i++) {
             if (!Double.isFinite(values[i])) {

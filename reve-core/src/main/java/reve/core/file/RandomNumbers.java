@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
 
 import java.util.Map;
@@ -8,13 +9,15 @@ import java.util.Map;
  */
 final class RandomNumbers {
     /** What formulas call; the argument is the seed. */
-    static final Map<String, Function> FUNCTIONS = Map.of(
-            "random", numbers -> new double[] {numbers.next()},
-            "box", RandomNumbers::inBox,
-            "ball", RandomNumbers::inBall,
-            "sphere", RandomNumbers::onSphere);
+    static final Map<String, Function> FUNCTIONS =
+            Map.of(
+                    "random", numbers -> new double[] {numbers.next()},
+                    "box", RandomNumbers::inBox,
+                    "ball", RandomNumbers::inBall,
+                    "sphere", RandomNumbers::onSphere);
 
     private static final long STEP = 0x9e3779b97f4a7c15L;
+
     /** What is nearer to the origin has too few digits left for a direction. */
     private static final double SMALLEST = 1e-6;
 

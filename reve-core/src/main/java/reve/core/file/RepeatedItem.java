@@ -1,8 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
+
+import reve.core.world.ItemDefinition;
 
 import java.util.List;
 import java.util.Optional;
-import reve.core.world.ItemDefinition;
 
 /**
  * An item that is repeated, as it is in its first repetition. The others are like it but for what
@@ -25,8 +27,8 @@ record RepeatedItem(Node node, ItemDefinition definition) {
     private boolean isSingle(String aspect, String key) {
         return switch (aspect) {
             case "" -> key.equals("name") || key.equals("parent");
-            case "physical" -> key.equals("location") || key.equals("orientation")
-                    || key.equals("colour");
+            case "physical" ->
+                    key.equals("location") || key.equals("orientation") || key.equals("colour");
             case "semantic" -> true;
             case "physics" -> !key.equals("density") && node.get("parent").isEmpty();
             default -> false;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
 
 import java.util.List;
@@ -23,13 +24,14 @@ record Repetition(List<String> variables, long count, Values values) {
             throws WorldFileException {
         if (node.text().isPresent()) {
             Optional<SourceFiles.Source> file = files.find(node, problems);
-            return file.isEmpty() ? Optional.empty()
+            return file.isEmpty()
+                    ? Optional.empty()
                     : Optional.of(Table.read(file.get(), files, problems));
         }
         if (node.number().isPresent()) {
             long count = node.number().get().longValue();
-            return Optional.of(new Repetition(List.of(INDEX), count,
-                    number -> new double[] {number}));
+            return Optional.of(
+                    new Repetition(List.of(INDEX), count, number -> new double[] {number}));
         }
         return node.isMapping() ? grid(node, problems) : Optional.empty();
     }
@@ -39,25 +41,35 @@ record Repetition(List<String> variables, long count, Values values) {
         List<String> names = node.children().stream().map(Node::key).toList();
         for (Node index : node.children()) {
             if (Formula.isTaken(index.key())) {
-                problems.addAtKey(index, "`" + index.key() + "` means something else in formulas; "
-                        + "choose another name");
+                problems.addAtKey(
+                        index,
+                        "`"
+                                + index.key()
+                                + "` means something else in formulas; "
+                                + "choose another name");
                 return Optional.empty();
             }
         }
-        long[] counts = node.children().stream()
-                .mapToLong(index -> index.number().orElse(0.0).longValue()).toArray();
+        long[] counts =
+                node.children().stream()
+                        .mapToLong(index -> index.number().orElse(0.0).longValue())
+                        .toArray();
         double count = 1;
         for (long each : counts) {
             count *= each;
         }
-        return Optional.of(new Repetition(names, (long) count, number -> {
-            double[] values = new double[counts.length];
-            long rest = number;
-            for (int i = counts.length - 1; i >= 0; i--) {
-                values[i] = rest % counts[i];
-                rest /= counts[i];
-            }
-            return values;
-        }));
+        return Optional.of(
+                new Repetition(
+                        names,
+                        (long) count,
+                        number -> {
+                            double[] values = new double[counts.length];
+                            long rest = number;
+                            for (int i = counts.length - 1; i >= 0; i--) {
+                                values[i] = rest % counts[i];
+                                rest /= counts[i];
+                            }
+                            return values;
+                        }));
     }
 }

@@ -1,11 +1,6 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
 
-import java.util.ArrayList;
-import java.util.HashMap;
-import java.util.LinkedHashMap;
-import java.util.List;
-import java.util.Map;
-import java.util.Optional;
 import reve.core.rule.Expression;
 import reve.core.rule.ExpressionException;
 import reve.core.rule.ExpressionType;
@@ -15,6 +10,13 @@ import reve.core.unit.Unit;
 import reve.core.world.SymbolDescriptor;
 import reve.core.world.SymbolType;
 import reve.core.world.WorldPrototype;
+
+import java.util.ArrayList;
+import java.util.HashMap;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
 
 /** Reads what a world says of semantic symbols: their types, and rules that give them. */
 final class RuleReader {
@@ -35,7 +37,8 @@ final class RuleReader {
         Map<String, Node> first = new LinkedHashMap<>();
         for (Node node : symbols) {
             if (isNew(node, first, "symbol")) {
-                PrototypeReader.unit(node, problems).flatMap(unit -> symbol(node, unit))
+                PrototypeReader.unit(node, problems)
+                        .flatMap(unit -> symbol(node, unit))
                         .ifPresent(declared::add);
             }
         }
@@ -60,19 +63,26 @@ final class RuleReader {
     private boolean isNew(Node node, Map<String, Node> first, String what) {
         Node before = first.putIfAbsent(node.key(), node);
         if (before != null) {
-            problems.addAtKey(node, "duplicate " + what + " `" + Node.shorten(node.key())
-                    + "`, first " + Problems.place(before, node));
+            problems.addAtKey(
+                    node,
+                    "duplicate "
+                            + what
+                            + " `"
+                            + Node.shorten(node.key())
+                            + "`, first "
+                            + Problems.place(before, node));
         }
         return before == null;
     }
 
     private Optional<SymbolDescriptor> symbol(Node node, Unit unit) {
-        SymbolType type = switch (node.get("type").flatMap(Node::text).orElse("text")) {
-            case "number" -> SymbolType.NUMBER;
-            case "truth" -> SymbolType.TRUTH;
-            case "list" -> SymbolType.LIST;
-            default -> SymbolType.TEXT;
-        };
+        SymbolType type =
+                switch (node.get("type").flatMap(Node::text).orElse("text")) {
+                    case "number" -> SymbolType.NUMBER;
+                    case "truth" -> SymbolType.TRUTH;
+                    case "list" -> SymbolType.LIST;
+                    default -> SymbolType.TEXT;
+                };
         try {
             return Optional.of(new SymbolDescriptor(node.key(), type, unit, doc(node)));
         } catch (IllegalArgumentException refused) {
@@ -85,8 +95,12 @@ final class RuleReader {
         Optional<Node> is = node.isMapping() ? node.get("is") : Optional.of(node);
         String kind = node.get("kind").flatMap(Node::text).orElse(WorldPrototype.BODY);
         if (!prototype.hasKind(kind)) {
-            problems.add(node.get("kind").orElseThrow(), "kind: there is no kind `" + kind + "`"
-                    + problems.suggestion(kind, prototype.kinds()));
+            problems.add(
+                    node.get("kind").orElseThrow(),
+                    "kind: there is no kind `"
+                            + kind
+                            + "`"
+                            + problems.suggestion(kind, prototype.kinds()));
             return Optional.empty();
         }
         Scope scope = scopes.computeIfAbsent(kind, known -> Scope.ofItem(prototype, known));
@@ -97,8 +111,13 @@ final class RuleReader {
 
     private Optional<Rule> rule(Node node, String kind, Expression expression) {
         try {
-            return Optional.of(new Rule(node.key(), kind,
-                    node.get("class").flatMap(Node::text), expression, doc(node)));
+            return Optional.of(
+                    new Rule(
+                            node.key(),
+                            kind,
+                            node.get("class").flatMap(Node::text),
+                            expression,
+                            doc(node)));
         } catch (IllegalArgumentException refused) {
             problems.addAtKey(node, refused.getMessage());
             return Optional.empty();
@@ -110,8 +129,13 @@ final class RuleReader {
         try {
             Expression expression = scope.compile(text);
             if (!expression.type().suits(expected)) {
-                problems.add(node, node.label() + ": is " + expression.type().words()
-                        + ", the symbol is declared as " + expected.words());
+                problems.add(
+                        node,
+                        node.label()
+                                + ": is "
+                                + expression.type().words()
+                                + ", the symbol is declared as "
+                                + expected.words());
                 return Optional.empty();
             }
             return Optional.of(expression);
@@ -122,12 +146,18 @@ final class RuleReader {
     }
 
     private static ExpressionType type(WorldPrototype prototype, String symbol) {
-        return prototype.symbol(symbol).map(SymbolDescriptor::type).map(type -> switch (type) {
-            case TEXT -> ExpressionType.TEXT;
-            case NUMBER -> ExpressionType.NUMBER;
-            case TRUTH -> ExpressionType.TRUTH;
-            case LIST -> ExpressionType.LIST;
-        }).orElse(ExpressionType.ANY);
+        return prototype
+                .symbol(symbol)
+                .map(SymbolDescriptor::type)
+                .map(
+                        type ->
+                                switch (type) {
+                                    case TEXT -> ExpressionType.TEXT;
+                                    case NUMBER -> ExpressionType.NUMBER;
+                                    case TRUTH -> ExpressionType.TRUTH;
+                                    case LIST -> ExpressionType.LIST;
+                                })
+                .orElse(ExpressionType.ANY);
     }
 
     /** A rule reads what rules before it give, not what it gives itself or a later one does. */
@@ -136,9 +166,16 @@ final class RuleReader {
             Rule rule = rules.get(i);
             for (Rule later : rules.subList(i, rules.size())) {
                 if (rule.expression().uses().contains("semantic." + later.symbol())) {
-                    problems.addAtKey(nodes.get(rule.symbol()), "rule " + rule.symbol() + " reads "
-                            + (rule == later ? "what it gives itself" : "what rule "
-                                    + later.symbol() + " gives, which comes later"));
+                    problems.addAtKey(
+                            nodes.get(rule.symbol()),
+                            "rule "
+                                    + rule.symbol()
+                                    + " reads "
+                                    + (rule == later
+                                            ? "what it gives itself"
+                                            : "what rule "
+                                                    + later.symbol()
+                                                    + " gives, which comes later"));
                 }
             }
         }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
 
 import com.networknt.schema.Error;
@@ -6,6 +7,14 @@ import com.networknt.schema.SchemaLocation;
 import com.networknt.schema.SchemaRegistry;
 import com.networknt.schema.SpecificationVersion;
 import com.networknt.schema.path.NodePath;
+
+import tools.jackson.core.JsonPointer;
+import tools.jackson.databind.JsonNode;
+import tools.jackson.databind.json.JsonMapper;
+import tools.jackson.databind.node.ArrayNode;
+import tools.jackson.databind.node.JsonNodeFactory;
+import tools.jackson.databind.node.ObjectNode;
+
 import java.io.IOException;
 import java.io.InputStream;
 import java.io.UncheckedIOException;
@@ -19,12 +28,6 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.regex.Pattern;
 import java.util.stream.Collectors;
-import tools.jackson.core.JsonPointer;
-import tools.jackson.databind.JsonNode;
-import tools.jackson.databind.json.JsonMapper;
-import tools.jackson.databind.node.ArrayNode;
-import tools.jackson.databind.node.JsonNodeFactory;
-import tools.jackson.databind.node.ObjectNode;
 
 /**
  * Checks the form of a file against the schema that is shipped, and says what the schema's library
@@ -35,20 +38,36 @@ final class SchemaCheck {
     private static final String ID = "urn:reve:world-file:1";
     private static final String SOURCE = resource();
     private static final JsonNode TREE = JsonMapper.shared().readTree(SOURCE);
-    private static final SchemaRegistry REGISTRY = SchemaRegistry.withDefaultDialect(
-            SpecificationVersion.DRAFT_2020_12, builder -> builder.schemas(Map.of(ID, SOURCE)));
+    private static final SchemaRegistry REGISTRY =
+            SchemaRegistry.withDefaultDialect(
+                    SpecificationVersion.DRAFT_2020_12,
+                    builder -> builder.schemas(Map.of(ID, SOURCE)));
     private static final Schema FILE = REGISTRY.getSchema(SchemaLocation.of(ID));
     private static final Schema PART = REGISTRY.getSchema(SchemaLocation.of(ID + "#/$defs/part"));
     private static final Schema ITEM = REGISTRY.getSchema(SchemaLocation.of(ID + "#/$defs/item"));
+
     /** More elements than the schema allows in any list whose elements it describes. */
     private static final int MAX_ELEMENTS = 10_001;
-    private static final Map<String, String> TYPES = Map.of(
-            "object", "a mapping", "array", "a list", "string", "a text", "number", "a number",
-            "integer", "a whole number", "boolean", "true or false");
+
+    private static final Map<String, String> TYPES =
+            Map.of(
+                    "object",
+                    "a mapping",
+                    "array",
+                    "a list",
+                    "string",
+                    "a text",
+                    "number",
+                    "a number",
+                    "integer",
+                    "a whole number",
+                    "boolean",
+                    "true or false");
 
     private static final Pattern DIGITS = Pattern.compile("\\d+( .*)?");
 
     private final Problems problems;
+
     /** Whether a list or a mapping is longer than it may be. */
     private boolean tooLong;
 
@@ -77,8 +96,8 @@ final class SchemaCheck {
     private void check(Node root, Schema schema) throws WorldFileException {
         ObjectNode withoutItems = (ObjectNode) toJson(root, root.get("items").filter(Node::isList));
         report(schema.validate(withoutItems), root);
-        for (Node item : root.get("items").filter(Node::isList).map(Node::children)
-                .orElse(List.of())) {
+        for (Node item :
+                root.get("items").filter(Node::isList).map(Node::children).orElse(List.of())) {
             if (tooLong || problems.full()) {
                 break;
             }
@@ -96,8 +115,13 @@ final class SchemaCheck {
     }
 
     private void report(List<Error> errors, Node base) {
-        List<Error> unknownFirst = errors.stream().sorted(Comparator.comparing(
-                error -> !error.getKeyword().equals("additionalProperties"))).toList();
+        List<Error> unknownFirst =
+                errors.stream()
+                        .sorted(
+                                Comparator.comparing(
+                                        error ->
+                                                !error.getKeyword().equals("additionalProperties")))
+                        .toList();
         for (Error error : unknownFirst) {
             if (problems.full()) {
                 return;
@@ -114,13 +138,22 @@ final class SchemaCheck {
                     if (tellsOfDecimalComma(base, error, extra)) {
                         break;
                     }
-                    problems.addUnknownKey(node, extra, "unknown key `"
-                            + Node.shorten(extra.key()) + "`" + hintForUnknownKey(error));
+                    problems.addUnknownKey(
+                            node,
+                            extra,
+                            "unknown key `"
+                                    + Node.shorten(extra.key())
+                                    + "`"
+                                    + hintForUnknownKey(error));
                 }
                 case "propertyNames" -> {
                     Node named = node.get(error.getProperty()).orElse(node);
-                    problems.addAtKey(named, "`" + Node.shorten(named.key())
-                            + "` is not a name; expected " + description(error.getSchemaNode()));
+                    problems.addAtKey(
+                            named,
+                            "`"
+                                    + Node.shorten(named.key())
+                                    + "` is not a name; expected "
+                                    + description(error.getSchemaNode()));
                 }
                 case "required" -> {
                     if (!problems.isMisspelt(node)) {
@@ -138,13 +171,18 @@ final class SchemaCheck {
 
     /** In braces, {@code mass: 0,5} is a mass of 0, and a key 5 without a value. */
     private boolean tellsOfDecimalComma(Node base, Error error, Node node) {
-        boolean comma = node.isNothing() && DIGITS.matcher(node.key()).matches()
-                && !node.isElement();
+        boolean comma =
+                node.isNothing() && DIGITS.matcher(node.key()).matches() && !node.isElement();
         if (comma) {
-            problems.addUnknownKey(mapping(base, error, node), node,
-                    "`" + Node.shorten(node.key()) + "` stands for itself; if it is part of "
-                    + "a number, a decimal point is written `.`, as in `0."
-                    + Node.shorten(node.key().split(" ")[0]) + "`");
+            problems.addUnknownKey(
+                    mapping(base, error, node),
+                    node,
+                    "`"
+                            + Node.shorten(node.key())
+                            + "` stands for itself; if it is part of "
+                            + "a number, a decimal point is written `.`, as in `0."
+                            + Node.shorten(node.key().split(" ")[0])
+                            + "`");
         }
         return comma;
     }
@@ -163,24 +201,43 @@ final class SchemaCheck {
         JsonNode rule = error.getSchemaNode();
         return switch (error.getKeyword()) {
             case "required" -> "`" + error.getProperty() + "` is missing";
-            case "type" -> "found " + node.describe() + ", expected " + types(rule)
-                    + hintForType(rule, node);
-            case "const" -> "found " + node.describe() + ", expected " + rule
-                    + (rule.isNumber() ? ", the format version that is read here" : "");
-            case "enum" -> "found " + node.describe() + ", expected one of `"
-                    + String.join("`, `", strings(rule)) + "`"
-                    + node.text().map(text -> problems.suggestion(text, strings(rule)))
-                            .orElse("");
-            case "pattern" -> "found " + node.describe() + ", expected "
-                    + surrounding(error).path("description").asString();
+            case "type" ->
+                    "found "
+                            + node.describe()
+                            + ", expected "
+                            + types(rule)
+                            + hintForType(rule, node);
+            case "const" ->
+                    "found "
+                            + node.describe()
+                            + ", expected "
+                            + rule
+                            + (rule.isNumber() ? ", the format version that is read here" : "");
+            case "enum" ->
+                    "found "
+                            + node.describe()
+                            + ", expected one of `"
+                            + String.join("`, `", strings(rule))
+                            + "`"
+                            + node.text()
+                                    .map(text -> problems.suggestion(text, strings(rule)))
+                                    .orElse("");
+            case "pattern" ->
+                    "found "
+                            + node.describe()
+                            + ", expected "
+                            + surrounding(error).path("description").asString();
             case "minimum" -> "found " + node.describe() + ", expected at least " + rule;
             case "maximum" -> "found " + node.describe() + ", expected at most " + rule;
-            case "maxLength" -> "found a text of " + node.text().orElse("").length()
-                    + " characters, expected at most " + rule;
-            case "minItems", "minProperties" -> "found " + node.describe()
-                    + ", expected at least " + rule + " in it";
-            case "maxItems", "maxProperties" -> "found " + node.describe() + ", expected at most "
-                    + rule + " in it";
+            case "maxLength" ->
+                    "found a text of "
+                            + node.text().orElse("").length()
+                            + " characters, expected at most "
+                            + rule;
+            case "minItems", "minProperties" ->
+                    "found " + node.describe() + ", expected at least " + rule + " in it";
+            case "maxItems", "maxProperties" ->
+                    "found " + node.describe() + ", expected at most " + rule + " in it";
             case "uniqueItems" -> "found the same twice, expected each once";
             case "dependentRequired" -> "`body` is missing, which `places` are for";
             default -> error.getMessage();
@@ -189,9 +246,9 @@ final class SchemaCheck {
 
     private static String types(JsonNode rule) {
         List<String> names = strings(rule).stream().map(TYPES::get).toList();
-        return names.size() == 1 ? names.getFirst()
-                : String.join(", ", names.subList(0, names.size() - 1)) + " or "
-                        + names.getLast();
+        return names.size() == 1
+                ? names.getFirst()
+                : String.join(", ", names.subList(0, names.size() - 1)) + " or " + names.getLast();
     }
 
     private static String hintForType(JsonNode rule, Node node) {
@@ -206,8 +263,7 @@ final class SchemaCheck {
     }
 
     private String hintForUnknownKey(Error error) {
-        List<String> known = new ArrayList<>(
-                surrounding(error).path("properties").propertyNames());
+        List<String> known = new ArrayList<>(surrounding(error).path("properties").propertyNames());
         String suggestion = problems.suggestion(error.getProperty(), known);
         return suggestion.isEmpty() ? "; known here: " + String.join(", ", known) : suggestion;
     }
@@ -221,9 +277,11 @@ final class SchemaCheck {
     /** What a rule expects, which it refers to or says itself. */
     private static String description(JsonNode rule) {
         JsonNode reference = rule.path("$ref");
-        return (reference.isMissingNode() ? rule
-                : TREE.at(JsonPointer.compile(reference.asString().substring(1))))
-                .path("description").asString();
+        return (reference.isMissingNode()
+                        ? rule
+                        : TREE.at(JsonPointer.compile(reference.asString().substring(1))))
+                .path("description")
+                .asString();
     }
 
     private static List<String> strings(JsonNode rule) {
@@ -235,8 +293,11 @@ final class SchemaCheck {
         Node node = base;
         for (int i = 0; i < path.getNameCount(); i++) {
             Node here = node;
-            node = (path.getElement(i) instanceof Integer index ? here.get(index)
-                    : here.get(path.getName(i))).orElseThrow();
+            node =
+                    (path.getElement(i) instanceof Integer index
+                                    ? here.get(index)
+                                    : here.get(path.getName(i)))
+                            .orElseThrow();
         }
         return node;
     }
@@ -255,7 +316,8 @@ final class SchemaCheck {
         if (node.isList()) {
             ArrayNode array = json.arrayNode();
             if (emptied.isEmpty() || emptied.get() != node) {
-                node.children().stream().limit(MAX_ELEMENTS)
+                node.children().stream()
+                        .limit(MAX_ELEMENTS)
                         .forEach(child -> array.add(toJson(child, emptied)));
             }
             return array;
@@ -264,7 +326,7 @@ final class SchemaCheck {
             case null -> json.nullNode();
             case Long number -> json.numberNode(number);
             case Double number when isWholeBeyondLong(number) ->
-                json.numberNode(new BigDecimal(number).toBigInteger());
+                    json.numberNode(new BigDecimal(number).toBigInteger());
             case Double number -> json.numberNode(number);
             case Boolean truth -> json.booleanNode(truth);
             case Object text -> json.stringNode((String) text);

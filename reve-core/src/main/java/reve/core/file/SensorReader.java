@@ -1,4 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
+
+import reve.core.unit.Unit;
+import reve.core.world.Sensor;
+import reve.core.world.Sensor.Aspect;
+import reve.core.world.Sensor.Camera;
+import reve.core.world.Sensor.Layer;
 
 import java.util.EnumSet;
 import java.util.List;
@@ -8,11 +15,6 @@ import java.util.Set;
 import java.util.SortedSet;
 import java.util.TreeSet;
 import java.util.function.Supplier;
-import reve.core.unit.Unit;
-import reve.core.world.Sensor;
-import reve.core.world.Sensor.Aspect;
-import reve.core.world.Sensor.Camera;
-import reve.core.world.Sensor.Layer;
 
 /** Reads the {@code sensors} of a body. */
 final class SensorReader {
@@ -38,17 +40,27 @@ final class SensorReader {
         for (String key : List.of("touch", "lineOfSight", "symbols", "aspects")) {
             refuse(node, key, "a camera sends pictures and senses no items");
         }
-        Optional<double[]> size = camera.get("size")
-                .flatMap(pixels -> quantities.numbers(pixels, 2, Unit.ONE));
+        Optional<double[]> size =
+                camera.get("size").flatMap(pixels -> quantities.numbers(pixels, 2, Unit.ONE));
         Optional<Double> range = number(node, "range", METRE, Double.POSITIVE_INFINITY);
         Optional<Double> field = number(node, "fieldOfView", Unit.ONE, CAMERA_FIELD_OF_VIEW);
         if (size.isEmpty() || range.isEmpty() || field.isEmpty()) {
             return Optional.empty();
         }
-        return checked(node, () -> Sensor.camera(node.key(), field.get(), new Camera(
-                whole(size.get()[0]), whole(size.get()[1]), camera.get("layers")
-                        .map(SensorReader::layers).orElse(EnumSet.of(Layer.COLOUR))))
-                .withRange(range.get()).withEvery(every(node)));
+        return checked(
+                node,
+                () ->
+                        Sensor.camera(
+                                        node.key(),
+                                        field.get(),
+                                        new Camera(
+                                                whole(size.get()[0]),
+                                                whole(size.get()[1]),
+                                                camera.get("layers")
+                                                        .map(SensorReader::layers)
+                                                        .orElse(EnumSet.of(Layer.COLOUR))))
+                                .withRange(range.get())
+                                .withEvery(every(node)));
     }
 
     private static int whole(double pixels) {
@@ -64,17 +76,27 @@ final class SensorReader {
             refuse(node, "fieldOfView", TOUCHES);
             refuse(node, "lineOfSight", TOUCHES);
         }
-        Optional<Double> range = number(node, "range", METRE,
-                touch ? Sensor.TOUCH_RANGE : Double.POSITIVE_INFINITY);
+        Optional<Double> range =
+                number(node, "range", METRE, touch ? Sensor.TOUCH_RANGE : Double.POSITIVE_INFINITY);
         Optional<Double> field = number(node, "fieldOfView", Unit.ONE, Sensor.ALL_ROUND);
         if (range.isEmpty() || field.isEmpty()) {
             return Optional.empty();
         }
-        return checked(node, () -> new Sensor(node.key(), touch, range.get(), field.get(),
-                node.get("lineOfSight").flatMap(Node::truth).orElse(false), every(node),
-                node.get("symbols").map(SensorReader::names),
-                node.get("aspects").map(SensorReader::aspects)
-                        .orElse(EnumSet.allOf(Aspect.class)), Optional.empty()));
+        return checked(
+                node,
+                () ->
+                        new Sensor(
+                                node.key(),
+                                touch,
+                                range.get(),
+                                field.get(),
+                                node.get("lineOfSight").flatMap(Node::truth).orElse(false),
+                                every(node),
+                                node.get("symbols").map(SensorReader::names),
+                                node.get("aspects")
+                                        .map(SensorReader::aspects)
+                                        .orElse(EnumSet.allOf(Aspect.class)),
+                                Optional.empty()));
     }
 
     private Optional<Sensor> checked(Node node, Supplier<Sensor> sensor) {
@@ -92,8 +114,9 @@ final class SensorReader {
     }
 
     private void refuse(Node node, String key, String why) {
-        node.get(key).ifPresent(unused -> problems.addAtKey(unused,
-                key + ": " + why + "; leave it out"));
+        node.get(key)
+                .ifPresent(
+                        unused -> problems.addAtKey(unused, key + ": " + why + "; leave it out"));
     }
 
     private Optional<Double> number(Node node, String key, Unit unit, double otherwise) {

@@ -1,13 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.core.mesh.AssetException;
+import reve.core.mesh.WorldFolder;
 
 import java.io.File;
 import java.io.IOException;
 import java.nio.file.Path;
 import java.util.Objects;
 import java.util.Optional;
-import org.jspecify.annotations.Nullable;
-import reve.core.mesh.AssetException;
-import reve.core.mesh.WorldFolder;
 
 /**
  * The text files that a world is made of: the world file, and those in its folder that it names,
@@ -15,8 +18,10 @@ import reve.core.mesh.WorldFolder;
  */
 final class SourceFiles {
     private final WorldFolder folder;
+
     /** The folder as the world file's name has it; null for none. */
     private final @Nullable Path named;
+
     private final Allowance bytes = new Allowance(SourceText.MAX_BYTES);
 
     /**
@@ -26,7 +31,9 @@ final class SourceFiles {
      */
     record Source(String name, Path path) {}
 
-    /** @param worldFile as messages call it */
+    /**
+     * @param worldFile as messages call it
+     */
     SourceFiles(WorldFolder folder, String worldFile) {
         this.folder = folder;
         this.named = Path.of(worldFile).getParent();
@@ -40,8 +47,8 @@ final class SourceFiles {
         }
         try {
             Path real = folder.find(pathOf(node, text.get()));
-            return Optional.of(new Source(
-                    Path.of(node.file()).resolveSibling(text.get()).toString(), real));
+            return Optional.of(
+                    new Source(Path.of(node.file()).resolveSibling(text.get()).toString(), real));
         } catch (AssetException refused) {
             problems.add(node, node.label() + ": " + refused.getMessage());
             return Optional.empty();
@@ -61,7 +68,9 @@ final class SourceFiles {
         return within.toString().replace(File.separatorChar, '/') + "/" + name;
     }
 
-    /** @throws WorldFileException if it is too large, or not UTF-8, or cannot be read */
+    /**
+     * @throws WorldFileException if it is too large, or not UTF-8, or cannot be read
+     */
     String read(Source source, Problems problems) throws WorldFileException {
         try {
             return SourceText.read(source.path(), problems, bytes);

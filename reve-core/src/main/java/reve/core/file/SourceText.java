@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
 
 import java.io.IOException;
@@ -14,6 +15,7 @@ import java.nio.file.Path;
 final class SourceText {
     /** Largest world file, with all that it includes [bytes]. */
     static final int MAX_BYTES = 16 << 20;
+
     /** Longest stretch without any of {@link #BREAKS}; on longer ones a parser wastes seconds. */
     static final int MAX_STRETCH = 65_536;
 
@@ -33,8 +35,12 @@ final class SourceText {
             throw problems.fatal(1, 1, "there is no such file");
         }
         if (!Files.isRegularFile(path)) {
-            throw problems.fatal(1, 1, Files.isDirectory(path)
-                    ? "a folder; name the world file in it" : "not a regular file");
+            throw problems.fatal(
+                    1,
+                    1,
+                    Files.isDirectory(path)
+                            ? "a folder; name the world file in it"
+                            : "not a regular file");
         }
         try (InputStream in = Files.newInputStream(path)) {
             // what has no size, such as /proc/kmsg, may wait for ever
@@ -46,8 +52,12 @@ final class SourceText {
     static String decode(byte[] bytes, Problems problems, Allowance allowed)
             throws WorldFileException {
         if (!allowed.take(bytes.length)) {
-            throw problems.fatal(1, 1, "larger than " + (MAX_BYTES >> 20)
-                    + " MiB, the limit for a world file with all that it includes");
+            throw problems.fatal(
+                    1,
+                    1,
+                    "larger than "
+                            + (MAX_BYTES >> 20)
+                            + " MiB, the limit for a world file with all that it includes");
         }
         CharsetDecoder decoder = StandardCharsets.UTF_8.newDecoder();
         CharBuffer text = CharBuffer.allocate(bytes.length);
@@ -68,8 +78,12 @@ final class SourceText {
             if (BREAKS.indexOf(text.charAt(i)) >= 0) {
                 begin = i + 1;
             } else if (i - begin >= MAX_STRETCH) {
-                throw atEnd(text.substring(0, begin), problems, "more than " + MAX_STRETCH
-                        + " characters in one piece; is this a world file?");
+                throw atEnd(
+                        text.substring(0, begin),
+                        problems,
+                        "more than "
+                                + MAX_STRETCH
+                                + " characters in one piece; is this a world file?");
             }
         }
     }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
 
 import java.util.ArrayList;
@@ -9,6 +10,7 @@ import java.util.regex.Pattern;
 final class Table {
     /** Most columns of one file. */
     private static final int MAX_COLUMNS = 256;
+
     private static final Pattern NAME = Pattern.compile("[A-Za-z][A-Za-z0-9_.]*");
 
     private final Problems problems;
@@ -50,9 +52,14 @@ final class Table {
         for (String cell : line.split(",", -1)) {
             String name = cell.strip();
             if (!NAME.matcher(name).matches() || Formula.isTaken(name) || names.contains(name)) {
-                throw problems.fatal(lineNumber, column, "`" + Node.shorten(name) + "` cannot be "
-                        + "the name of a column: expected a letter, then letters, digits, _ or ., "
-                        + "neither given twice nor a function or constant of formulas");
+                throw problems.fatal(
+                        lineNumber,
+                        column,
+                        "`"
+                                + Node.shorten(name)
+                                + "` cannot be the name of a column: expected a letter, then"
+                                + " letters, digits, _ or ., neither given twice nor a function or"
+                                + " constant of formulas");
             }
             if (names.size() == MAX_COLUMNS) {
                 throw problems.fatal(lineNumber, column, "more than " + MAX_COLUMNS + " columns");
@@ -68,12 +75,20 @@ final class Table {
             int end = line.indexOf(',', begin);
             boolean last = column == names.size() - 1;
             if (last != end < 0) {
-                throw problems.fatal(lineNumber, begin + 1, "found "
-                        + line.split(",", -1).length + " numbers, expected " + names.size()
-                        + ", one for each name in the first line");
+                throw problems.fatal(
+                        lineNumber,
+                        begin + 1,
+                        "found "
+                                + line.split(",", -1).length
+                                + " numbers, expected "
+                                + names.size()
+                                + ", one for each name in the first line");
             }
-            add(line.substring(begin, last ? line.length() : end).strip(), names.get(column),
-                    lineNumber, begin + 1);
+            add(
+                    line.substring(begin, last ? line.length() : end).strip(),
+                    names.get(column),
+                    lineNumber,
+                    begin + 1);
             begin = end + 1;
         }
     }
@@ -87,8 +102,10 @@ final class Table {
             number = Double.NaN;
         }
         if (!Double.isFinite(number)) {
-            throw problems.fatal(lineNumber, column, name + ": found `" + Node.shorten(cell)
-                    + "`, expected a finite number");
+            throw problems.fatal(
+                    lineNumber,
+                    column,
+                    name + ": found `" + Node.shorten(cell) + "`, expected a finite number");
         }
         if (count == numbers.length) {
             numbers = Arrays.copyOf(numbers, 2 * count);
@@ -106,13 +123,19 @@ final class Table {
         if (index) {
             variables.add("i");
         }
-        return new Repetition(variables, count / columns, number -> {
-            double[] values = Arrays.copyOfRange(numbers, (int) number * columns,
-                    (int) number * columns + variables.size());
-            if (index) {
-                values[columns] = number;
-            }
-            return values;
-        });
+        return new Repetition(
+                variables,
+                count / columns,
+                number -> {
+                    double[] values =
+                            Arrays.copyOfRange(
+                                    numbers,
+                                    (int) number * columns,
+                                    (int) number * columns + variables.size());
+                    if (index) {
+                        values[columns] = number;
+                    }
+                    return values;
+                });
     }
 }

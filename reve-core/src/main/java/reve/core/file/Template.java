@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
 
 import java.util.ArrayList;
@@ -15,11 +16,13 @@ import java.util.regex.Pattern;
 final class Template {
     /** Longest text that formulas make [characters]. */
     static final int MAX_TEXT = 4096;
+
     /** So many characters of a text with formulas cost as much as one formula. */
     private static final int CHARACTERS_OF_A_FORMULA = 64;
 
-    private static final Pattern PIECE = Pattern.compile(
-            "(\\{\\{|\\}\\})|\\{([^{}]*)\\}|([{}])|[^{}]+");
+    private static final Pattern PIECE =
+            Pattern.compile("(\\{\\{|\\}\\})|\\{([^{}]*)\\}|([{}])|[^{}]+");
+
     /** As many values of a mapping or list are copied with it and not counted. */
     private static final int FREE_CHILDREN = 8;
 
@@ -46,7 +49,9 @@ final class Template {
     private int made;
     private long formulas;
 
-    /** @param variables the names that formulas may use; what is wrong with them is noted */
+    /**
+     * @param variables the names that formulas may use; what is wrong with them is noted
+     */
     Template(Node item, List<String> variables, Problems problems) {
         this.variables = variables;
         this.problems = problems;
@@ -105,8 +110,12 @@ final class Template {
     }
 
     private Maker item(Node item) {
-        return composed(item, child -> child.isMapping()
-                ? composed(child, value -> part(child.key(), value)) : part("", child));
+        return composed(
+                item,
+                child ->
+                        child.isMapping()
+                                ? composed(child, value -> part(child.key(), value))
+                                : part("", child));
     }
 
     private Maker part(String aspect, Node value) {
@@ -132,8 +141,10 @@ final class Template {
         if (node.isMapping() || node.isList()) {
             return composed(node, this::maker);
         }
-        return node.text().filter(text -> text.indexOf('{') >= 0 || text.indexOf('}') >= 0)
-                .map(text -> text(node, text)).orElse((values, number) -> node);
+        return node.text()
+                .filter(text -> text.indexOf('{') >= 0 || text.indexOf('}') >= 0)
+                .map(text -> text(node, text))
+                .orElse((values, number) -> node);
     }
 
     private static Maker mapping(Node node, List<Maker> makers) {
@@ -164,18 +175,28 @@ final class Template {
         Matcher piece = PIECE.matcher(text);
         while (piece.find()) {
             if (piece.group(3) != null) {
-                problems.add(node, node.label() + ": `" + piece.group(3)
-                        + "` stands alone; a formula is `{…}`, a plain brace is written twice");
+                problems.add(
+                        node,
+                        node.label()
+                                + ": `"
+                                + piece.group(3)
+                                + "` stands alone; a formula is `{…}`, a plain brace is written"
+                                + " twice");
             } else if (piece.group(2) != null) {
                 formula(node, piece.group(2), pieces);
             } else {
                 pieces.add(piece.group(1) == null ? piece.group() : piece.group().substring(1));
             }
         }
-        boolean number = pieces.size() == 1 && pieces.getFirst() instanceof Formula
-                && !node.key().equals("name") && !node.key().equals("parent");
-        return number ? (values, repetition) -> number(node, (Formula) pieces.getFirst(), values,
-                repetition) : (values, repetition) -> joined(node, pieces, values, repetition);
+        boolean number =
+                pieces.size() == 1
+                        && pieces.getFirst() instanceof Formula
+                        && !node.key().equals("name")
+                        && !node.key().equals("parent");
+        return number
+                ? (values, repetition) ->
+                        number(node, (Formula) pieces.getFirst(), values, repetition)
+                : (values, repetition) -> joined(node, pieces, values, repetition);
     }
 
     private void formula(Node node, String text, List<Object> pieces) {
@@ -183,8 +204,9 @@ final class Template {
         try {
             pieces.add(Formula.parse(text, variables));
         } catch (IllegalArgumentException wrong) {
-            problems.add(node, node.label() + ": formula `" + Node.shorten(text) + "` "
-                    + wrong.getMessage());
+            problems.add(
+                    node,
+                    node.label() + ": formula `" + Node.shorten(text) + "` " + wrong.getMessage());
         }
     }
 
@@ -206,8 +228,13 @@ final class Template {
                 text.append(piece);
             }
             if (text.length() > MAX_TEXT) {
-                problems.add(node, node.label() + ": formulas make a text of more than " + MAX_TEXT
-                        + " characters" + where(variableValues));
+                problems.add(
+                        node,
+                        node.label()
+                                + ": formulas make a text of more than "
+                                + MAX_TEXT
+                                + " characters"
+                                + where(variableValues));
                 return node.withValue("");
             }
         }
@@ -230,8 +257,14 @@ final class Template {
         } catch (IllegalArgumentException mismatch) {
             wrong = mismatch.getMessage();
         }
-        problems.add(node, node.label() + ": a formula in `" + Node.shorten(node.text().orElse(""))
-                + "` " + wrong + where(variableValues));
+        problems.add(
+                node,
+                node.label()
+                        + ": a formula in `"
+                        + Node.shorten(node.text().orElse(""))
+                        + "` "
+                        + wrong
+                        + where(variableValues));
         return new double[] {1};
     }
 

@@ -1,9 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
+
+import org.jspecify.annotations.Nullable;
 
 import java.util.ArrayDeque;
 import java.util.Deque;
 import java.util.Optional;
-import org.jspecify.annotations.Nullable;
 
 /**
  * Finds the quote or bracket that a YAML parser missed the end of: the parser complains where it
@@ -25,10 +27,13 @@ final class Unclosed {
     private int at;
     private int line = 1;
     private int lineStart;
+
     /** Of the line that is being read; -1 until it is asked for. */
     private int indent = -1;
+
     /** The quoted text read last, if it is of several lines. */
     private @Nullable Opening quote;
+
     private int quoteEnd;
 
     private Unclosed(String text) {
@@ -47,11 +52,13 @@ final class Unclosed {
         if (scan.quote != null && scan.quoteEnd >= problemLine) {
             return Optional.of(scan.quote);
         }
-        boolean atEnd = text.substring(Math.min(scan.at, text.length())).lines()
-                .allMatch(rest -> rest.isBlank() || rest.stripLeading().startsWith("#"));
+        boolean atEnd =
+                text.substring(Math.min(scan.at, text.length()))
+                        .lines()
+                        .allMatch(rest -> rest.isBlank() || rest.stripLeading().startsWith("#"));
         int outer = scan.indentOf(problemLine);
-        return Optional.ofNullable(scan.brackets.peekLast()).filter(opening -> atEnd
-                || opening.line < problemLine && outer <= opening.indent);
+        return Optional.ofNullable(scan.brackets.peekLast())
+                .filter(opening -> atEnd || opening.line < problemLine && outer <= opening.indent);
     }
 
     private void read(int toLine, int toColumn) {
@@ -80,8 +87,10 @@ final class Unclosed {
             } else if (tokenStart && (c == '|' || c == '>') && brackets.isEmpty()) {
                 skipBlock();
             } else {
-                tokenStart = c == ',' && !brackets.isEmpty() || isBlank(c) && tokenStart
-                        || (c == ':' || c == '-' && tokenStart) && isBlankAt(at + 1);
+                tokenStart =
+                        c == ',' && !brackets.isEmpty()
+                                || isBlank(c) && tokenStart
+                                || (c == ':' || c == '-' && tokenStart) && isBlankAt(at + 1);
                 at++;
             }
         }

@@ -1,4 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
+
+import reve.core.frame.Timing;
+import reve.core.rule.Rule;
+import reve.core.world.ColumnArena;
+import reve.core.world.Forces;
+import reve.core.world.Item;
+import reve.core.world.ItemDefinition;
+import reve.core.world.World;
+import reve.core.world.WorldPrototype;
 
 import java.util.ArrayList;
 import java.util.Arrays;
@@ -8,14 +18,6 @@ import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
-import reve.core.frame.Timing;
-import reve.core.rule.Rule;
-import reve.core.world.ColumnArena;
-import reve.core.world.Forces;
-import reve.core.world.Item;
-import reve.core.world.ItemDefinition;
-import reve.core.world.World;
-import reve.core.world.WorldPrototype;
 
 /**
  * A world before it runs: what a world file says, checked and in SI units. Immutable; any number of
@@ -31,10 +33,20 @@ import reve.core.world.WorldPrototype;
  * @param forces on items, in the order in which they are added up
  * @param warnings of what the file says, which is valid and perhaps not what was meant
  */
-public record WorldDescription(String name, String doc, WorldPrototype prototype, Timing timing,
-        long age, List<LawReference> laws, Map<String, List<Double>> constants,
-        Optional<CameraDescription> camera, AgentPolicy agents, List<Rule> rules,
-        List<ItemDefinition> items, List<LastingForce> forces, List<Problem> warnings) {
+public record WorldDescription(
+        String name,
+        String doc,
+        WorldPrototype prototype,
+        Timing timing,
+        long age,
+        List<LawReference> laws,
+        Map<String, List<Double>> constants,
+        Optional<CameraDescription> camera,
+        AgentPolicy agents,
+        List<Rule> rules,
+        List<ItemDefinition> items,
+        List<LastingForce> forces,
+        List<Problem> warnings) {
     public WorldDescription {
         laws = List.copyOf(laws);
         constants = Collections.unmodifiableMap(new LinkedHashMap<>(constants));
@@ -46,14 +58,27 @@ public record WorldDescription(String name, String doc, WorldPrototype prototype
 
     /** A world with nothing in it, no laws and no agents. */
     public static WorldDescription bare(String name, WorldPrototype prototype, Timing timing) {
-        return new WorldDescription(name, "", prototype, timing, 0, List.of(), Map.of(),
-                Optional.empty(), AgentPolicy.none(), List.of(), List.of(), List.of(), List.of());
+        return new WorldDescription(
+                name,
+                "",
+                prototype,
+                timing,
+                0,
+                List.of(),
+                Map.of(),
+                Optional.empty(),
+                AgentPolicy.none(),
+                List.of(),
+                List.of(),
+                List.of(),
+                List.of());
     }
 
     /** The same world with other laws. */
     public WorldDescription withLaws(List<LawReference> others) {
-        return new WorldDescription(name, doc, prototype, timing, age, others, constants, camera,
-                agents, rules, items, forces, warnings);
+        return new WorldDescription(
+                name, doc, prototype, timing, age, others, constants, camera, agents, rules, items,
+                forces, warnings);
     }
 
     /** A new world with all items, owned by the calling thread; {@code arena} must outlive it. */
@@ -61,11 +86,24 @@ public record WorldDescription(String name, String doc, WorldPrototype prototype
         World world = new World(name, prototype, arena);
         world.setAge(age);
         Item constantsItem = world.find(WorldPrototype.WORLD).orElseThrow();
-        constants.forEach((property, values) -> constantsItem.physics().set(property,
-                values.stream().mapToDouble(Double::doubleValue).toArray()));
+        constants.forEach(
+                (property, values) ->
+                        constantsItem
+                                .physics()
+                                .set(
+                                        property,
+                                        values.stream()
+                                                .mapToDouble(Double::doubleValue)
+                                                .toArray()));
         world.addAll(items);
-        forces.forEach(force -> world.forces().add(new Forces.Force(
-                world.find(force.item()).orElseThrow().id(), force.newtons(), force.frames())));
+        forces.forEach(
+                force ->
+                        world.forces()
+                                .add(
+                                        new Forces.Force(
+                                                world.find(force.item()).orElseThrow().id(),
+                                                force.newtons(),
+                                                force.frames())));
         return world;
     }
 
@@ -78,17 +116,27 @@ public record WorldDescription(String name, String doc, WorldPrototype prototype
      */
     public WorldDescription of(World world, List<LawReference> nowLoaded) {
         Map<String, List<Double>> now = new LinkedHashMap<>();
-        ItemDefinition constantsItem =
-                world.find(WorldPrototype.WORLD).orElseThrow().definition();
+        ItemDefinition constantsItem = world.find(WorldPrototype.WORLD).orElseThrow().definition();
         for (String property : constantsItem.physicsProperties()) {
-            now.put(property, Arrays.stream(constantsItem.physics(property).orElseThrow())
-                    .boxed().toList());
+            now.put(
+                    property,
+                    Arrays.stream(constantsItem.physics(property).orElseThrow()).boxed().toList());
         }
-        List<String> bodies = agents.bodies().stream()
-                .filter(body -> world.find(body).isPresent()).toList();
-        return new WorldDescription(name, doc, prototype, timing, world.age(), nowLoaded, now,
-                camera, agents.withBodies(bodies), rules,
-                inOrderOfRows(world).stream().map(Item::definition).toList(), forcesIn(world),
+        List<String> bodies =
+                agents.bodies().stream().filter(body -> world.find(body).isPresent()).toList();
+        return new WorldDescription(
+                name,
+                doc,
+                prototype,
+                timing,
+                world.age(),
+                nowLoaded,
+                now,
+                camera,
+                agents.withBodies(bodies),
+                rules,
+                inOrderOfRows(world).stream().map(Item::definition).toList(),
+                forcesIn(world),
                 List.of());
     }
 
@@ -96,8 +144,13 @@ public record WorldDescription(String name, String doc, WorldPrototype prototype
     private static List<LastingForce> forcesIn(World world) {
         List<LastingForce> forces = new ArrayList<>();
         for (Forces.Force force : world.forces().active()) {
-            world.find(force.item()).filter(item -> !item.physics().isEmpty()).ifPresent(item ->
-                    forces.add(new LastingForce(item.name(), force.newtons(), force.frames())));
+            world.find(force.item())
+                    .filter(item -> !item.physics().isEmpty())
+                    .ifPresent(
+                            item ->
+                                    forces.add(
+                                            new LastingForce(
+                                                    item.name(), force.newtons(), force.frames())));
         }
         return forces;
     }

@@ -1,4 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
+
+import reve.core.mesh.AssetException;
+import reve.core.mesh.Assets;
+import reve.core.mesh.WorldFolder;
+import reve.core.world.ItemDefinition;
+import reve.core.world.WorldPrototype;
 
 import java.io.IOException;
 import java.nio.charset.StandardCharsets;
@@ -7,15 +14,10 @@ import java.nio.file.Path;
 import java.nio.file.StandardCopyOption;
 import java.util.Optional;
 import java.util.Set;
-import reve.core.mesh.AssetException;
-import reve.core.mesh.Assets;
-import reve.core.mesh.WorldFolder;
-import reve.core.world.ItemDefinition;
-import reve.core.world.WorldPrototype;
 
 /**
- * Reads world files: YAML (any JSON file is also valid) that follows the schema
- * {@code reve-world.schema.json}. Any thread; nothing is kept between calls.
+ * Reads world files: YAML (any JSON file is also valid) that follows the schema {@code
+ * reve-world.schema.json}. Any thread; nothing is kept between calls.
  */
 public final class WorldFile {
     /** The format version that {@code reve:} names. */
@@ -79,9 +81,14 @@ public final class WorldFile {
     public static void save(Path path, WorldDescription world) throws IOException {
         byte[] text = WorldWriter.write(world).getBytes(StandardCharsets.UTF_8);
         if (text.length > SourceText.MAX_BYTES) {
-            throw new IllegalArgumentException("world " + world.name() + " takes " + text.length
-                    + " bytes as a world file, of which at most " + SourceText.MAX_BYTES
-                    + " are read");
+            throw new IllegalArgumentException(
+                    "world "
+                            + world.name()
+                            + " takes "
+                            + text.length
+                            + " bytes as a world file, of which at most "
+                            + SourceText.MAX_BYTES
+                            + " are read");
         }
         Path target = path.toAbsolutePath();
         Path part = target.resolveSibling(target.getFileName() + ".part");
@@ -108,15 +115,23 @@ public final class WorldFile {
      * @param assets where its mesh and texture come from
      * @throws WorldFileException as {@link #load}
      */
-    public static ItemDefinition parseItem(String name, String text, WorldPrototype prototype,
-            Assets assets) throws WorldFileException {
+    public static ItemDefinition parseItem(
+            String name, String text, WorldPrototype prototype, Assets assets)
+            throws WorldFileException {
         var problems = new Problems(name);
         Node item = YamlReader.readKept(text, problems);
         SchemaCheck.checkItem(item, problems);
         var physics = new PhysicsReader(prototype, Set.of(), Doubts.IGNORED, problems);
         Optional<ItemDefinition> read =
-                new ItemReader(prototype, physics, assets, (node, path) -> path, node -> node,
-                        Doubts.IGNORED, problems).readAlone(item);
+                new ItemReader(
+                                prototype,
+                                physics,
+                                assets,
+                                (node, path) -> path,
+                                node -> node,
+                                Doubts.IGNORED,
+                                problems)
+                        .readAlone(item);
         problems.throwIfAny();
         return read.orElseThrow();
     }

@@ -1,11 +1,6 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
 
-import java.util.ArrayList;
-import java.util.HashMap;
-import java.util.LinkedHashMap;
-import java.util.List;
-import java.util.Map;
-import java.util.Optional;
 import reve.core.frame.Timing;
 import reve.core.mesh.Assets;
 import reve.core.rule.Rule;
@@ -13,6 +8,13 @@ import reve.core.text.VisibleName;
 import reve.core.unit.Unit;
 import reve.core.world.ItemDefinition;
 import reve.core.world.WorldPrototype;
+
+import java.util.ArrayList;
+import java.util.HashMap;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
 
 /** Reads a whole file whose form was checked; what the schema cannot express is checked here. */
 final class WorldReader {
@@ -33,36 +35,67 @@ final class WorldReader {
         Node root = source.world();
         var prototypeReader = new PrototypeReader(problems);
         var ruleReader = new RuleReader(problems);
-        WorldPrototype prototype = ruleReader.readSymbols(source.named("symbols"),
-                prototypeReader.read(root, source.all("properties")));
+        WorldPrototype prototype =
+                ruleReader.readSymbols(
+                        source.named("symbols"),
+                        prototypeReader.read(root, source.all("properties")));
         var expansion = new Expansion(source, problems);
         long age = wholeNumber(root.get("frame"), "age", 0);
         Doubts doubts = Doubts.of(age > 0);
-        var physics =
-                new PhysicsReader(prototype, prototypeReader.misdeclared(), doubts, problems);
+        var physics = new PhysicsReader(prototype, prototypeReader.misdeclared(), doubts, problems);
         var itemReader =
-                new ItemReader(prototype, physics, assets, source.files()::pathOf,
-                        expansion::complete, doubts, problems);
+                new ItemReader(
+                        prototype,
+                        physics,
+                        assets,
+                        source.files()::pathOf,
+                        expansion::complete,
+                        doubts,
+                        problems);
         List<ItemDefinition> items = itemReader.readAll(source.all("items"), expansion);
-        var forceReader =
-                new ForceReader(itemReader.names(), items, physics, doubts, problems);
+        var forceReader = new ForceReader(itemReader.names(), items, physics, doubts, problems);
         List<LastingForce> forces = root.get("forces").map(forceReader::readAll).orElse(List.of());
         List<LawReference> laws = laws(source.all("laws"), physics);
         Map<String, List<Double>> constants = physics.constants(source.each("constants"));
         Optional<CameraDescription> camera = root.get("camera").flatMap(this::camera);
-        AgentPolicy agents = root.get("agents").isEmpty() ? AgentPolicy.none()
-                : agents(root.get("agents").get(), itemReader, new BodyCheck(doubts, problems));
-        var prefabs = new PrefabCheck(prototype, new ItemReader(prototype, physics, assets,
-                source.files()::pathOf, expansion::complete, doubts, problems));
+        AgentPolicy agents =
+                root.get("agents").isEmpty()
+                        ? AgentPolicy.none()
+                        : agents(
+                                root.get("agents").get(),
+                                itemReader,
+                                new BodyCheck(doubts, problems));
+        var prefabs =
+                new PrefabCheck(
+                        prototype,
+                        new ItemReader(
+                                prototype,
+                                physics,
+                                assets,
+                                source.files()::pathOf,
+                                expansion::complete,
+                                doubts,
+                                problems));
         for (Node prefab : expansion.unusedPrefabs()) {
             problems.throwIfFull();
             prefabs.check(prefab);
         }
         List<Rule> rules = ruleReader.readRules(source.named("rules"), prototype);
         problems.throwIfAny();
-        return new WorldDescription(text(root, "name"), text(root, "doc"), prototype,
-                timing(root), age, laws, constants, camera,
-                agents, rules, items, forces, problems.warnings());
+        return new WorldDescription(
+                text(root, "name"),
+                text(root, "doc"),
+                prototype,
+                timing(root),
+                age,
+                laws,
+                constants,
+                camera,
+                agents,
+                rules,
+                items,
+                forces,
+                problems.warnings());
     }
 
     private static String text(Node node, String key) {
@@ -77,8 +110,10 @@ final class WorldReader {
     }
 
     private static long wholeNumber(Optional<Node> node, String key, long otherwise) {
-        return node.flatMap(mapping -> mapping.get(key)).flatMap(Node::number)
-                .map(Double::longValue).orElse(otherwise);
+        return node.flatMap(mapping -> mapping.get(key))
+                .flatMap(Node::number)
+                .map(Double::longValue)
+                .orElse(otherwise);
     }
 
     private List<LawReference> laws(List<Node> nodes, PhysicsReader physics) {
@@ -86,16 +121,29 @@ final class WorldReader {
         Map<String, Node> byName = new HashMap<>();
         for (Node node : nodes) {
             Optional<Node> nameNode = node.isMapping() ? node.get("name") : Optional.of(node);
-            nameNode.flatMap(Node::text).ifPresent(name -> {
-                Node first = byName.putIfAbsent(name, nameNode.get());
-                if (first != null) {
-                    problems.add(nameNode.get(), "duplicate law `" + Node.shorten(name)
-                            + "`, first " + Problems.place(first, nameNode.get()));
-                }
-                VisibleName.fault(name).ifPresent(fault -> problems.add(nameNode.get(),
-                        "law `" + Node.shorten(name) + "` " + fault));
-                laws.add(law(name, node, Problems.place(nameNode.get()), physics));
-            });
+            nameNode.flatMap(Node::text)
+                    .ifPresent(
+                            name -> {
+                                Node first = byName.putIfAbsent(name, nameNode.get());
+                                if (first != null) {
+                                    problems.add(
+                                            nameNode.get(),
+                                            "duplicate law `"
+                                                    + Node.shorten(name)
+                                                    + "`, first "
+                                                    + Problems.place(first, nameNode.get()));
+                                }
+                                VisibleName.fault(name)
+                                        .ifPresent(
+                                                fault ->
+                                                        problems.add(
+                                                                nameNode.get(),
+                                                                "law `"
+                                                                        + Node.shorten(name)
+                                                                        + "` "
+                                                                        + fault));
+                                laws.add(law(name, node, Problems.place(nameNode.get()), physics));
+                            });
         }
         return laws;
     }
@@ -108,12 +156,17 @@ final class WorldReader {
             if (problems.full()) {
                 break;
             }
-            quantities.quantity(node).filter(read -> physics.isWorkable(node, read.value()))
-                    .ifPresent(quantity -> {
-                values.put(node.key(), quantity.value());
-                mentions.put(node.key(),
-                        new LawReference.Mention(Problems.keyPlace(node), quantity.unit()));
-            });
+            quantities
+                    .quantity(node)
+                    .filter(read -> physics.isWorkable(node, read.value()))
+                    .ifPresent(
+                            quantity -> {
+                                values.put(node.key(), quantity.value());
+                                mentions.put(
+                                        node.key(),
+                                        new LawReference.Mention(
+                                                Problems.keyPlace(node), quantity.unit()));
+                            });
         }
         return new LawReference(name, values, place, mentions);
     }
@@ -121,10 +174,14 @@ final class WorldReader {
     private Optional<CameraDescription> camera(Node node) {
         Optional<double[]> eye = vector(node, "eye", METRE);
         Optional<double[]> target = vector(node, "target", METRE);
-        Optional<double[]> up = node.get("up").isEmpty() ? Optional.of(new double[] {0, 1, 0})
-                : vector(node, "up", Unit.ONE);
-        Optional<Double> fov = node.get("fov").isEmpty() ? Optional.of(DEFAULT_FOV_RADIANS)
-                : fov(node.get("fov").get());
+        Optional<double[]> up =
+                node.get("up").isEmpty()
+                        ? Optional.of(new double[] {0, 1, 0})
+                        : vector(node, "up", Unit.ONE);
+        Optional<Double> fov =
+                node.get("fov").isEmpty()
+                        ? Optional.of(DEFAULT_FOV_RADIANS)
+                        : fov(node.get("fov").get());
         if (eye.isEmpty() || target.isEmpty() || up.isEmpty() || fov.isEmpty()) {
             return Optional.empty();
         }
@@ -135,7 +192,8 @@ final class WorldReader {
         if (length(sight) == 0) {
             problems.add(node.get("target").orElseThrow(), "target: is where the eye is");
         } else if (length(cross(sight, up.get())) <= 1e-9 * length(sight) * length(up.get())) {
-            problems.add(node.get("up").or(() -> node.get("target")).orElseThrow(),
+            problems.add(
+                    node.get("up").or(() -> node.get("target")).orElseThrow(),
                     "up: has no direction across the line of sight, expected another `up`");
         }
         return Optional.of(new CameraDescription(eye.get(), target.get(), up.get(), fov.get()));
@@ -146,14 +204,21 @@ final class WorldReader {
     }
 
     private Optional<Double> fov(Node node) {
-        return quantities.number(node, Unit.ONE).filter(angle -> {
-            boolean possible = angle > 0 && angle < Math.PI;
-            if (!possible) {
-                problems.add(node, "fov: " + angle + " rad is not between 0 and 180 deg; write "
-                        + "degrees as `45 deg`");
-            }
-            return possible;
-        });
+        return quantities
+                .number(node, Unit.ONE)
+                .filter(
+                        angle -> {
+                            boolean possible = angle > 0 && angle < Math.PI;
+                            if (!possible) {
+                                problems.add(
+                                        node,
+                                        "fov: "
+                                                + angle
+                                                + " rad is not between 0 and 180 deg; write "
+                                                + "degrees as `45 deg`");
+                            }
+                            return possible;
+                        });
     }
 
     private static double length(double[] v) {
@@ -161,33 +226,42 @@ final class WorldReader {
     }
 
     private static double[] cross(double[] a, double[] b) {
-        return new double[] {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2],
-            a[0] * b[1] - a[1] * b[0]};
+        return new double[] {
+            a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+        };
     }
 
     private AgentPolicy agents(Node node, ItemReader itemReader, BodyCheck check)
             throws WorldFileException {
         List<String> bodies = node.get("bodies").map(itemReader.names()::bodies).orElse(List.of());
         Optional<Node> body = node.get("body");
-        return new AgentPolicy(bodies, body.isEmpty() ? Optional.empty()
-                : Optional.of(itemReader.readTemplate(body.get())), places(node, check),
+        return new AgentPolicy(
+                bodies,
+                body.isEmpty()
+                        ? Optional.empty()
+                        : Optional.of(itemReader.readTemplate(body.get())),
+                places(node, check),
                 (int) wholeNumber(Optional.of(node), "items", AgentPolicy.DEFAULT_ITEMS),
-                (int) wholeNumber(Optional.of(node), "worldItems",
-                        AgentPolicy.DEFAULT_WORLD_ITEMS),
-                (int) wholeNumber(Optional.of(node), "eventBytes",
-                        AgentPolicy.DEFAULT_EVENT_BYTES),
-                (int) wholeNumber(Optional.of(node), "worldEventBytes",
-                        AgentPolicy.DEFAULT_WORLD_EVENT_BYTES),
+                (int) wholeNumber(Optional.of(node), "worldItems", AgentPolicy.DEFAULT_WORLD_ITEMS),
+                (int) wholeNumber(Optional.of(node), "eventBytes", AgentPolicy.DEFAULT_EVENT_BYTES),
+                (int)
+                        wholeNumber(
+                                Optional.of(node),
+                                "worldEventBytes",
+                                AgentPolicy.DEFAULT_WORLD_EVENT_BYTES),
                 (int) wholeNumber(Optional.of(node), "most", AgentPolicy.DEFAULT_MOST));
     }
 
     private List<AgentPolicy.Place> places(Node agents, BodyCheck check) {
         var places = new ArrayList<AgentPolicy.Place>();
         for (Node node : agents.get("places").map(Node::children).orElse(List.of())) {
-            quantities.numbers(node, 3, METRE).ifPresent(at -> {
-                check.checkPlace(node, at);
-                places.add(new AgentPolicy.Place(at[0], at[1], at[2]));
-            });
+            quantities
+                    .numbers(node, 3, METRE)
+                    .ifPresent(
+                            at -> {
+                                check.checkPlace(node, at);
+                                places.add(new AgentPolicy.Place(at[0], at[1], at[2]));
+                            });
         }
         return places;
     }

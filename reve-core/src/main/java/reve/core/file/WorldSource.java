@@ -1,4 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
+
+import reve.core.mesh.WorldFolder;
 
 import java.io.IOException;
 import java.nio.file.Path;
@@ -8,7 +11,6 @@ import java.util.LinkedHashSet;
 import java.util.List;
 import java.util.Optional;
 import java.util.Set;
-import reve.core.mesh.WorldFolder;
 
 /**
  * A world file with the files that it includes, directly or not, each once, their form checked.
@@ -52,8 +54,10 @@ record WorldSource(Node world, List<Node> parts, SourceFiles files) {
 
     /** What a key holds by name, in all files together. */
     List<Node> named(String key) {
-        return each(key).stream().filter(Node::isMapping)
-                .flatMap(node -> node.children().stream()).toList();
+        return each(key).stream()
+                .filter(Node::isMapping)
+                .flatMap(node -> node.children().stream())
+                .toList();
     }
 
     private static final class Reader {
@@ -61,8 +65,10 @@ record WorldSource(Node world, List<Node> parts, SourceFiles files) {
         private final Problems problems;
         private final Allowance values = new Allowance(YamlReader.MAX_VALUES);
         private final List<Node> parts = new ArrayList<>();
+
         /** Real paths of files that are being read, the innermost last, and that were read. */
         private final Set<Path> open = new LinkedHashSet<>();
+
         private final Set<Path> done = new HashSet<>();
 
         Reader(WorldFolder folder, Problems problems) {
@@ -92,11 +98,19 @@ record WorldSource(Node world, List<Node> parts, SourceFiles files) {
 
         private void include(Node name, SourceFiles.Source source) throws WorldFileException {
             if (open.contains(source.path())) {
-                problems.add(name, name.label() + ": " + source.name()
-                        + " is being read already: files include each other in a circle");
+                problems.add(
+                        name,
+                        name.label()
+                                + ": "
+                                + source.name()
+                                + " is being read already: files include each other in a circle");
             } else if (open.size() > MAX_DEPTH) {
-                problems.add(name, name.label() + ": more than " + MAX_DEPTH
-                        + " files of which each is included by the one before");
+                problems.add(
+                        name,
+                        name.label()
+                                + ": more than "
+                                + MAX_DEPTH
+                                + " files of which each is included by the one before");
             } else if (done.add(source.path())) {
                 open.add(source.path());
                 readPart(source);

@@ -1,4 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
+
+import reve.core.rule.Rule;
+import reve.core.unit.Unit;
+import reve.core.world.PropertyDescriptor;
+import reve.core.world.ScalarType;
+import reve.core.world.SymbolDescriptor;
+import reve.core.world.WorldPrototype;
 
 import java.util.ArrayList;
 import java.util.LinkedHashMap;
@@ -6,12 +14,6 @@ import java.util.List;
 import java.util.Locale;
 import java.util.Map;
 import java.util.Optional;
-import reve.core.rule.Rule;
-import reve.core.unit.Unit;
-import reve.core.world.PropertyDescriptor;
-import reve.core.world.ScalarType;
-import reve.core.world.SymbolDescriptor;
-import reve.core.world.WorldPrototype;
 
 /**
  * Worlds as text of one world file: the same text for the same world, and reading it gives the
@@ -70,9 +72,14 @@ public final class WorldWriter {
 
     private List<Object> forces() {
         if (world.forces().size() > MAX_FORCES) {
-            throw new IllegalArgumentException("world " + world.name() + " has "
-                    + world.forces().size() + " forces that still act, of which a world file holds "
-                    + MAX_FORCES + ": save it when fewer do");
+            throw new IllegalArgumentException(
+                    "world "
+                            + world.name()
+                            + " has "
+                            + world.forces().size()
+                            + " forces that still act, of which a world file holds "
+                            + MAX_FORCES
+                            + ": save it when fewer do");
         }
         List<Object> forces = new ArrayList<>();
         for (LastingForce force : world.forces()) {
@@ -128,8 +135,8 @@ public final class WorldWriter {
         WorldPrototype prototype = world.prototype();
         int standard = WorldPrototype.standard(prototype.name()).properties().size();
         List<Object> own = new ArrayList<>();
-        for (PropertyDescriptor property : prototype.properties().subList(standard,
-                prototype.properties().size())) {
+        for (PropertyDescriptor property :
+                prototype.properties().subList(standard, prototype.properties().size())) {
             own.add(property(property));
         }
         return own;
@@ -163,9 +170,15 @@ public final class WorldWriter {
         return switch (property.type()) {
             case I32 -> Optional.of("i32");
             case U32 -> Optional.of("u32");
-            case F32, F64, REF -> throw new IllegalArgumentException("property " + property.name()
-                    + " is of type " + property.type() + ", which no world file of prototype "
-                    + world.prototype().name() + " can declare");
+            case F32, F64, REF ->
+                    throw new IllegalArgumentException(
+                            "property "
+                                    + property.name()
+                                    + " is of type "
+                                    + property.type()
+                                    + ", which no world file of prototype "
+                                    + world.prototype().name()
+                                    + " can declare");
         };
     }
 
@@ -184,8 +197,8 @@ public final class WorldWriter {
             return law.name();
         }
         Map<String, Object> parameters = new LinkedHashMap<>();
-        law.parameters().forEach((name, value) ->
-                parameters.put(name, YamlWriter.Numeral.of(value)));
+        law.parameters()
+                .forEach((name, value) -> parameters.put(name, YamlWriter.Numeral.of(value)));
         Map<String, Object> tree = new LinkedHashMap<>();
         tree.put("name", law.name());
         tree.put("parameters", parameters);
@@ -219,13 +232,24 @@ public final class WorldWriter {
         Map<String, Object> tree = new LinkedHashMap<>();
         putIfAny(tree, "bodies", world.agents().bodies());
         world.agents().template().ifPresent(body -> tree.put("body", items.template(body)));
-        putIfAny(tree, "places", world.agents().places().stream().map(place -> ItemWriter.quantity(
-                ScalarType.F64, new double[] {place.x(), place.y(), place.z()})).toList());
+        putIfAny(
+                tree,
+                "places",
+                world.agents().places().stream()
+                        .map(
+                                place ->
+                                        ItemWriter.quantity(
+                                                ScalarType.F64,
+                                                new double[] {place.x(), place.y(), place.z()}))
+                        .toList());
         AgentPolicy agents = world.agents();
         putUnless(tree, "items", agents.items(), AgentPolicy.DEFAULT_ITEMS);
         putUnless(tree, "worldItems", agents.worldItems(), AgentPolicy.DEFAULT_WORLD_ITEMS);
         putUnless(tree, "eventBytes", agents.eventBytes(), AgentPolicy.DEFAULT_EVENT_BYTES);
-        putUnless(tree, "worldEventBytes", agents.worldEventBytes(),
+        putUnless(
+                tree,
+                "worldEventBytes",
+                agents.worldEventBytes(),
                 AgentPolicy.DEFAULT_WORLD_EVENT_BYTES);
         putUnless(tree, "most", agents.most(), AgentPolicy.DEFAULT_MOST);
         return tree;

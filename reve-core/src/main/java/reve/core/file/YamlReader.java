@@ -1,14 +1,6 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
 
-import java.io.IOException;
-import java.io.StringReader;
-import java.util.ArrayDeque;
-import java.util.ArrayList;
-import java.util.Deque;
-import java.util.Iterator;
-import java.util.LinkedHashMap;
-import java.util.Map;
-import java.util.Optional;
 import org.jspecify.annotations.Nullable;
 import org.snakeyaml.engine.v2.api.LoadSettings;
 import org.snakeyaml.engine.v2.api.lowlevel.Parse;
@@ -29,6 +21,16 @@ import org.snakeyaml.engine.v2.nodes.Tag;
 import org.snakeyaml.engine.v2.resolver.CoreScalarResolver;
 import org.snakeyaml.engine.v2.resolver.ScalarResolver;
 
+import java.io.IOException;
+import java.io.StringReader;
+import java.util.ArrayDeque;
+import java.util.ArrayList;
+import java.util.Deque;
+import java.util.Iterator;
+import java.util.LinkedHashMap;
+import java.util.Map;
+import java.util.Optional;
+
 /**
  * Text to {@link Node}s: one YAML 1.2 document of mappings, lists and scalars. What makes YAML
  * surprising or dangerous (aliases, tags, several documents, deep nesting) is refused.
@@ -36,45 +38,66 @@ import org.snakeyaml.engine.v2.resolver.ScalarResolver;
 final class YamlReader {
     /** Deepest nesting of mappings and lists. */
     static final int MAX_DEPTH = 32;
+
     /** Most values, counting mappings and lists, in a file and those that it includes. */
     static final int MAX_VALUES = 2_000_000;
+
     /** Most of them outside of {@code items}: nobody needs more, and refusing them is quick. */
     static final int MAX_OTHER_VALUES = 500_000;
+
     /** Most keys of one mapping. */
     static final int MAX_KEYS = 65_536;
+
     /** Longest text of a key or a value [characters]. */
     static final int MAX_TEXT_LENGTH = 65_536;
+
     /**
      * Most characters that are read at once. For each piece the scanner copies what it has not
      * taken, so that pieces of its default size make it quadratic in the length of a token.
      */
     private static final int MAX_PIECE = 1 << 20;
+
     private static final int MIN_PIECE = 1024;
+
     /** Longest part of a message of the parser, which may quote the file [characters]. */
     private static final int MAX_QUOTE = 200;
 
     /** What begins with a sign that no world file has a use for, as the parser calls it. */
-    private static final Map<String, String> SIGNS = Map.of(" tag", "`!` begins a tag",
-            " anchor", "`&` begins an anchor", " alias", "`*` begins an alias",
-            " directive", "`%` begins a directive");
+    private static final Map<String, String> SIGNS =
+            Map.of(
+                    " tag",
+                    "`!` begins a tag",
+                    " anchor",
+                    "`&` begins an anchor",
+                    " alias",
+                    "`*` begins an alias",
+                    " directive",
+                    "`%` begins a directive");
 
     private final String text;
     private final boolean kept;
     private final Problems problems;
     private final Allowance values;
     private final ScalarResolver resolver = new CoreScalarResolver(false);
+
     /** The mapping or list being read, innermost last. */
     private final Deque<Node> open = new ArrayDeque<>();
+
     private @Nullable Node root;
+
     /** A key whose value comes next. */
     private Node.@Nullable Slot waiting;
+
     /** Where what was taken last begins. */
     private Optional<Mark> taken = Optional.empty();
+
     private int documents;
     private boolean inItems;
     private int others;
+
     /** The place of the text that was looked up last, in code points and in characters. */
     private int passedPoints;
+
     private int passed;
 
     private YamlReader(String text, boolean kept, Problems problems, Allowance values) {
@@ -97,8 +120,11 @@ final class YamlReader {
 
     private static Node read(String text, Problems problems, Allowance values, boolean kept)
             throws WorldFileException {
-        var settings = LoadSettings.builder().setCodePointLimit(Integer.MAX_VALUE)
-                .setBufferSize(Math.clamp(text.length() + 2L, MIN_PIECE, MAX_PIECE)).build();
+        var settings =
+                LoadSettings.builder()
+                        .setCodePointLimit(Integer.MAX_VALUE)
+                        .setBufferSize(Math.clamp(text.length() + 2L, MIN_PIECE, MAX_PIECE))
+                        .build();
         var reader = new YamlReader(text, kept, problems, values);
         try {
             Iterator<Event> events =
@@ -145,13 +171,17 @@ final class YamlReader {
         switch (event) {
             case DocumentStartEvent start -> {
                 if (++documents > 1) {
-                    throw fatal(start.getStartMark(),
+                    throw fatal(
+                            start.getStartMark(),
                             "a second document begins here; a file holds one world");
                 }
             }
-            case AliasEvent alias -> throw fatal(alias.getStartMark(), "aliases (`"
-                    + Node.shorten("*" + alias.getAlias())
-                    + "`) are not allowed; write the value out");
+            case AliasEvent alias ->
+                    throw fatal(
+                            alias.getStartMark(),
+                            "aliases (`"
+                                    + Node.shorten("*" + alias.getAlias())
+                                    + "`) are not allowed; write the value out");
             case CollectionStartEvent start -> {
                 refuseFeatures(start, start.getTag());
                 openCollection(start);
@@ -161,19 +191,24 @@ final class YamlReader {
                 takeScalar(scalar);
             }
             case CollectionEndEvent end -> open.removeLast();
-            default -> { } // begin and end of the stream and of its document
+            default -> {} // begin and end of the stream and of its document
         }
     }
 
     private void refuseFeatures(NodeEvent event, Optional<String> tag) throws WorldFileException {
         if (event.getAnchor().isPresent()) {
-            throw fatal(event.getStartMark(), "anchors (`"
-                    + Node.shorten("&" + event.getAnchor().get())
-                    + "`) are not allowed; write values out where they are used");
+            throw fatal(
+                    event.getStartMark(),
+                    "anchors (`"
+                            + Node.shorten("&" + event.getAnchor().get())
+                            + "`) are not allowed; write values out where they are used");
         }
         if (tag.isPresent()) {
-            throw fatal(event.getStartMark(), "tags (`" + Node.shorten(tag.get())
-                    + "`) are not allowed; write the value only");
+            throw fatal(
+                    event.getStartMark(),
+                    "tags (`"
+                            + Node.shorten(tag.get())
+                            + "`) are not allowed; write the value only");
         }
     }
 
@@ -185,15 +220,20 @@ final class YamlReader {
             throw fatal(start.getStartMark(), "nested deeper than " + MAX_DEPTH + " levels");
         }
         boolean mapping = start instanceof MappingStartEvent;
-        open.addLast(place(start, mapping ? new LinkedHashMap<String, Node>()
-                : new ArrayList<Node>()));
+        open.addLast(
+                place(start, mapping ? new LinkedHashMap<String, Node>() : new ArrayList<Node>()));
     }
 
     private void takeScalar(ScalarEvent scalar) throws WorldFileException {
         String text = scalar.getValue();
         if (text.length() > MAX_TEXT_LENGTH) {
-            throw fatal(scalar.getStartMark(), "a text of " + text.length()
-                    + " characters; at most " + MAX_TEXT_LENGTH + " are allowed");
+            throw fatal(
+                    scalar.getStartMark(),
+                    "a text of "
+                            + text.length()
+                            + " characters; at most "
+                            + MAX_TEXT_LENGTH
+                            + " are allowed");
         }
         if (!kept && !problems.full() && Escapes.hasHalf(text)) {
             Problem half = noCharacter(scalar.getStartMark());
@@ -204,11 +244,19 @@ final class YamlReader {
             if (open.getLast().children().size() == MAX_KEYS) {
                 throw fatal(scalar.getStartMark(), "a mapping of more than " + MAX_KEYS + " keys");
             }
-            open.getLast().get(text).ifPresent(first -> problems.add(mark.getLine() + 1,
-                    mark.getColumn() + 1, first.pointer(), "duplicate key `" + Node.shorten(text)
-                            + "`, first on line " + first.keyLine()));
-            waiting = new Node.Slot(open.getLast(), text, mark.getLine() + 1,
-                    mark.getColumn() + 1);
+            open.getLast()
+                    .get(text)
+                    .ifPresent(
+                            first ->
+                                    problems.add(
+                                            mark.getLine() + 1,
+                                            mark.getColumn() + 1,
+                                            first.pointer(),
+                                            "duplicate key `"
+                                                    + Node.shorten(text)
+                                                    + "`, first on line "
+                                                    + first.keyLine()));
+            waiting = new Node.Slot(open.getLast(), text, mark.getLine() + 1, mark.getColumn() + 1);
         } else {
             Node node = place(scalar, scalar.isPlain() ? resolve(scalar) : text);
             if (!scalar.isPlain()) {
@@ -244,7 +292,8 @@ final class YamlReader {
             }
             return Long.parseLong(text);
         } catch (NumberFormatException beyond64Bit) {
-            return text.startsWith("0x") || text.startsWith("0o") ? text
+            return text.startsWith("0x") || text.startsWith("0o")
+                    ? text
                     : (Object) Double.valueOf(text);
         }
     }
@@ -257,9 +306,14 @@ final class YamlReader {
             return value;
         }
         Mark mark = scalar.getStartMark().orElseThrow();
-        problems.add(mark.getLine() + 1, mark.getColumn() + 1, pointerOfNext(), subjectOfNext()
-                + (digits ? "`" + Node.shorten(text) + "` is too large for a 64-bit number"
-                        : "`" + text + "` is not a finite number"));
+        problems.add(
+                mark.getLine() + 1,
+                mark.getColumn() + 1,
+                pointerOfNext(),
+                subjectOfNext()
+                        + (digits
+                                ? "`" + Node.shorten(text) + "` is too large for a 64-bit number"
+                                : "`" + text + "` is not a finite number"));
         return 1.0; // stands in, so that the rest of the file is still checked
     }
 
@@ -271,8 +325,9 @@ final class YamlReader {
         if (waiting != null) {
             return waiting.parent().pointer() + "/" + waiting.key();
         }
-        return open.isEmpty() ? "" : open.getLast().pointer() + "/"
-                + open.getLast().children().size();
+        return open.isEmpty()
+                ? ""
+                : open.getLast().pointer() + "/" + open.getLast().children().size();
     }
 
     private boolean awaitsKey() {
@@ -287,8 +342,8 @@ final class YamlReader {
             inItems = waiting.key().equals("items");
         }
         if (!inItems && ++others > MAX_OTHER_VALUES) {
-            throw problems.fatal(line, column, "more than " + MAX_OTHER_VALUES
-                    + " values outside of `items`");
+            throw problems.fatal(
+                    line, column, "more than " + MAX_OTHER_VALUES + " values outside of `items`");
         }
         if (!values.take(1)) {
             throw problems.fatal(line, column, "more than " + MAX_VALUES + " values in all");
@@ -299,8 +354,10 @@ final class YamlReader {
             root = node;
         } else {
             Node parent = open.getLast();
-            Node.Slot slot = waiting != null ? waiting
-                    : new Node.Slot(parent, parent.children().size(), line, column);
+            Node.Slot slot =
+                    waiting != null
+                            ? waiting
+                            : new Node.Slot(parent, parent.children().size(), line, column);
             waiting = null;
             node = slot.fill(line, column, value);
         }
@@ -309,19 +366,25 @@ final class YamlReader {
 
     private Node requireRoot() throws WorldFileException {
         if (root == null || root.isNothing()) {
-            throw problems.fatal(1, 1, "the file is empty; a world begins with `reve: 1` and a "
-                    + "`name`");
+            throw problems.fatal(
+                    1, 1, "the file is empty; a world begins with `reve: 1` and a " + "`name`");
         }
         if (!root.isMapping()) {
-            throw problems.fatal(root.line(), root.column(), "found " + root.describe()
-                    + ", expected a mapping that begins with `reve: 1` and a `name`");
+            throw problems.fatal(
+                    root.line(),
+                    root.column(),
+                    "found "
+                            + root.describe()
+                            + ", expected a mapping that begins with `reve: 1` and a `name`");
         }
         return root;
     }
 
     private WorldFileException fatal(Optional<Mark> mark, String message) {
-        return problems.fatal(mark.map(Mark::getLine).orElse(0) + 1,
-                mark.map(Mark::getColumn).orElse(0) + 1, message);
+        return problems.fatal(
+                mark.map(Mark::getLine).orElse(0) + 1,
+                mark.map(Mark::getColumn).orElse(0) + 1,
+                message);
     }
 
     /** Blames the first escape from there on that stands for no character. */
@@ -329,12 +392,18 @@ final class YamlReader {
         int begin = offset(from);
         Optional<Escapes.Wrong> wrong = Escapes.find(text, begin);
         int at = wrong.map(Escapes.Wrong::offset).orElse(begin);
-        return new Problem(Problem.Severity.ERROR, problems.file(),
-                1 + from.map(Mark::getLine).orElse(0)
+        return new Problem(
+                Problem.Severity.ERROR,
+                problems.file(),
+                1
+                        + from.map(Mark::getLine).orElse(0)
                         + (int) text.substring(begin, at).chars().filter(c -> c == '\n').count(),
-                at - text.lastIndexOf('\n', at - 1), "",
-                wrong.map(Escapes.Wrong::message).orElse("not valid YAML: an escape in double "
-                        + "quotes, such as `\\u00e9`, stands for no character"));
+                at - text.lastIndexOf('\n', at - 1),
+                "",
+                wrong.map(Escapes.Wrong::message)
+                        .orElse(
+                                "not valid YAML: an escape in double "
+                                        + "quotes, such as `\\u00e9`, stands for no character"));
     }
 
     private WorldFileException fatal(Problem problem) {
@@ -368,24 +437,34 @@ final class YamlReader {
             return problems.fatal(line, column, sentence(syntax));
         }
         Unclosed.Opening open = opening.get();
-        boolean comment = text.lines().skip(open.line() - 1L).findFirst().orElse("")
-                .contains(" #");
-        return problems.fatal(open.line(), open.column(), "`" + open.sign() + "` is not closed, "
-                + "which was noticed on line " + line
-                + (comment ? "; a # begins a comment unless it is in quotes" : ""));
+        boolean comment = text.lines().skip(open.line() - 1L).findFirst().orElse("").contains(" #");
+        return problems.fatal(
+                open.line(),
+                open.column(),
+                "`"
+                        + open.sign()
+                        + "` is not closed, "
+                        + "which was noticed on line "
+                        + line
+                        + (comment ? "; a # begins a comment unless it is in quotes" : ""));
     }
 
     /** The parser's two half sentences as one, without its picture of the line. */
     private static String sentence(MarkedYamlEngineException syntax) {
         String context = syntax.getContext();
-        String problem = shorten(syntax.getProblem()).replaceAll(" ?\\(Do not use [^\\\\].* for "
-                + "indentation\\)", " Put the text in quotes")
-                .replaceAll("(?s)\\s\\((?:10|13)\\)|\\x00\\(0\\)", "the end of the line")
-                .replaceAll("(\\S)\\(\\d+\\)", "`$1`");
+        String problem =
+                shorten(syntax.getProblem())
+                        .replaceAll(
+                                " ?\\(Do not use [^\\\\].* for " + "indentation\\)",
+                                " Put the text in quotes")
+                        .replaceAll("(?s)\\s\\((?:10|13)\\)|\\x00\\(0\\)", "the end of the line")
+                        .replaceAll("(\\S)\\(\\d+\\)", "`$1`");
         String what = context == null ? "" : shorten(context);
         for (Map.Entry<String, String> sign : SIGNS.entrySet()) {
             if (what.endsWith(sign.getKey())) {
-                return "not valid YAML: a " + sign.getValue() + ", which is not allowed; put a "
+                return "not valid YAML: a "
+                        + sign.getValue()
+                        + ", which is not allowed; put a "
                         + "text that begins with it in quotes";
             }
         }
@@ -416,12 +495,16 @@ final class YamlReader {
         return message.length() <= MAX_QUOTE ? message : message.substring(0, MAX_QUOTE) + "…";
     }
 
-    private static WorldFileException fatalAt(String text, ReaderException unprintable,
-            Problems problems) {
+    private static WorldFileException fatalAt(
+            String text, ReaderException unprintable, Problems problems) {
         int position = text.indexOf(unprintable.getCodePoint());
         String before = text.substring(0, Math.max(position, 0));
         int line = 1 + (int) before.chars().filter(c -> c == '\n').count();
-        return problems.fatal(line, before.length() - before.lastIndexOf('\n'), String.format(
-                "the character U+%04X is not allowed in a world file", unprintable.getCodePoint()));
+        return problems.fatal(
+                line,
+                before.length() - before.lastIndexOf('\n'),
+                String.format(
+                        "the character U+%04X is not allowed in a world file",
+                        unprintable.getCodePoint()));
     }
 }

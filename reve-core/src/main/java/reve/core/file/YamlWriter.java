@@ -1,9 +1,6 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
 
-import java.util.Collection;
-import java.util.List;
-import java.util.Map;
-import java.util.Optional;
 import org.snakeyaml.engine.v2.api.DumpSettings;
 import org.snakeyaml.engine.v2.api.StreamDataWriter;
 import org.snakeyaml.engine.v2.common.FlowStyle;
@@ -23,6 +20,11 @@ import org.snakeyaml.engine.v2.nodes.Tag;
 import org.snakeyaml.engine.v2.resolver.CoreScalarResolver;
 import org.snakeyaml.engine.v2.resolver.ScalarResolver;
 
+import java.util.Collection;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+
 /**
  * Mappings, lists, texts, numbers and truth values to YAML that {@link YamlReader} reads back to
  * the bit: always the same text for the same values. What holds a mapping stands on lines of its
@@ -31,8 +33,12 @@ import org.snakeyaml.engine.v2.resolver.ScalarResolver;
 final class YamlWriter {
     private static final int WIDTH = 100;
     private static final double LARGEST_WRITTEN_AS_INTEGER = 1e15;
-    private static final DumpSettings SETTINGS = DumpSettings.builder().setWidth(WIDTH)
-            .setIndicatorIndent(2).setIndentWithIndicator(true).build();
+    private static final DumpSettings SETTINGS =
+            DumpSettings.builder()
+                    .setWidth(WIDTH)
+                    .setIndicatorIndent(2)
+                    .setIndentWithIndicator(true)
+                    .build();
     private static final ImplicitTuple NO_TAG = new ImplicitTuple(true, true);
     private static final ImplicitTuple QUOTED = new ImplicitTuple(false, true);
 
@@ -41,17 +47,20 @@ final class YamlWriter {
     private final Emitter emitter;
 
     private YamlWriter(StringBuilder out) {
-        emitter = new Emitter(SETTINGS, new StreamDataWriter() {
-            @Override
-            public void write(String text) {
-                out.append(text);
-            }
+        emitter =
+                new Emitter(
+                        SETTINGS,
+                        new StreamDataWriter() {
+                            @Override
+                            public void write(String text) {
+                                out.append(text);
+                            }
 
-            @Override
-            public void write(String text, int offset, int length) {
-                out.append(text, offset, offset + length);
-            }
-        });
+                            @Override
+                            public void write(String text, int offset, int length) {
+                                out.append(text, offset, offset + length);
+                            }
+                        });
     }
 
     /** A number as it is written in lists and mappings. */
@@ -59,8 +68,10 @@ final class YamlWriter {
         /** The shortest text that is read as exactly this number. */
         static Numeral of(double value) {
             boolean negativeZero = value == 0 && 1 / value < 0;
-            boolean integer = value == Math.rint(value) && !negativeZero
-                    && Math.abs(value) < LARGEST_WRITTEN_AS_INTEGER;
+            boolean integer =
+                    value == Math.rint(value)
+                            && !negativeZero
+                            && Math.abs(value) < LARGEST_WRITTEN_AS_INTEGER;
             return new Numeral(integer ? Long.toString((long) value) : Double.toString(value));
         }
 
@@ -88,23 +99,30 @@ final class YamlWriter {
 
     private void value(Object value) {
         if (!values.take(1)) {
-            throw new IllegalArgumentException("more than " + YamlReader.MAX_VALUES
-                    + " values, which no world file may hold");
+            throw new IllegalArgumentException(
+                    "more than " + YamlReader.MAX_VALUES + " values, which no world file may hold");
         }
         switch (value) {
             case Map<?, ?> mapping -> {
-                emitter.emit(new MappingStartEvent(Optional.empty(), Optional.empty(), true,
-                        style(mapping.values())));
-                mapping.forEach((key, field) -> {
-                    text((String) key);
-                    value(field);
-                });
+                emitter.emit(
+                        new MappingStartEvent(
+                                Optional.empty(), Optional.empty(), true, style(mapping.values())));
+                mapping.forEach(
+                        (key, field) -> {
+                            text((String) key);
+                            value(field);
+                        });
                 emitter.emit(new MappingEndEvent());
             }
             case Collection<?> list -> {
-                emitter.emit(new SequenceStartEvent(Optional.empty(), Optional.empty(), true,
-                        list.stream().anyMatch(Map.class::isInstance) ? FlowStyle.BLOCK
-                                : style(list)));
+                emitter.emit(
+                        new SequenceStartEvent(
+                                Optional.empty(),
+                                Optional.empty(),
+                                true,
+                                list.stream().anyMatch(Map.class::isInstance)
+                                        ? FlowStyle.BLOCK
+                                        : style(list)));
                 list.forEach(this::value);
                 emitter.emit(new SequenceEndEvent());
             }
@@ -116,13 +134,15 @@ final class YamlWriter {
     }
 
     private static FlowStyle style(Collection<?> values) {
-        return values.stream().anyMatch(YamlWriter::holdsMapping) ? FlowStyle.BLOCK
+        return values.stream().anyMatch(YamlWriter::holdsMapping)
+                ? FlowStyle.BLOCK
                 : FlowStyle.FLOW;
     }
 
     private static boolean holdsMapping(Object value) {
-        return value instanceof Map<?, ?> || value instanceof List<?> list
-                && list.stream().anyMatch(YamlWriter::holdsMapping);
+        return value instanceof Map<?, ?>
+                || value instanceof List<?> list
+                        && list.stream().anyMatch(YamlWriter::holdsMapping);
     }
 
     private void plain(String text) {

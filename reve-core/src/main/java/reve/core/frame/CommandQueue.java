@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.frame;
 
 import java.util.ArrayList;
@@ -22,11 +23,15 @@ public final class CommandQueue {
     private final Queue<Command> arrived = new ConcurrentLinkedQueue<>();
     private final AtomicInteger waiting = new AtomicInteger();
     private final List<Command> taken = new ArrayList<>();
+
     /** Those that must wait for the next frame; they count as waiting. */
     private final List<Command> postponed = new ArrayList<>();
+
     private final FaultLog faults = new FaultLog();
 
-    /** @param capacity most commands that may wait for the next frame */
+    /**
+     * @param capacity most commands that may wait for the next frame
+     */
     public CommandQueue(int capacity) {
         if (capacity < 1) {
             throw new IllegalArgumentException(
@@ -53,7 +58,7 @@ public final class CommandQueue {
 
     /** Executes the prompt commands that have arrived; between frames. */
     void executePrompt(FrameEvent event) {
-        for (Iterator<Command> all = arrived.iterator(); all.hasNext();) {
+        for (Iterator<Command> all = arrived.iterator(); all.hasNext(); ) {
             Command command = all.next();
             if (command.isPrompt()) {
                 all.remove();

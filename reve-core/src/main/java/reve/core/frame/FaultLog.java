@@ -1,12 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.frame;
+
+import org.slf4j.Logger;
+import org.slf4j.LoggerFactory;
+
+import reve.core.world.WorldEvent;
 
 import java.util.HashSet;
 import java.util.LinkedHashMap;
 import java.util.Map;
 import java.util.Set;
-import org.slf4j.Logger;
-import org.slf4j.LoggerFactory;
-import reve.core.world.WorldEvent;
 
 /** Turns what listeners and commands throw into "fault" events, each distinct message once. */
 final class FaultLog {

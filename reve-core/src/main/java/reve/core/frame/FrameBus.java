@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.frame;
 
 import java.util.Arrays;
@@ -14,6 +15,7 @@ public final class FrameBus {
     /** By phase; an array is never changed, only replaced. */
     private final AtomicReferenceArray<Subscriber[]> subscribers =
             new AtomicReferenceArray<>(FramePhase.values().length);
+
     private final FaultLog faults = new FaultLog();
 
     public FrameBus() {
@@ -28,12 +30,15 @@ public final class FrameBus {
      * @param name who it is, for messages
      * @throws IllegalStateException if the phase is PHYSICS and has a listener already
      */
-    public synchronized Subscription subscribe(FramePhase phase, String name,
-            FrameListener listener) {
+    public synchronized Subscription subscribe(
+            FramePhase phase, String name, FrameListener listener) {
         Subscriber[] old = subscribers.get(phase.ordinal());
         if (phase == FramePhase.PHYSICS && old.length > 0) {
-            throw new IllegalStateException("PHYSICS takes one listener and has " + old[0].name
-                    + "; close that before subscribing " + name);
+            throw new IllegalStateException(
+                    "PHYSICS takes one listener and has "
+                            + old[0].name
+                            + "; close that before subscribing "
+                            + name);
         }
         var subscriber = new Subscriber(name, listener);
         Subscriber[] grown = Arrays.copyOf(old, old.length + 1);
@@ -57,8 +62,10 @@ public final class FrameBus {
     }
 
     private synchronized void unsubscribe(FramePhase phase, Subscriber subscriber) {
-        Subscriber[] remaining = Arrays.stream(subscribers.get(phase.ordinal()))
-                .filter(other -> other != subscriber).toArray(Subscriber[]::new);
+        Subscriber[] remaining =
+                Arrays.stream(subscribers.get(phase.ordinal()))
+                        .filter(other -> other != subscriber)
+                        .toArray(Subscriber[]::new);
         subscribers.set(phase.ordinal(), remaining);
     }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.frame;
 
 import java.util.concurrent.locks.LockSupport;
@@ -6,17 +7,18 @@ import java.util.concurrent.locks.LockSupport;
 public interface FrameClock {
 
     /** The machine's monotonic clock. */
-    FrameClock SYSTEM = new FrameClock() {
-        @Override
-        public long nanoTime() {
-            return System.nanoTime();
-        }
+    FrameClock SYSTEM =
+            new FrameClock() {
+                @Override
+                public long nanoTime() {
+                    return System.nanoTime();
+                }
 
-        @Override
-        public void park(long nanoseconds) {
-            LockSupport.parkNanos(nanoseconds);
-        }
-    };
+                @Override
+                public void park(long nanoseconds) {
+                    LockSupport.parkNanos(nanoseconds);
+                }
+            };
 
     /** Monotonic time from an arbitrary origin [ns]. */
     long nanoTime();

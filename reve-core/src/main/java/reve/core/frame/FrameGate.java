@@ -1,26 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.frame;
 
 import java.util.function.BooleanSupplier;
 
 /**
- * Keeps a frame loop from beginning its next frame for a while. Called on the loop's thread
- * between frames, and must not block, but where said otherwise.
+ * Keeps a frame loop from beginning its next frame for a while. Called on the loop's thread between
+ * frames, and must not block, but where said otherwise.
  */
 public interface FrameGate {
 
     /** Holds nothing. */
-    FrameGate OPEN = new FrameGate() {
-        @Override
-        public long nanosecondsToWait(long frame, long nowNanoseconds) {
-            return 0;
-        }
+    FrameGate OPEN =
+            new FrameGate() {
+                @Override
+                public long nanosecondsToWait(long frame, long nowNanoseconds) {
+                    return 0;
+                }
 
-        @Override
-        public void paused() {}
+                @Override
+                public void paused() {}
 
-        @Override
-        public void continuesAfter(long frame) {}
-    };
+                @Override
+                public void continuesAfter(long frame) {}
+            };
 
     /**
      * Whether a frame may begin that is due.

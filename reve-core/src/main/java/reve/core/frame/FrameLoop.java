@@ -1,4 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.frame;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.core.world.Activity;
+import reve.core.world.World;
 
 import java.util.EnumMap;
 import java.util.Map;
@@ -9,9 +15,6 @@ import java.util.concurrent.atomic.AtomicLongArray;
 import java.util.concurrent.atomic.AtomicReference;
 import java.util.concurrent.locks.LockSupport;
 import java.util.function.BooleanSupplier;
-import org.jspecify.annotations.Nullable;
-import reve.core.world.Activity;
-import reve.core.world.World;
 
 /**
  * Makes the frames of a world, all on the thread that calls {@link #step} or {@link #run}, which
@@ -30,8 +33,10 @@ public final class FrameLoop {
 
     private static final long UNLIMITED = Long.MAX_VALUE;
     private static final long AT_WORK = Long.MIN_VALUE;
+
     /** How long a paused loop sleeps at most; whoever resumes it wakes it up. */
     private static final long PAUSE_NANOSECONDS = 100_000_000;
+
     private static final FramePhase[] PHASES = FramePhase.values();
 
     private final World world;
@@ -43,13 +48,18 @@ public final class FrameLoop {
     private final AtomicLong busyNanoseconds = new AtomicLong();
     private final AtomicLong frames = new AtomicLong();
     private final FrameClock clock;
+
     /** The last frame that {@link #run} may make; {@link #UNLIMITED} unless paused. */
     private final AtomicLong lastAllowed = new AtomicLong(UNLIMITED);
+
     /** The last frame that was begun. */
     private final AtomicLong begunFrame = new AtomicLong();
+
     private final AtomicReference<@Nullable FramePhase> phase = new AtomicReference<>();
+
     /** When the wait of the loop's thread ends; {@link #AT_WORK} unless it waits [ns]. */
     private final AtomicLong waitEnd = new AtomicLong(AT_WORK);
+
     private final Queue<Runnable> errands = new ConcurrentLinkedQueue<>();
     private final BooleanSupplier disturbed = this::isDisturbed;
     private boolean begun;
@@ -62,7 +72,9 @@ public final class FrameLoop {
         this(world, bus, timing, pacing, FrameClock.SYSTEM);
     }
 
-    /** @param clock what paces and profiles the frames; it never reaches the world */
+    /**
+     * @param clock what paces and profiles the frames; it never reaches the world
+     */
     public FrameLoop(World world, FrameBus bus, Timing timing, Pacing pacing, FrameClock clock) {
         this.world = world;
         this.bus = bus;
@@ -107,13 +119,21 @@ public final class FrameLoop {
      */
     public void continueAfter(long frame) {
         if (making) {
-            throw new IllegalStateException("frame " + (frame() + 1) + " is being made; continue "
-                    + "after frame " + frame + " when it is done");
+            throw new IllegalStateException(
+                    "frame "
+                            + (frame() + 1)
+                            + " is being made; continue "
+                            + "after frame "
+                            + frame
+                            + " when it is done");
         }
         if (frame < frame()) {
             throw new IllegalArgumentException(
-                    "frame is " + frame + ", expected " + frame()
-                    + " or more: frames never go back");
+                    "frame is "
+                            + frame
+                            + ", expected "
+                            + frame()
+                            + " or more: frames never go back");
         }
         frames.setRelease(frame);
         begunFrame.set(frame);
@@ -277,8 +297,12 @@ public final class FrameLoop {
         for (FramePhase phase : PHASES) {
             byPhase.put(phase, phaseNanoseconds.getAcquire(phase.ordinal()));
         }
-        return new FrameProfile(frame(), pacer.overruns(), pacer.droppedFrames(),
-                busyNanoseconds.getAcquire(), byPhase);
+        return new FrameProfile(
+                frame(),
+                pacer.overruns(),
+                pacer.droppedFrames(),
+                busyNanoseconds.getAcquire(),
+                byPhase);
     }
 
     private void begin() {
@@ -320,8 +344,8 @@ public final class FrameLoop {
         this.phase.setRelease(null);
         making = false;
         int index = phase.ordinal();
-        phaseNanoseconds.setRelease(index,
-                phaseNanoseconds.getPlain(index) + clock.nanoTime() - start);
+        phaseNanoseconds.setRelease(
+                index, phaseNanoseconds.getPlain(index) + clock.nanoTime() - start);
     }
 
     /** Waits while paused or held by the gate. @return false if no more frames are wanted */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.frame;
 
 /** The parts of a frame, in the order they run, all on the world's thread. */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.frame;
 
 import java.util.Map;
@@ -11,7 +12,11 @@ import java.util.Map;
  * @param busyNanoseconds time inside frames, without waiting [ns]
  * @param phaseNanoseconds time in the listeners of each phase [ns]
  */
-public record FrameProfile(long frames, long overruns, long droppedFrames, long busyNanoseconds,
+public record FrameProfile(
+        long frames,
+        long overruns,
+        long droppedFrames,
+        long busyNanoseconds,
         Map<FramePhase, Long> phaseNanoseconds) {
 
     public FrameProfile {

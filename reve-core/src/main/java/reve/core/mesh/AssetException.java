@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.mesh;
 
 /** A file beside the world file cannot be used; the message, one line, names it and says why. */

@@ -1,10 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.mesh;
+
+import reve.core.world.Texture;
 
 import java.nio.file.Path;
 import java.util.HashMap;
 import java.util.Map;
 import java.util.Optional;
-import reve.core.world.Texture;
 
 /** The files of one world's meshes and images, limited together. One thread. */
 final class AssetFiles {
@@ -13,6 +15,7 @@ final class AssetFiles {
 
     private final WorldFolder folder;
     private final Budget budget;
+
     /** Images of meshes by their real paths, which many meshes may share. */
     private final Map<Path, Texture> images = new HashMap<>();
 

@@ -1,12 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.mesh;
+
+import reve.core.world.Mesh;
+import reve.core.world.Texture;
 
 import java.nio.file.Path;
 import java.util.HashMap;
 import java.util.Locale;
 import java.util.Map;
 import java.util.Optional;
-import reve.core.world.Mesh;
-import reve.core.world.Texture;
 
 /**
  * The meshes and textures that one world uses. Each file is read once, by whatever path or link it
@@ -65,17 +67,24 @@ public final class Assets {
      * @throws AssetException if it cannot be used, saying why
      */
     public Mesh mesh(String path) throws AssetException {
-        return once(meshes, path, () -> {
-            String name = path.toLowerCase(Locale.ROOT);
-            boolean gltf = name.endsWith(".glb") || name.endsWith(".gltf");
-            if (!gltf && !name.endsWith(".obj")) {
-                throw new AssetException(path + ": expected a mesh in a .glb, .gltf or .obj file; "
-                        + "convert others to .glb");
-            }
-            byte[] bytes = files.read(path, MAX_FILE_BYTES);
-            var sources = new Sources(files, path);
-            return gltf ? GltfReader.read(bytes, sources) : ObjMeshReader.read(bytes, sources);
-        });
+        return once(
+                meshes,
+                path,
+                () -> {
+                    String name = path.toLowerCase(Locale.ROOT);
+                    boolean gltf = name.endsWith(".glb") || name.endsWith(".gltf");
+                    if (!gltf && !name.endsWith(".obj")) {
+                        throw new AssetException(
+                                path
+                                        + ": expected a mesh in a .glb, .gltf or .obj file; "
+                                        + "convert others to .glb");
+                    }
+                    byte[] bytes = files.read(path, MAX_FILE_BYTES);
+                    var sources = new Sources(files, path);
+                    return gltf
+                            ? GltfReader.read(bytes, sources)
+                            : ObjMeshReader.read(bytes, sources);
+                });
     }
 
     /**

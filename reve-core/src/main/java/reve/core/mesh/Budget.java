@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.mesh;
 
 import java.util.function.LongSupplier;
@@ -9,6 +10,7 @@ final class Budget {
     static final long MAX_VERTICES = 1 << 22;
     static final long MAX_TRIANGLES = 1 << 22;
     static final long MAX_PIXELS = 1 << 25;
+
     /** Longest time that reading may take in all [s]: the last resort, far above all others. */
     static final long MAX_SECONDS = 60;
 
@@ -20,7 +22,9 @@ final class Budget {
     private long nanoseconds;
     private long begun;
 
-    /** @param nanoTime as {@link System#nanoTime} */
+    /**
+     * @param nanoTime as {@link System#nanoTime}
+     */
     Budget(LongSupplier nanoTime) {
         this.nanoTime = nanoTime;
     }
@@ -59,12 +63,23 @@ final class Budget {
     private void require(String path, long taken, long most, String whose, String what)
             throws AssetException {
         if (taken > most) {
-            throw new AssetException(path + ": the " + whose + " of this world have more than "
-                    + most + " " + what + " together");
+            throw new AssetException(
+                    path
+                            + ": the "
+                            + whose
+                            + " of this world have more than "
+                            + most
+                            + " "
+                            + what
+                            + " together");
         }
         if (nanoseconds + nanoTime.getAsLong() - begun > MAX_SECONDS * 1_000_000_000) {
-            throw new AssetException(path + ": the meshes and images of this world take longer "
-                    + "than " + MAX_SECONDS + " s to read; use fewer or smaller ones");
+            throw new AssetException(
+                    path
+                            + ": the meshes and images of this world take longer "
+                            + "than "
+                            + MAX_SECONDS
+                            + " s to read; use fewer or smaller ones");
         }
     }
 }

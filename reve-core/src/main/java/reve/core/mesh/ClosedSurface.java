@@ -1,4 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.mesh;
+
+import reve.core.world.Mesh;
 
 import java.nio.FloatBuffer;
 import java.nio.IntBuffer;
@@ -6,7 +9,6 @@ import java.util.Arrays;
 import java.util.HashMap;
 import java.util.Map;
 import java.util.Optional;
-import reve.core.world.Mesh;
 
 /**
  * Whether a mesh encloses a space: each edge belongs to two triangles that run along it in opposite
@@ -32,26 +34,35 @@ final class ClosedSurface {
         }
     }
 
-    /** @throws IllegalArgumentException naming an edge that is open or whose triangles disagree */
+    /**
+     * @throws IllegalArgumentException naming an edge that is open or whose triangles disagree
+     */
     static void require(Mesh mesh) {
-        new ClosedSurface(mesh).fault().ifPresent(fault -> {
-            throw new IllegalArgumentException(fault);
-        });
+        new ClosedSurface(mesh)
+                .fault()
+                .ifPresent(
+                        fault -> {
+                            throw new IllegalArgumentException(fault);
+                        });
     }
 
     private Optional<String> fault() {
         long[] edges = sortedEdges();
         for (int i = 1; i < edges.length; i++) {
             if (edges[i] == edges[i - 1]) {
-                return Optional.of("the mesh is not a surface around a space: two triangles run "
-                        + "the same way along the edge " + describe(edges[i])
-                        + "; they face opposite sides, or more than two meet there");
+                return Optional.of(
+                        "the mesh is not a surface around a space: two triangles run "
+                                + "the same way along the edge "
+                                + describe(edges[i])
+                                + "; they face opposite sides, or more than two meet there");
             }
         }
         for (long edge : edges) {
             if (Arrays.binarySearch(edges, Long.rotateLeft(edge, 32)) < 0) {
-                return Optional.of("the mesh is open at the edge " + describe(edge)
-                        + ", which belongs to one triangle only");
+                return Optional.of(
+                        "the mesh is open at the edge "
+                                + describe(edge)
+                                + ", which belongs to one triangle only");
             }
         }
         return Optional.empty();
@@ -81,7 +92,9 @@ final class ClosedSurface {
     }
 
     private Place place(int vertex) {
-        return new Place(vertices.get(3 * vertex) + 0f, vertices.get(3 * vertex + 1) + 0f,
+        return new Place(
+                vertices.get(3 * vertex) + 0f,
+                vertices.get(3 * vertex + 1) + 0f,
                 vertices.get(3 * vertex + 2) + 0f);
     }
 

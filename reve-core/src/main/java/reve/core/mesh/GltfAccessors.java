@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.mesh;
 
 import de.javagl.jgltf.impl.v2.Buffer;
@@ -5,11 +6,13 @@ import de.javagl.jgltf.impl.v2.BufferView;
 import de.javagl.jgltf.impl.v2.GlTF;
 import de.javagl.jgltf.model.ElementType;
 import de.javagl.jgltf.model.GltfConstants;
+
+import org.jspecify.annotations.Nullable;
+
 import java.nio.ByteBuffer;
 import java.nio.ByteOrder;
 import java.util.HashMap;
 import java.util.Map;
-import org.jspecify.annotations.Nullable;
 
 /** The numbers of a glTF file where they lie; every range is checked before a number is read. */
 final class GltfAccessors {
@@ -39,8 +42,14 @@ final class GltfAccessors {
         private final int components;
         private final boolean normalized;
 
-        private Accessor(String name, ByteBuffer bytes, int count, int stride, int type,
-                int components, boolean normalized) {
+        private Accessor(
+                String name,
+                ByteBuffer bytes,
+                int count,
+                int stride,
+                int type,
+                int components,
+                boolean normalized) {
             this.name = name;
             this.bytes = bytes;
             this.count = count;
@@ -58,14 +67,28 @@ final class GltfAccessors {
         /** Refuses all but that many reals per element, or whole numbers that stand for 0 to 1. */
         void requireNumbers(String attribute, int least, int most, int wanted)
                 throws AssetException {
-            boolean real = type == GltfConstants.GL_FLOAT
-                    || normalized && (type == GltfConstants.GL_UNSIGNED_BYTE
-                            || type == GltfConstants.GL_UNSIGNED_SHORT);
+            boolean real =
+                    type == GltfConstants.GL_FLOAT
+                            || normalized
+                                    && (type == GltfConstants.GL_UNSIGNED_BYTE
+                                            || type == GltfConstants.GL_UNSIGNED_SHORT);
             if (!real || components < least || components > most || count != wanted) {
-                throw sources.refuse(name + " (" + attribute + ") has " + count + " x "
-                        + components + " numbers of type " + type + ", expected " + wanted + " x "
-                        + least + (least == most ? "" : " or " + most)
-                        + " of type 5126 (or normalized 5121, 5123)");
+                throw sources.refuse(
+                        name
+                                + " ("
+                                + attribute
+                                + ") has "
+                                + count
+                                + " x "
+                                + components
+                                + " numbers of type "
+                                + type
+                                + ", expected "
+                                + wanted
+                                + " x "
+                                + least
+                                + (least == most ? "" : " or " + most)
+                                + " of type 5126 (or normalized 5121, 5123)");
             }
         }
 
@@ -82,31 +105,39 @@ final class GltfAccessors {
         /** A vertex number, below {@code vertices}. */
         int index(int element, int vertices) throws AssetException {
             int at = element * stride;
-            int index = components != 1 ? -1 : switch (type) {
-                case GltfConstants.GL_UNSIGNED_BYTE -> bytes.get(at) & 0xff;
-                case GltfConstants.GL_UNSIGNED_SHORT -> bytes.getShort(at) & 0xffff;
-                case GltfConstants.GL_UNSIGNED_INT -> bytes.getInt(at);
-                default -> -1;
-            };
+            int index =
+                    components != 1
+                            ? -1
+                            : switch (type) {
+                                case GltfConstants.GL_UNSIGNED_BYTE -> bytes.get(at) & 0xff;
+                                case GltfConstants.GL_UNSIGNED_SHORT -> bytes.getShort(at) & 0xffff;
+                                case GltfConstants.GL_UNSIGNED_INT -> bytes.getInt(at);
+                                default -> -1;
+                            };
             if (index < 0 || index >= vertices) {
-                throw sources.refuse(name + " (indices): element " + element
-                        + " is no number of a vertex, expected whole ones from 0 to "
-                        + (vertices - 1));
+                throw sources.refuse(
+                        name
+                                + " (indices): element "
+                                + element
+                                + " is no number of a vertex, expected whole ones from 0 to "
+                                + (vertices - 1));
             }
             return index;
         }
     }
 
-    /** @param what says what it is for where there is no such accessor */
+    /**
+     * @param what says what it is for where there is no such accessor
+     */
     Accessor find(@Nullable Integer number, String what) throws AssetException {
-        var accessor = GltfContainer.element(gltf.getAccessors(), number,
-                what + " accessor", sources);
+        var accessor =
+                GltfContainer.element(gltf.getAccessors(), number, what + " accessor", sources);
         String name = "accessor " + number;
         if (accessor.getSparse() != null || accessor.getBufferView() == null) {
             throw sources.refuse(name + " is sparse, which is not supported; export it whole");
         }
-        ElementType elements = accessor.getType() == null ? null
-                : ElementType.forString(accessor.getType());
+        ElementType elements =
+                accessor.getType() == null ? null : ElementType.forString(accessor.getType());
         int type = accessor.getComponentType() == null ? 0 : accessor.getComponentType();
         if (elements == null || sizeOf(type) == 0) {
             throw sources.refuse(name + " has no known type");
@@ -114,36 +145,59 @@ final class GltfAccessors {
         int components = elements.getNumComponents();
         int count = require(accessor.getCount(), name + " count", 1);
         int elementBytes = components * sizeOf(type);
-        BufferView described = GltfContainer.element(gltf.getBufferViews(),
-                accessor.getBufferView(), "bufferView", sources);
-        int stride = described.getByteStride() == null ? elementBytes
-                : require(described.getByteStride(), name + " stride", elementBytes);
+        BufferView described =
+                GltfContainer.element(
+                        gltf.getBufferViews(), accessor.getBufferView(), "bufferView", sources);
+        int stride =
+                described.getByteStride() == null
+                        ? elementBytes
+                        : require(described.getByteStride(), name + " stride", elementBytes);
         ByteBuffer view = view(accessor.getBufferView());
-        int offset = accessor.getByteOffset() == null ? 0
-                : require(accessor.getByteOffset(), name + " byteOffset", 0);
+        int offset =
+                accessor.getByteOffset() == null
+                        ? 0
+                        : require(accessor.getByteOffset(), name + " byteOffset", 0);
         long end = offset + (count - 1L) * stride + elementBytes;
         if (end > view.remaining()) {
-            throw sources.refuse(name + " needs " + end + " bytes of bufferView "
-                    + accessor.getBufferView() + ", which has " + view.remaining());
+            throw sources.refuse(
+                    name
+                            + " needs "
+                            + end
+                            + " bytes of bufferView "
+                            + accessor.getBufferView()
+                            + ", which has "
+                            + view.remaining());
         }
-        ByteBuffer elementsOnly = view.slice(offset, (int) (end - offset))
-                .order(ByteOrder.LITTLE_ENDIAN);
-        return new Accessor(name, elementsOnly, count, stride, type, components,
+        ByteBuffer elementsOnly =
+                view.slice(offset, (int) (end - offset)).order(ByteOrder.LITTLE_ENDIAN);
+        return new Accessor(
+                name,
+                elementsOnly,
+                count,
+                stride,
+                type,
+                components,
                 Boolean.TRUE.equals(accessor.isNormalized()));
     }
 
     /** The bytes of a bufferView, from position 0. */
     ByteBuffer view(@Nullable Integer number) throws AssetException {
-        BufferView view = GltfContainer.element(gltf.getBufferViews(), number, "bufferView",
-                sources);
+        BufferView view =
+                GltfContainer.element(gltf.getBufferViews(), number, "bufferView", sources);
         String name = "bufferView " + number;
         ByteBuffer buffer = buffer(view.getBuffer());
-        int offset = view.getByteOffset() == null ? 0
-                : require(view.getByteOffset(), name + " byteOffset", 0);
+        int offset =
+                view.getByteOffset() == null
+                        ? 0
+                        : require(view.getByteOffset(), name + " byteOffset", 0);
         int length = require(view.getByteLength(), name + " byteLength", 1);
         if ((long) offset + length > buffer.remaining()) {
-            throw sources.refuse(name + " ends at byte " + ((long) offset + length)
-                    + " of a buffer that has " + buffer.remaining());
+            throw sources.refuse(
+                    name
+                            + " ends at byte "
+                            + ((long) offset + length)
+                            + " of a buffer that has "
+                            + buffer.remaining());
         }
         return buffer.slice(offset, length);
     }
@@ -152,9 +206,14 @@ final class GltfAccessors {
         Buffer buffer = GltfContainer.element(gltf.getBuffers(), number, "buffer", sources);
         ByteBuffer bytes = buffers.get(number);
         if (bytes == null) {
-            bytes = buffer.getUri() != null ? sources.read(buffer.getUri())
-                    : file.binary().orElseThrow(() -> sources.refuse(
-                            "buffer " + number + " has no data"));
+            bytes =
+                    buffer.getUri() != null
+                            ? sources.read(buffer.getUri())
+                            : file.binary()
+                                    .orElseThrow(
+                                            () ->
+                                                    sources.refuse(
+                                                            "buffer " + number + " has no data"));
             buffers.put(number, bytes);
         }
         return bytes;
@@ -162,8 +221,12 @@ final class GltfAccessors {
 
     private int require(@Nullable Integer value, String what, int least) throws AssetException {
         if (value == null || value < least) {
-            throw sources.refuse(what + " is " + (value == null ? "missing or unreadable" : value)
-                    + ", expected at least " + least);
+            throw sources.refuse(
+                    what
+                            + " is "
+                            + (value == null ? "missing or unreadable" : value)
+                            + ", expected at least "
+                            + least);
         }
         return value;
     }

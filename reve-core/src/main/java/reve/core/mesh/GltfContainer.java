@@ -1,8 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.mesh;
 
 import de.javagl.jgltf.impl.v2.GlTF;
 import de.javagl.jgltf.model.io.JsonError;
 import de.javagl.jgltf.model.io.v2.GltfReaderV2;
+
+import org.jspecify.annotations.Nullable;
+
+import tools.jackson.core.JacksonException;
+import tools.jackson.core.JsonParser;
+import tools.jackson.core.JsonToken;
+import tools.jackson.databind.json.JsonMapper;
+
 import java.io.ByteArrayInputStream;
 import java.io.IOException;
 import java.nio.ByteBuffer;
@@ -10,11 +19,6 @@ import java.nio.ByteOrder;
 import java.util.ArrayList;
 import java.util.List;
 import java.util.Optional;
-import org.jspecify.annotations.Nullable;
-import tools.jackson.core.JacksonException;
-import tools.jackson.core.JsonParser;
-import tools.jackson.core.JsonToken;
-import tools.jackson.databind.json.JsonMapper;
 
 /**
  * A glTF file taken apart: the JSON with its numbers unchecked, and what a .glb has behind it.
@@ -26,10 +30,13 @@ record GltfContainer(GlTF gltf, Optional<ByteBuffer> binary) {
     private static final int MAGIC = 0x46546c67;
     private static final int JSON_CHUNK = 0x4e4f534a;
     private static final int BINARY_CHUNK = 0x004e4942;
+
     /** Most values of the JSON: a megabyte of them can take hundreds as objects. */
     private static final int MAX_TOKENS = 500_000;
+
     /** Most characters of a text in the JSON, beyond which the library does not read. */
     private static final int MAX_TEXT = 19_999_999;
+
     /** Most lists and objects of the JSON in each other. */
     private static final int MAX_NESTING = 100;
 
@@ -42,8 +49,12 @@ record GltfContainer(GlTF gltf, Optional<ByteBuffer> binary) {
             throw sources.refuse("expected glTF of version 2");
         }
         if (Integer.toUnsignedLong(file.getInt(8)) != bytes.length) {
-            throw sources.refuse("says that it has " + Integer.toUnsignedLong(file.getInt(8))
-                    + " bytes, found " + bytes.length + "; was it cut off?");
+            throw sources.refuse(
+                    "says that it has "
+                            + Integer.toUnsignedLong(file.getInt(8))
+                            + " bytes, found "
+                            + bytes.length
+                            + "; was it cut off?");
         }
         file.position(12);
         byte[] json = new byte[0];
@@ -52,8 +63,12 @@ record GltfContainer(GlTF gltf, Optional<ByteBuffer> binary) {
             int length = file.getInt();
             int type = file.getInt();
             if (length < 0 || length > file.remaining()) {
-                throw sources.refuse("a chunk of " + Integer.toUnsignedLong(length)
-                        + " bytes where only " + file.remaining() + " follow");
+                throw sources.refuse(
+                        "a chunk of "
+                                + Integer.toUnsignedLong(length)
+                                + " bytes where only "
+                                + file.remaining()
+                                + " follow");
             }
             ByteBuffer chunk = file.slice(file.position(), length);
             if (type == JSON_CHUNK && json.length == 0) {
@@ -68,14 +83,21 @@ record GltfContainer(GlTF gltf, Optional<ByteBuffer> binary) {
     }
 
     /** The list's element of that number. */
-    static <T> T element(@Nullable List<T> list, @Nullable Integer number, String what,
-            Sources sources) throws AssetException {
-        T found = list == null || number == null || number < 0 || number >= list.size() ? null
-                : list.get(number);
+    static <T> T element(
+            @Nullable List<T> list, @Nullable Integer number, String what, Sources sources)
+            throws AssetException {
+        T found =
+                list == null || number == null || number < 0 || number >= list.size()
+                        ? null
+                        : list.get(number);
         if (found == null) {
-            throw sources.refuse("refers to " + what + " "
-                    + (number == null ? "without a number" : number) + ", there are "
-                    + (list == null ? 0 : list.size()));
+            throw sources.refuse(
+                    "refers to "
+                            + what
+                            + " "
+                            + (number == null ? "without a number" : number)
+                            + ", there are "
+                            + (list == null ? 0 : list.size()));
         }
         return found;
     }
@@ -85,20 +107,22 @@ record GltfContainer(GlTF gltf, Optional<ByteBuffer> binary) {
         try {
             var reader = new GltfReaderV2();
             List<JsonError> unfit = new ArrayList<>();
-            reader.setJsonErrorConsumer(error -> {
-                // Without a failure it is about a property that glTF does not know.
-                if (error.getThrowable() != null && unfit.isEmpty()) {
-                    unfit.add(error);
-                }
-            });
+            reader.setJsonErrorConsumer(
+                    error -> {
+                        // Without a failure it is about a property that glTF does not know.
+                        if (error.getThrowable() != null && unfit.isEmpty()) {
+                            unfit.add(error);
+                        }
+                    });
             GlTF gltf = reader.read(new ByteArrayInputStream(json));
             if (!unfit.isEmpty()) {
                 throw sources.refuse("not glTF: " + describe(unfit.getFirst()));
             }
             String version = gltf.getAsset() == null ? null : gltf.getAsset().getVersion();
             if (version == null || !version.startsWith("2.")) {
-                throw sources.refuse("expected glTF of version 2, found "
-                        + (version == null ? "none" : "version " + version));
+                throw sources.refuse(
+                        "expected glTF of version 2, found "
+                                + (version == null ? "none" : "version " + version));
             }
             return gltf;
         } catch (IOException | RuntimeException broken) {
@@ -108,7 +132,8 @@ record GltfContainer(GlTF gltf, Optional<ByteBuffer> binary) {
     }
 
     private static String describe(JsonError error) {
-        return error.getJsonPathString().replaceAll("\\.+", ".").substring(1) + ": "
+        return error.getJsonPathString().replaceAll("\\.+", ".").substring(1)
+                + ": "
                 + Reason.of(error.getMessage(), "found another type than glTF has there");
     }
 
@@ -119,12 +144,19 @@ record GltfContainer(GlTF gltf, Optional<ByteBuffer> binary) {
             for (var token = parser.nextToken(); token != null; token = parser.nextToken()) {
                 depth += token.isStructStart() ? 1 : token.isStructEnd() ? -1 : 0;
                 if (depth > MAX_NESTING) {
-                    throw sources.refuse("line " + parser.currentLocation().getLineNr()
-                            + ": JSON nested more than " + MAX_NESTING + " deep");
+                    throw sources.refuse(
+                            "line "
+                                    + parser.currentLocation().getLineNr()
+                                    + ": JSON nested more than "
+                                    + MAX_NESTING
+                                    + " deep");
                 }
                 if (token == JsonToken.VALUE_STRING && parser.getStringLength() > MAX_TEXT) {
-                    throw sources.refuse("a text of more than " + MAX_TEXT + " characters; put "
-                            + "data into a .bin file beside it, or export it as .glb");
+                    throw sources.refuse(
+                            "a text of more than "
+                                    + MAX_TEXT
+                                    + " characters; put "
+                                    + "data into a .bin file beside it, or export it as .glb");
                 }
                 if (++tokens > MAX_TOKENS) {
                     throw sources.refuse("more than " + MAX_TOKENS + " values of JSON");
@@ -132,10 +164,15 @@ record GltfContainer(GlTF gltf, Optional<ByteBuffer> binary) {
             }
         } catch (JacksonException broken) {
             // What is beyond the parser's own limits has no place.
-            String place = broken.getLocation() == null ? ""
-                    : "line " + broken.getLocation().getLineNr() + ": ";
-            throw sources.refuse(place + "not JSON: "
-                    + Reason.of(broken.getOriginalMessage(), "a text or number is too long"));
+            String place =
+                    broken.getLocation() == null
+                            ? ""
+                            : "line " + broken.getLocation().getLineNr() + ": ";
+            throw sources.refuse(
+                    place
+                            + "not JSON: "
+                            + Reason.of(
+                                    broken.getOriginalMessage(), "a text or number is too long"));
         }
     }
 }

@@ -1,17 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.mesh;
 
 import de.javagl.jgltf.impl.v2.GlTF;
 import de.javagl.jgltf.impl.v2.Image;
 import de.javagl.jgltf.impl.v2.MaterialPbrMetallicRoughness;
 import de.javagl.jgltf.impl.v2.TextureInfo;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.core.world.Colour;
+import reve.core.world.Material;
+import reve.core.world.Texture;
+
 import java.nio.ByteBuffer;
 import java.util.HashMap;
 import java.util.Map;
 import java.util.Optional;
-import org.jspecify.annotations.Nullable;
-import reve.core.world.Colour;
-import reve.core.world.Material;
-import reve.core.world.Texture;
 
 /** The materials of a glTF file as far as the renderer's model goes. */
 final class GltfMaterials {
@@ -29,7 +33,9 @@ final class GltfMaterials {
         this.sources = sources;
     }
 
-    /** @param number of the material; null for glTF's own default */
+    /**
+     * @param number of the material; null for glTF's own default
+     */
     Material get(@Nullable Integer number) throws AssetException {
         if (number == null) {
             return Material.DEFAULT;
@@ -45,8 +51,8 @@ final class GltfMaterials {
     /** Name of the attribute that holds the texture coordinates for a material. */
     String coordinatesOf(@Nullable Integer number) throws AssetException {
         TextureInfo texture = number == null ? null : surface(number).getBaseColorTexture();
-        return "TEXCOORD_" + (texture == null || texture.getTexCoord() == null ? 0
-                : texture.getTexCoord());
+        return "TEXCOORD_"
+                + (texture == null || texture.getTexCoord() == null ? 0 : texture.getTexCoord());
     }
 
     /** An sRGB colour from linear parts of 0 to 1. */
@@ -56,43 +62,57 @@ final class GltfMaterials {
 
     private static int toSrgb(float linear) {
         double c = linear > 0 ? Math.min(linear, 1) : 0;
-        return (int) Math.round(255 * (c <= 0.0031308 ? 12.92 * c
-                : 1.055 * StrictMath.pow(c, 1 / 2.4) - 0.055));
+        return (int)
+                Math.round(
+                        255
+                                * (c <= 0.0031308
+                                        ? 12.92 * c
+                                        : 1.055 * StrictMath.pow(c, 1 / 2.4) - 0.055));
     }
 
     private Material read(int number) throws AssetException {
         MaterialPbrMetallicRoughness surface = surface(number);
-        float[] colour = surface.getBaseColorFactor() == null ? surface.defaultBaseColorFactor()
-                : surface.getBaseColorFactor();
+        float[] colour =
+                surface.getBaseColorFactor() == null
+                        ? surface.defaultBaseColorFactor()
+                        : surface.getBaseColorFactor();
         Float roughness = surface.getRoughnessFactor();
         Float metallic = surface.getMetallicFactor();
-        Optional<Texture> texture = surface.getBaseColorTexture() == null ? Optional.empty()
-                : Optional.of(texture(surface.getBaseColorTexture()));
+        Optional<Texture> texture =
+                surface.getBaseColorTexture() == null
+                        ? Optional.empty()
+                        : Optional.of(texture(surface.getBaseColorTexture()));
         try {
-            return new Material(toSrgb(colour[0], colour[1], colour[2]),
+            return new Material(
+                    toSrgb(colour[0], colour[1], colour[2]),
                     roughness == null ? surface.defaultRoughnessFactor() : roughness,
-                    metallic == null ? surface.defaultMetallicFactor() : metallic, texture);
+                    metallic == null ? surface.defaultMetallicFactor() : metallic,
+                    texture);
         } catch (IllegalArgumentException outOfRange) {
             throw sources.refuse("material " + number + ": " + outOfRange.getMessage());
         }
     }
 
     private MaterialPbrMetallicRoughness surface(int number) throws AssetException {
-        var surface = GltfContainer.element(gltf.getMaterials(), number, "material", sources)
-                .getPbrMetallicRoughness();
+        var surface =
+                GltfContainer.element(gltf.getMaterials(), number, "material", sources)
+                        .getPbrMetallicRoughness();
         return surface == null ? new MaterialPbrMetallicRoughness() : surface;
     }
 
     private Texture texture(TextureInfo info) throws AssetException {
-        Integer source = GltfContainer.element(gltf.getTextures(), info.getIndex(), "texture",
-                sources).getSource();
+        Integer source =
+                GltfContainer.element(gltf.getTextures(), info.getIndex(), "texture", sources)
+                        .getSource();
         Image image = GltfContainer.element(gltf.getImages(), source, "image", sources);
         Texture decoded = images.get(source);
         if (decoded == null) {
-            decoded = image.getUri() == null ? inView(image.getBufferView(), source)
-                    : image.getUri().startsWith("data:")
-                    ? decode(sources.read(image.getUri()), source)
-                    : sources.imageBehind(image.getUri());
+            decoded =
+                    image.getUri() == null
+                            ? inView(image.getBufferView(), source)
+                            : image.getUri().startsWith("data:")
+                                    ? decode(sources.read(image.getUri()), source)
+                                    : sources.imageBehind(image.getUri());
             images.put(source, decoded);
         }
         return decoded;
@@ -112,7 +132,7 @@ final class GltfMaterials {
         sources.budget().takeBytes(sources.path(), encoded.remaining());
         byte[] bytes = new byte[encoded.remaining()];
         encoded.get(bytes);
-        return ImageDecoder.decode(bytes, sources.path() + ": image " + source, Optional.empty(),
-                sources.budget());
+        return ImageDecoder.decode(
+                bytes, sources.path() + ": image " + source, Optional.empty(), sources.budget());
     }
 }

@@ -1,19 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.mesh;
 
 import de.javagl.jgltf.impl.v2.GlTF;
 import de.javagl.jgltf.impl.v2.MeshPrimitive;
 import de.javagl.jgltf.impl.v2.Node;
 import de.javagl.jgltf.model.GltfConstants;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.core.world.Material;
+import reve.core.world.Mesh;
+
 import java.util.ArrayList;
 import java.util.HashSet;
 import java.util.List;
-import java.util.Objects;
 import java.util.Map;
+import java.util.Objects;
 import java.util.Set;
 import java.util.stream.IntStream;
-import org.jspecify.annotations.Nullable;
-import reve.core.world.Material;
-import reve.core.world.Mesh;
 
 /**
  * glTF 2.0 to one mesh: all triangles of the scene where its nodes put them. Cameras, lights,
@@ -22,6 +26,7 @@ import reve.core.world.Mesh;
 final class GltfReader {
 
     private static final int MAX_DEPTH = 256;
+
     /** Most primitives that nodes place, lines and points included. */
     private static final int MAX_PIECES = 1 << 20;
 
@@ -67,11 +72,14 @@ final class GltfReader {
         if (required.stream().anyMatch(Objects::isNull)) {
             throw sources.refuse("not glTF: extensionsRequired: found null, expected names");
         }
-        boolean compressed = required.stream().anyMatch(
-                name -> name.contains("draco") || name.contains("meshopt"));
-        throw sources.refuse("needs the glTF extension " + required.getFirst()
-                + ", which is not supported; export it without"
-                + (compressed ? " compression" : ""));
+        boolean compressed =
+                required.stream()
+                        .anyMatch(name -> name.contains("draco") || name.contains("meshopt"));
+        throw sources.refuse(
+                "needs the glTF extension "
+                        + required.getFirst()
+                        + ", which is not supported; export it without"
+                        + (compressed ? " compression" : ""));
     }
 
     /** The nodes of the scene; without a scene, those that are nobody's child. */
@@ -85,8 +93,10 @@ final class GltfReader {
         for (int i = 0; i < nodes.size(); i++) {
             children.addAll(orEmpty(element(nodes, i, "node").getChildren()));
         }
-        return IntStream.range(0, nodes.size()).boxed()
-                .filter(node -> !children.contains(node)).toList();
+        return IntStream.range(0, nodes.size())
+                .boxed()
+                .filter(node -> !children.contains(node))
+                .toList();
     }
 
     private void place(@Nullable Integer number, Placement parent, int depth)
@@ -99,8 +109,11 @@ final class GltfReader {
             throw sources.refuse("nodes are nested more than " + MAX_DEPTH + " deep");
         }
         if (node.getSkin() != null) {
-            throw sources.refuse("node " + number + " has a skin, which is not supported; export "
-                    + "the mesh as it stands, without its armature");
+            throw sources.refuse(
+                    "node "
+                            + number
+                            + " has a skin, which is not supported; export "
+                            + "the mesh as it stands, without its armature");
         }
         Placement here = parent.times(placement(node));
         if (node.getMesh() != null) {
@@ -119,7 +132,8 @@ final class GltfReader {
         if (node.getMatrix() != null) {
             return Placement.of(node.getMatrix());
         }
-        return Placement.of(node.getScale() == null ? node.defaultScale() : node.getScale(),
+        return Placement.of(
+                node.getScale() == null ? node.defaultScale() : node.getScale(),
                 node.getRotation() == null ? node.defaultRotation() : node.getRotation(),
                 node.getTranslation() == null ? node.defaultTranslation() : node.getTranslation());
     }
@@ -132,25 +146,34 @@ final class GltfReader {
         if (mode < GltfConstants.GL_TRIANGLES) {
             return; // points and lines
         }
-        Map<String, Integer> attributes = primitive.getAttributes() == null ? Map.of()
-                : primitive.getAttributes();
+        Map<String, Integer> attributes =
+                primitive.getAttributes() == null ? Map.of() : primitive.getAttributes();
         var positions = accessors.find(attributes.get("POSITION"), "position");
-        var indices = primitive.getIndices() == null ? null
-                : accessors.find(primitive.getIndices(), "index");
+        var indices =
+                primitive.getIndices() == null
+                        ? null
+                        : accessors.find(primitive.getIndices(), "index");
         int corners = indices == null ? positions.count() : indices.count();
         int triangles = mode == GltfConstants.GL_TRIANGLES ? corners / 3 : Math.max(0, corners - 2);
         mesh.reserve(positions.count(), triangles);
         Material material = materials.get(primitive.getMaterial());
-        int first = addVertices(attributes, positions, placement,
-                materials.coordinatesOf(primitive.getMaterial()));
+        int first =
+                addVertices(
+                        attributes,
+                        positions,
+                        placement,
+                        materials.coordinatesOf(primitive.getMaterial()));
         for (int i = 0; i < triangles; i++) {
             int[] at = corners(mode, i);
             if (placement.mirrors()) {
                 at = new int[] {at[0], at[2], at[1]};
             }
             for (int corner = 0; corner < 3; corner++) {
-                at[corner] = first + (indices == null ? at[corner]
-                        : indices.index(at[corner], positions.count()));
+                at[corner] =
+                        first
+                                + (indices == null
+                                        ? at[corner]
+                                        : indices.index(at[corner], positions.count()));
             }
             mesh.triangle(at[0], at[1], at[2], material);
         }
@@ -160,15 +183,18 @@ final class GltfReader {
     private int[] corners(int mode, int i) throws AssetException {
         return switch (mode) {
             case GltfConstants.GL_TRIANGLES -> new int[] {3 * i, 3 * i + 1, 3 * i + 2};
-            case GltfConstants.GL_TRIANGLE_STRIP ->
-                new int[] {i, i + 1 + (i & 1), i + 2 - (i & 1)};
+            case GltfConstants.GL_TRIANGLE_STRIP -> new int[] {i, i + 1 + (i & 1), i + 2 - (i & 1)};
             case GltfConstants.GL_TRIANGLE_FAN -> new int[] {0, i + 1, i + 2};
             default -> throw sources.refuse("a primitive has mode " + mode + ", expected 0 to 6");
         };
     }
 
-    private int addVertices(Map<String, Integer> attributes, GltfAccessors.Accessor positions,
-            Placement placement, String coordinatesName) throws AssetException {
+    private int addVertices(
+            Map<String, Integer> attributes,
+            GltfAccessors.Accessor positions,
+            Placement placement,
+            String coordinatesName)
+            throws AssetException {
         positions.requireNumbers("POSITION", 3, 3, positions.count());
         var normals = attribute(attributes, "NORMAL", 3, 3, positions.count());
         var coordinates = attribute(attributes, coordinatesName, 2, 2, positions.count());
@@ -180,29 +206,39 @@ final class GltfReader {
             float x = positions.number(i, 0);
             float y = positions.number(i, 1);
             float z = positions.number(i, 2);
-            int added = mesh.vertex(placement.point(0, x, y, z), placement.point(1, x, y, z),
-                    placement.point(2, x, y, z));
+            int added =
+                    mesh.vertex(
+                            placement.point(0, x, y, z),
+                            placement.point(1, x, y, z),
+                            placement.point(2, x, y, z));
             first = i == 0 ? added : first;
             if (normals != null) {
                 float nx = side * normals.number(i, 0);
                 float ny = side * normals.number(i, 1);
                 float nz = side * normals.number(i, 2);
-                mesh.normal(turned.point(0, nx, ny, nz), turned.point(1, nx, ny, nz),
+                mesh.normal(
+                        turned.point(0, nx, ny, nz),
+                        turned.point(1, nx, ny, nz),
                         turned.point(2, nx, ny, nz));
             }
             if (coordinates != null) {
                 mesh.coordinates(coordinates.number(i, 0), coordinates.number(i, 1));
             }
             if (colours != null) {
-                mesh.colour(GltfMaterials.toSrgb(colours.number(i, 0), colours.number(i, 1),
-                        colours.number(i, 2)).rgba());
+                mesh.colour(
+                        GltfMaterials.toSrgb(
+                                        colours.number(i, 0),
+                                        colours.number(i, 1),
+                                        colours.number(i, 2))
+                                .rgba());
             }
         }
         return first;
     }
 
-    private GltfAccessors.@Nullable Accessor attribute(Map<String, Integer> attributes,
-            String name, int least, int most, int count) throws AssetException {
+    private GltfAccessors.@Nullable Accessor attribute(
+            Map<String, Integer> attributes, String name, int least, int most, int count)
+            throws AssetException {
         if (attributes.get(name) == null) {
             return null;
         }

@@ -1,4 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.mesh;
+
+import reve.core.world.Texture;
 
 import java.awt.color.ColorSpace;
 import java.awt.image.BufferedImage;
@@ -7,17 +10,18 @@ import java.awt.image.Raster;
 import java.io.ByteArrayInputStream;
 import java.io.IOException;
 import java.util.Optional;
+
 import javax.imageio.ImageIO;
 import javax.imageio.ImageReader;
 import javax.imageio.stream.ImageInputStream;
 import javax.imageio.stream.MemoryCacheImageInputStream;
-import reve.core.world.Texture;
 
 /** PNG and JPEG to pixels. The header is looked at first: small files can hold huge images. */
 final class ImageDecoder {
 
     /** Most passes over an image; encoders make some ten. */
     private static final int MAX_SCANS = 64;
+
     private static final int TEM = 0x01;
     private static final int RST0 = 0xd0;
     private static final int SOI = 0xd8;
@@ -37,22 +41,31 @@ final class ImageDecoder {
             requireFewScans(bytes, name);
         }
         ImageReader reader = ImageIO.getImageReadersByFormatName(format).next();
-        try (ImageInputStream in = new MemoryCacheImageInputStream(
-                new ByteArrayInputStream(bytes))) {
+        try (ImageInputStream in =
+                new MemoryCacheImageInputStream(new ByteArrayInputStream(bytes))) {
             reader.setInput(in, true, true);
             int width = reader.getWidth(0);
             int height = reader.getHeight(0);
             if (!Texture.fits(width, height)) {
-                throw new AssetException(name + ": an image of " + width + " x " + height
-                        + " pixels, at most " + Texture.MAX_SIDE + " a side and "
-                        + Texture.MAX_PIXELS + " in all are allowed");
+                throw new AssetException(
+                        name
+                                + ": an image of "
+                                + width
+                                + " x "
+                                + height
+                                + " pixels, at most "
+                                + Texture.MAX_SIDE
+                                + " a side and "
+                                + Texture.MAX_PIXELS
+                                + " in all are allowed");
             }
             budget.takePixels(name, (long) width * height);
             return new Texture(width, height, rgba(reader.read(0)), file);
         } catch (IOException | RuntimeException broken) {
             // The readers of the JDK answer some broken files with unchecked exceptions.
-            throw new AssetException(name + ": a broken image: "
-                    + Reason.of(broken, "the file contradicts itself"), broken);
+            throw new AssetException(
+                    name + ": a broken image: " + Reason.of(broken, "the file contradicts itself"),
+                    broken);
         } finally {
             reader.dispose();
         }
@@ -64,7 +77,9 @@ final class ImageDecoder {
         int at = 2;
         while (at + 3 < bytes.length) {
             int marker = bytes[at + 1] & 0xff;
-            if (bytes[at] != (byte) 0xff || marker <= TEM || marker == 0xff
+            if (bytes[at] != (byte) 0xff
+                    || marker <= TEM
+                    || marker == 0xff
                     || marker >= RST0 && marker <= SOI) {
                 at++; // within a scan, between segments, or a marker without a segment
             } else if (marker == EOI) {
@@ -74,8 +89,11 @@ final class ImageDecoder {
                 at += 2 + ((bytes[at + 2] & 0xff) << 8 | bytes[at + 3] & 0xff);
             }
             if (scans > MAX_SCANS) {
-                throw new AssetException(name + ": a JPEG of more than " + MAX_SCANS
-                        + " scans; save it again with fewer, or as PNG");
+                throw new AssetException(
+                        name
+                                + ": a JPEG of more than "
+                                + MAX_SCANS
+                                + " scans; save it again with fewer, or as PNG");
             }
         }
     }

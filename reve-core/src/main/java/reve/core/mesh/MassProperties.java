@@ -1,9 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.mesh;
+
+import reve.core.world.Mesh;
+import reve.core.world.Shape;
 
 import java.nio.FloatBuffer;
 import java.nio.IntBuffer;
-import reve.core.world.Mesh;
-import reve.core.world.Shape;
 
 /**
  * What a solid body of one density weighs and how it resists being turned.
@@ -15,8 +17,8 @@ import reve.core.world.Shape;
  *     [kg*m^2]
  * @param products of inertia there: yz zx xy (3) [kg*m^2]; all 0 where the axes are principal ones
  */
-public record MassProperties(double volume, double mass, double[] centre, double[] moments,
-        double[] products) {
+public record MassProperties(
+        double volume, double mass, double[] centre, double[] moments, double[] products) {
 
     /**
      * Of a solid with that form.
@@ -39,14 +41,25 @@ public record MassProperties(double volume, double mass, double[] centre, double
     private static MassProperties sphere(double radius, double density) {
         double volume = 4 * Math.PI / 3 * radius * radius * radius;
         double moment = 0.4 * volume * density * radius * radius;
-        return new MassProperties(volume, volume * density, new double[3],
-                new double[] {moment, moment, moment}, new double[3]);
+        return new MassProperties(
+                volume,
+                volume * density,
+                new double[3],
+                new double[] {moment, moment, moment},
+                new double[3]);
     }
 
     private static MassProperties box(double x, double y, double z, double density) {
         double mass = x * y * z * density;
-        return new MassProperties(x * y * z, mass, new double[3], new double[] {
-            mass / 12 * (y * y + z * z), mass / 12 * (z * z + x * x), mass / 12 * (x * x + y * y)},
+        return new MassProperties(
+                x * y * z,
+                mass,
+                new double[3],
+                new double[] {
+                    mass / 12 * (y * y + z * z),
+                    mass / 12 * (z * z + x * x),
+                    mass / 12 * (x * x + y * y)
+                },
                 new double[3]);
     }
 
@@ -64,8 +77,8 @@ public record MassProperties(double volume, double mass, double[] centre, double
         FloatBuffer vertices = mesh.vertices();
         IntBuffer triangles = mesh.triangles();
         double sixVolumes = 0;
-        double[] first = new double[3];     // sums of determinant x coordinate
-        double[] second = new double[6];    // of determinant x products: xx yy zz yz zx xy
+        double[] first = new double[3]; // sums of determinant x coordinate
+        double[] second = new double[6]; // of determinant x products: xx yy zz yz zx xy
         double[][] corners = new double[3][3];
         while (triangles.hasRemaining()) {
             for (double[] corner : corners) {
@@ -80,21 +93,26 @@ public record MassProperties(double volume, double mass, double[] centre, double
                 first[axis] += determinant * sum(corners, axis);
                 int next = (axis + 1) % 3;
                 int last = (axis + 2) % 3;
-                second[axis] += determinant * (product(corners, axis, axis)
-                        + sum(corners, axis) * sum(corners, axis));
-                second[3 + axis] += determinant * (product(corners, next, last)
-                        + sum(corners, next) * sum(corners, last));
+                second[axis] +=
+                        determinant
+                                * (product(corners, axis, axis)
+                                        + sum(corners, axis) * sum(corners, axis));
+                second[3 + axis] +=
+                        determinant
+                                * (product(corners, next, last)
+                                        + sum(corners, next) * sum(corners, last));
             }
         }
         if (!(sixVolumes > 0)) {
-            throw new IllegalArgumentException("the triangles of the mesh face inward, or enclose "
-                    + "nothing; expected corners counter-clockwise seen from outside");
+            throw new IllegalArgumentException(
+                    "the triangles of the mesh face inward, or enclose "
+                            + "nothing; expected corners counter-clockwise seen from outside");
         }
         return aboutCentre(sixVolumes / 6, density, inner, first, second);
     }
 
-    private static MassProperties aboutCentre(double volume, double density, double[] inner,
-            double[] first, double[] second) {
+    private static MassProperties aboutCentre(
+            double volume, double density, double[] inner, double[] first, double[] second) {
         double[] centre = new double[3];
         double[] spread = new double[6]; // mean of products of distances from the centre
         for (int axis = 0; axis < 3; axis++) {
@@ -130,7 +148,8 @@ public record MassProperties(double volume, double mass, double[] centre, double
     }
 
     private static double product(double[][] corners, int i, int j) {
-        return corners[0][i] * corners[0][j] + corners[1][i] * corners[1][j]
+        return corners[0][i] * corners[0][j]
+                + corners[1][i] * corners[1][j]
                 + corners[2][i] * corners[2][j];
     }
 }

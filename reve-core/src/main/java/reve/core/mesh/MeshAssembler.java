@@ -1,11 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.mesh;
+
+import reve.core.world.Colour;
+import reve.core.world.Material;
+import reve.core.world.Mesh;
 
 import java.util.ArrayList;
 import java.util.Arrays;
 import java.util.List;
-import reve.core.world.Colour;
-import reve.core.world.Material;
-import reve.core.world.Mesh;
 
 /** Puts one mesh together from pieces. What a piece lacks that others have is filled in. */
 final class MeshAssembler {
@@ -49,8 +51,8 @@ final class MeshAssembler {
 
     private void requireRoom(String what, long count) throws AssetException {
         if (count > Mesh.MAX_COUNT) {
-            throw sources.refuse("more than " + Mesh.MAX_COUNT + " " + what
-                    + "; simplify the mesh");
+            throw sources.refuse(
+                    "more than " + Mesh.MAX_COUNT + " " + what + "; simplify the mesh");
         }
     }
 
@@ -98,20 +100,26 @@ final class MeshAssembler {
         triangles[indexCount++] = c;
         Mesh.Part last = parts.isEmpty() ? null : parts.getLast();
         if (last != null && last.material().equals(material)) {
-            parts.set(parts.size() - 1, new Mesh.Part(last.firstTriangle(),
-                    last.triangleCount() + 1, material));
+            parts.set(
+                    parts.size() - 1,
+                    new Mesh.Part(last.firstTriangle(), last.triangleCount() + 1, material));
         } else {
             parts.add(new Mesh.Part(first, 1, material));
         }
     }
 
-    /** @param ownMaterials whether the file says anything about materials */
+    /**
+     * @param ownMaterials whether the file says anything about materials
+     */
     Mesh finish(boolean ownMaterials) throws AssetException {
         if (indexCount == 0) {
             throw sources.refuse("there are no triangles in it");
         }
-        Mesh.Builder mesh = Mesh.builder(Arrays.copyOf(positions, 3 * vertexCount),
-                Arrays.copyOf(triangles, indexCount)).file(sources.path());
+        Mesh.Builder mesh =
+                Mesh.builder(
+                                Arrays.copyOf(positions, 3 * vertexCount),
+                                Arrays.copyOf(triangles, indexCount))
+                        .file(sources.path());
         if (hasNormals) {
             mesh.normals(Arrays.copyOf(normals, 3 * vertexCount));
         }

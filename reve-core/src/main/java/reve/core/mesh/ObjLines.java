@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.mesh;
 
 import java.nio.charset.StandardCharsets;
@@ -16,13 +17,18 @@ final class ObjLines {
     private final Sources sources;
     private final String format;
     private int at;
+
     /** Number of the line that {@link #at} is in, from 1. */
     private int line = 1;
+
     /** Of the last word: where it begins, and where it ends. */
     private int from;
+
     private int to;
 
-    /** @param format what messages call a file that is none, and which file */
+    /**
+     * @param format what messages call a file that is none, and which file
+     */
     ObjLines(byte[] bytes, Sources sources, String format) {
         this.bytes = bytes;
         this.sources = sources;
@@ -129,8 +135,8 @@ final class ObjLines {
     }
 
     /**
-     * The numbers of a face's corner, the last word: {@code 1}, {@code 1/2}, {@code 1//3} or
-     * {@code 1/2/3}.
+     * The numbers of a face's corner, the last word: {@code 1}, {@code 1/2}, {@code 1//3} or {@code
+     * 1/2/3}.
      *
      * @param counts how many positions, texture coordinates and normals there are so far
      * @param into (3) which of them, from 0; -1 for none
@@ -142,8 +148,8 @@ final class ObjLines {
             while (end < to && bytes[end] != '/') {
                 end++;
             }
-            into[part] = begin >= to || end == begin && part == 1 ? -1
-                    : index(begin, end, counts[part]);
+            into[part] =
+                    begin >= to || end == begin && part == 1 ? -1 : index(begin, end, counts[part]);
             begin = end + 1;
         }
         if (begin <= to || into[0] < 0) {
@@ -158,8 +164,10 @@ final class ObjLines {
         int digits = back ? begin + 1 : begin;
         for (int i = digits; i < end; i++) {
             int digit = bytes[i] - '0';
-            number = digit < 0 || digit > 9 || number > Integer.MAX_VALUE ? -1
-                    : number < 0 ? -1 : 10 * number + digit;
+            number =
+                    digit < 0 || digit > 9 || number > Integer.MAX_VALUE
+                            ? -1
+                            : number < 0 ? -1 : 10 * number + digit;
         }
         long index = back ? count - number : number - 1;
         if (digits == end || number <= 0 || index < 0 || index > Integer.MAX_VALUE) {

@@ -1,12 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.mesh;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.core.world.Colour;
+import reve.core.world.Material;
+import reve.core.world.Texture;
 
 import java.util.HashMap;
 import java.util.Map;
 import java.util.Optional;
-import org.jspecify.annotations.Nullable;
-import reve.core.world.Colour;
-import reve.core.world.Material;
-import reve.core.world.Texture;
 
 /**
  * The materials of an OBJ file's libraries (MTL) as far as the renderer's model goes: diffuse
@@ -16,15 +19,23 @@ final class ObjMaterials {
 
     private static final int MAX_LIBRARY_BYTES = 1 << 20;
     private static final int MAX_LIBRARIES = 16;
+
     /** Options of a texture in lower case, and how many words each has at least and at most. */
-    private static final Map<String, int[]> OPTIONS = Map.ofEntries(
-            Map.entry("-blendu", new int[] {1, 1}), Map.entry("-blendv", new int[] {1, 1}),
-            Map.entry("-boost", new int[] {1, 1}), Map.entry("-cc", new int[] {1, 1}),
-            Map.entry("-clamp", new int[] {1, 1}), Map.entry("-imfchan", new int[] {1, 1}),
-            Map.entry("-texres", new int[] {1, 1}), Map.entry("-bm", new int[] {1, 1}),
-            Map.entry("-type", new int[] {1, 1}), Map.entry("-mm", new int[] {2, 2}),
-            Map.entry("-o", new int[] {1, 3}), Map.entry("-s", new int[] {1, 3}),
-            Map.entry("-t", new int[] {1, 3}));
+    private static final Map<String, int[]> OPTIONS =
+            Map.ofEntries(
+                    Map.entry("-blendu", new int[] {1, 1}),
+                    Map.entry("-blendv", new int[] {1, 1}),
+                    Map.entry("-boost", new int[] {1, 1}),
+                    Map.entry("-cc", new int[] {1, 1}),
+                    Map.entry("-clamp", new int[] {1, 1}),
+                    Map.entry("-imfchan", new int[] {1, 1}),
+                    Map.entry("-texres", new int[] {1, 1}),
+                    Map.entry("-bm", new int[] {1, 1}),
+                    Map.entry("-type", new int[] {1, 1}),
+                    Map.entry("-mm", new int[] {2, 2}),
+                    Map.entry("-o", new int[] {1, 3}),
+                    Map.entry("-s", new int[] {1, 3}),
+                    Map.entry("-t", new int[] {1, 3}));
 
     private final Sources sources;
     private final Map<String, Material> materials = new HashMap<>();
@@ -57,8 +68,9 @@ final class ObjMaterials {
         if (++libraries > MAX_LIBRARIES) {
             throw sources.refuse("more than " + MAX_LIBRARIES + " material libraries");
         }
-        var lines = new ObjLines(sources.file(name, MAX_LIBRARY_BYTES), sources,
-                "material library " + name);
+        var lines =
+                new ObjLines(
+                        sources.file(name, MAX_LIBRARY_BYTES), sources, "material library " + name);
         String material = "";
         @Nullable Draft draft = null;
         while (lines.next()) {
@@ -79,8 +91,9 @@ final class ObjMaterials {
     private void keep(String name, @Nullable Draft draft, ObjLines lines) throws AssetException {
         if (draft != null) {
             try {
-                materials.put(name, new Material(draft.colour, draft.roughness, draft.metallic,
-                        draft.texture));
+                materials.put(
+                        name,
+                        new Material(draft.colour, draft.roughness, draft.metallic, draft.texture));
             } catch (IllegalArgumentException outOfRange) {
                 throw lines.refuse("material `" + name + "`: " + outOfRange.getMessage());
             }
@@ -93,7 +106,7 @@ final class ObjMaterials {
             case "pr" -> draft.roughness = lines.number("Pr");
             case "pm" -> draft.metallic = lines.number("Pm");
             case "map_kd" -> draft.texture = Optional.of(sources.image(textureFile(lines)));
-            default -> { }
+            default -> {}
         }
     }
 

@@ -1,12 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.mesh;
+
+import reve.core.world.Material;
+import reve.core.world.Mesh;
 
 import java.util.ArrayList;
 import java.util.Arrays;
 import java.util.HashMap;
 import java.util.List;
 import java.util.Map;
-import reve.core.world.Material;
-import reve.core.world.Mesh;
 
 /**
  * Wavefront OBJ to one mesh: all faces, split into triangles around their first corner, in metres.
@@ -23,20 +25,28 @@ final class ObjMeshReader {
     private final ObjLines lines;
     private final ObjMaterials materials;
     private final MeshAssembler mesh;
+
     /** Positions (x 3), texture coordinates (x 2) and normals (x 3). */
     private final float[][] values = {new float[0], new float[0], new float[0]};
+
     private final int[] widths = {3, 2, 3};
     private final int[] counts = new int[3];
+
     /** Three numbers for each corner: which position, texture coordinates and normal. */
     private int[] corners = new int[0];
+
     private int cornerCount;
+
     /** Two numbers for each face: its corners, and the place of its material among the names. */
     private int[] faces = new int[0];
+
     private int faceCount;
     private final Map<String, Integer> materialNumbers = new HashMap<>();
     private final List<String> materialNames = new ArrayList<>();
+
     /** Vertices of the mesh by their corner: places in {@link #known}, plus 1; open addressing. */
     private int[] slots = new int[1 << 12];
+
     private int[] known = new int[0];
     private int vertexCount;
 
@@ -57,8 +67,10 @@ final class ObjMeshReader {
         int corner = 0;
         for (int face = 0; face < faceCount; face++) {
             int number = faces[2 * face + 1];
-            add(corner, faces[2 * face], number == NONE ? Material.DEFAULT
-                    : materials.get(materialNames.get(number)));
+            add(
+                    corner,
+                    faces[2 * face],
+                    number == NONE ? Material.DEFAULT : materials.get(materialNames.get(number)));
             corner += faces[2 * face];
         }
         return mesh.finish(!materials.isEmpty());
@@ -93,8 +105,8 @@ final class ObjMeshReader {
             values[list] = Arrays.copyOf(values[list], grown(at, width));
         }
         for (int i = 0; i < width; i++) {
-            values[list][at + i] = list == 1 && i == 1 ? lines.word() ? lines.number() : 0
-                    : lines.number(keyword);
+            values[list][at + i] =
+                    list == 1 && i == 1 ? lines.word() ? lines.number() : 0 : lines.number(keyword);
         }
         counts[list]++;
     }
@@ -136,8 +148,11 @@ final class ObjMeshReader {
 
     private void requireRoom(int count) throws AssetException {
         if (count > Mesh.MAX_COUNT) {
-            throw sources.refuse("more than " + Mesh.MAX_COUNT + " vertices or triangles; simplify "
-                    + "the mesh");
+            throw sources.refuse(
+                    "more than "
+                            + Mesh.MAX_COUNT
+                            + " vertices or triangles; simplify "
+                            + "the mesh");
         }
     }
 
@@ -168,8 +183,8 @@ final class ObjMeshReader {
         }
         mesh.reserve(1, 0);
         int position = place(at, 0);
-        int added = mesh.vertex(values[0][position], values[0][position + 1],
-                values[0][position + 2]);
+        int added =
+                mesh.vertex(values[0][position], values[0][position + 1], values[0][position + 2]);
         if (corners[at + 1] >= 0) {
             int coordinates = place(at, 1);
             mesh.coordinates(values[1][coordinates], 1 - values[1][coordinates + 1]);
@@ -191,8 +206,8 @@ final class ObjMeshReader {
     private int slot(int[] from, int at) {
         int hash = 31 * (31 * from[at] + from[at + 1]) + from[at + 2];
         int slot = (hash * 0x9e3779b9 >>> 8) & slots.length - 1;
-        while (slots[slot] > 0 && !Arrays.equals(from, at, at + 3,
-                known, 3 * slots[slot] - 3, 3 * slots[slot])) {
+        while (slots[slot] > 0
+                && !Arrays.equals(from, at, at + 3, known, 3 * slots[slot] - 3, 3 * slots[slot])) {
             slot = slot + 1 & slots.length - 1;
         }
         return slot;
@@ -209,8 +224,13 @@ final class ObjMeshReader {
     private int place(int at, int list) throws AssetException {
         int index = corners[at + list];
         if (index >= counts[list]) {
-            throw sources.refuse("a face refers to " + NAMES[list] + " " + (index + 1L)
-                    + ", there are " + counts[list]);
+            throw sources.refuse(
+                    "a face refers to "
+                            + NAMES[list]
+                            + " "
+                            + (index + 1L)
+                            + ", there are "
+                            + counts[list]);
         }
         return widths[list] * index;
     }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.mesh;
 
 /**
@@ -10,7 +11,9 @@ record Placement(double[] m) {
     static final Placement IDENTITY =
             new Placement(new double[] {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0});
 
-    /** @param columns (4 x 4) by columns, as in glTF */
+    /**
+     * @param columns (4 x 4) by columns, as in glTF
+     */
     static Placement of(float[] columns) {
         double[] m = new double[12];
         for (int i = 0; i < 12; i++) {
@@ -29,13 +32,21 @@ record Placement(double[] m) {
         double a = scale[0];
         double b = scale[1];
         double c = scale[2];
-        return new Placement(new double[] {
-            a * (1 - s * (y * y + z * z)), b * s * (x * y - z * w), c * s * (x * z + y * w),
-            translation[0],
-            a * s * (x * y + z * w), b * (1 - s * (x * x + z * z)), c * s * (y * z - x * w),
-            translation[1],
-            a * s * (x * z - y * w), b * s * (y * z + x * w), c * (1 - s * (x * x + y * y)),
-            translation[2]});
+        return new Placement(
+                new double[] {
+                    a * (1 - s * (y * y + z * z)),
+                    b * s * (x * y - z * w),
+                    c * s * (x * z + y * w),
+                    translation[0],
+                    a * s * (x * y + z * w),
+                    b * (1 - s * (x * x + z * z)),
+                    c * s * (y * z - x * w),
+                    translation[1],
+                    a * s * (x * z - y * w),
+                    b * s * (y * z + x * w),
+                    c * (1 - s * (x * x + y * y)),
+                    translation[2]
+                });
     }
 
     /** First the inner one, then this. */
@@ -55,8 +66,8 @@ record Placement(double[] m) {
 
     /** A point's coordinate along an axis. */
     float point(int axis, float x, float y, float z) {
-        return (float) (m[4 * axis] * x + m[4 * axis + 1] * y + m[4 * axis + 2] * z
-                + m[4 * axis + 3]);
+        return (float)
+                (m[4 * axis] * x + m[4 * axis + 1] * y + m[4 * axis + 2] * z + m[4 * axis + 3]);
     }
 
     /** What turns surface normals: the cofactors, so that they stay upright under any scale. */

@@ -1,4 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.mesh;
+
+import reve.core.world.Texture;
 
 import java.net.URI;
 import java.net.URISyntaxException;
@@ -7,7 +10,6 @@ import java.nio.file.Path;
 import java.util.Base64;
 import java.util.HashMap;
 import java.util.Map;
-import reve.core.world.Texture;
 
 /** What a mesh file refers to: files beside it and below, or data in itself. */
 final class Sources {
@@ -16,10 +18,13 @@ final class Sources {
 
     private final AssetFiles files;
     private final String path;
+
     /** What was read for this mesh, by real path. */
     private final Map<Path, byte[]> read = new HashMap<>();
 
-    /** @param path of the mesh file, relative to the world's folder */
+    /**
+     * @param path of the mesh file, relative to the world's folder
+     */
     Sources(AssetFiles files, String path) {
         this.files = files;
         this.path = path;
@@ -82,15 +87,17 @@ final class Sources {
     private String decode(String uri) throws AssetException {
         try {
             URI parsed = new URI(uri);
-            if (parsed.getScheme() == null && parsed.getAuthority() == null
-                    && parsed.getPath() != null && !parsed.getPath().startsWith("/")) {
+            if (parsed.getScheme() == null
+                    && parsed.getAuthority() == null
+                    && parsed.getPath() != null
+                    && !parsed.getPath().startsWith("/")) {
                 return parsed.getPath();
             }
         } catch (URISyntaxException broken) {
             throw refuse("refers to `" + shorten(uri) + "`, which is no URI");
         }
-        throw refuse("refers to `" + shorten(uri)
-                + "`, expected a file beside it, or data within it");
+        throw refuse(
+                "refers to `" + shorten(uri) + "`, expected a file beside it, or data within it");
     }
 
     private static String shorten(String text) {

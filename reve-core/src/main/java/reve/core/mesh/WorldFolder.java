@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.mesh;
 
 import java.io.IOException;
@@ -42,8 +43,13 @@ public final class WorldFolder {
      */
     public Path find(String path) throws AssetException {
         requireWithin(path);
-        Path here = folder.orElseThrow(() -> new AssetException(
-                path + ": a world that is not read from a file has no folder to find it in"));
+        Path here =
+                folder.orElseThrow(
+                        () ->
+                                new AssetException(
+                                        path
+                                                + ": a world that is not read from a file has no"
+                                                + " folder to find it in"));
         try {
             Path root = here.toRealPath();
             Path real = root.resolve(path).toRealPath();
@@ -55,19 +61,21 @@ public final class WorldFolder {
             }
             return real;
         } catch (NoSuchFileException missing) {
-            throw new AssetException(path + ": there is no such file in the world's folder",
-                    missing);
+            throw new AssetException(
+                    path + ": there is no such file in the world's folder", missing);
         } catch (IOException | InvalidPathException unreadable) {
-            throw new AssetException(path + ": cannot be opened: " + Reason.ofSystem(unreadable),
-                    unreadable);
+            throw new AssetException(
+                    path + ": cannot be opened: " + Reason.ofSystem(unreadable), unreadable);
         }
     }
 
     /** The real path of the folder that the last name of a path that was found is in. */
     Path folderOf(String path) throws AssetException {
         try {
-            return folder.orElseThrow().toRealPath()
-                    .resolve(path.substring(0, path.lastIndexOf('/') + 1)).toRealPath();
+            return folder.orElseThrow()
+                    .toRealPath()
+                    .resolve(path.substring(0, path.lastIndexOf('/') + 1))
+                    .toRealPath();
         } catch (IOException gone) {
             throw new AssetException(path + ": cannot be opened: " + Reason.ofSystem(gone), gone);
         }
@@ -78,32 +86,42 @@ public final class WorldFolder {
         void check(long bytes) throws AssetException;
     }
 
-    /** @throws AssetException if there is no such file, or more than {@code maxBytes} in it */
+    /**
+     * @throws AssetException if there is no such file, or more than {@code maxBytes} in it
+     */
     byte[] read(String path, int maxBytes, SizeCheck check) throws AssetException {
         Path file = find(path);
         try (InputStream in = Files.newInputStream(file, LinkOption.NOFOLLOW_LINKS)) {
             long size = Files.size(file);
             if (size > maxBytes) {
-                throw new AssetException(path + ": has " + size + " bytes, at most "
-                        + (maxBytes >> 20) + " MiB are read");
+                throw new AssetException(
+                        path
+                                + ": has "
+                                + size
+                                + " bytes, at most "
+                                + (maxBytes >> 20)
+                                + " MiB are read");
             }
             check.check(size);
             return in.readNBytes((int) size);
         } catch (IOException unreadable) {
-            throw new AssetException(path + ": cannot be read: " + Reason.ofSystem(unreadable),
-                    unreadable);
+            throw new AssetException(
+                    path + ": cannot be read: " + Reason.ofSystem(unreadable), unreadable);
         }
     }
 
     private static void requireWithin(String path) throws AssetException {
         if (path.isEmpty() || path.length() > MAX_PATH_LENGTH) {
-            throw new AssetException("a path of " + path.length() + " characters, expected 1 to "
-                    + MAX_PATH_LENGTH);
+            throw new AssetException(
+                    "a path of " + path.length() + " characters, expected 1 to " + MAX_PATH_LENGTH);
         }
         boolean plain = path.chars().noneMatch(c -> c == '\\' || c == ':' || c < ' ');
         if (!plain || !List.of(path.split("/", -1)).stream().allMatch(WorldFolder::isName)) {
-            throw new AssetException(path + ": expected a path within the world's folder, such as "
-                    + "models/duck.glb: not an absolute one, without `..`, `.`, `:` or `\\`");
+            throw new AssetException(
+                    path
+                            + ": expected a path within the world's folder, such as"
+                            + " models/duck.glb: not an absolute one, without `..`, `.`, `:` or"
+                            + " `\\`");
         }
     }
 

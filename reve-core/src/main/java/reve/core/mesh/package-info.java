@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /**
  * From files of a {@link reve.core.mesh.WorldFolder} to shapes and textures: glTF 2.0 and OBJ
  * meshes, PNG and JPEG images, read once, checked and limited before memory is taken for them.

@@ -1,9 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.rule;
+
+import reve.core.world.Item;
 
 import java.util.HashMap;
 import java.util.Map;
 import java.util.Optional;
-import reve.core.world.Item;
 
 /**
  * What the names of an expression stand for while it is evaluated: the aspects of an item, and
@@ -57,7 +59,8 @@ public final class Bindings {
 
     /** For messages, what a name in full stands for now: {@code actor.physics.mass}. */
     public String described(String nameInFull) {
-        return value(nameInFull).map(value -> shortened(value.toString(), MAX_DESCRIPTION))
+        return value(nameInFull)
+                .map(value -> shortened(value.toString(), MAX_DESCRIPTION))
                 .orElse("missing");
     }
 
@@ -70,8 +73,10 @@ public final class Bindings {
         String[] parts = nameInFull.split("\\.");
         Optional<Object> value = find(parts[0]);
         for (int i = 1; i < parts.length && value.isPresent(); i++) {
-            value = value.get() instanceof Map<?, ?> map ? Optional.ofNullable(map.get(parts[i]))
-                    : Optional.empty();
+            value =
+                    value.get() instanceof Map<?, ?> map
+                            ? Optional.ofNullable(map.get(parts[i]))
+                            : Optional.empty();
         }
         return value;
     }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.rule;
 
 import dev.cel.common.CelAbstractSyntaxTree;
@@ -8,6 +9,7 @@ import dev.cel.common.navigation.CelNavigableAst;
 import dev.cel.common.navigation.CelNavigableExpr;
 import dev.cel.common.types.CelKind;
 import dev.cel.common.types.CelType;
+
 import java.util.ArrayList;
 import java.util.HashSet;
 import java.util.List;
@@ -22,6 +24,7 @@ final class Checks {
     private final String text;
     private final CelAbstractSyntaxTree ast;
     private final Map<String, Integer> components;
+
     /** Names of loops, which may hide others. */
     private final Set<String> loops = new HashSet<>();
 
@@ -36,34 +39,48 @@ final class Checks {
      * called before types are worked out.
      */
     static void parsed(String text, CelAbstractSyntaxTree ast) throws ExpressionException {
-        List<CelExpr> computed = CelNavigableAst.fromAst(ast).getRoot().allNodes()
-                .map(node -> node.expr()).filter(expr -> expr.getKind() == Kind.MAP)
-                .flatMap(expr -> expr.map().entries().stream()).map(CelExpr.CelMap.Entry::key)
-                .filter(key -> key.getKind() != Kind.CONSTANT).toList();
+        List<CelExpr> computed =
+                CelNavigableAst.fromAst(ast)
+                        .getRoot()
+                        .allNodes()
+                        .map(node -> node.expr())
+                        .filter(expr -> expr.getKind() == Kind.MAP)
+                        .flatMap(expr -> expr.map().entries().stream())
+                        .map(CelExpr.CelMap.Entry::key)
+                        .filter(key -> key.getKind() != Kind.CONSTANT)
+                        .toList();
         if (!computed.isEmpty()) {
-            throw new Checks(text, ast, Map.of()).at(computed.getFirst(),
-                    "the key of a map is computed, expected a constant such as 'red'");
+            throw new Checks(text, ast, Map.of())
+                    .at(
+                            computed.getFirst(),
+                            "the key of a map is computed, expected a constant such as 'red'");
         }
     }
 
-    /** @param components how many numbers a name has: {@code physics.velocity} */
+    /**
+     * @param components how many numbers a name has: {@code physics.velocity}
+     */
     static void typed(String text, CelAbstractSyntaxTree ast, Map<String, Integer> components)
             throws ExpressionException {
         var checks = new Checks(text, ast, components);
         List<CelExpr> calls = new ArrayList<>();
-        CelNavigableAst.fromAst(ast).getRoot().allNodes().map(node -> node.expr())
-                .forEach(expr -> {
-                    if (expr.getKind() == Kind.CALL) {
-                        calls.add(expr);
-                    } else if (expr.getKind() == Kind.COMPREHENSION) {
-                        checks.loops.add(expr.comprehension().iterVar());
-                    }
-                });
+        CelNavigableAst.fromAst(ast)
+                .getRoot()
+                .allNodes()
+                .map(node -> node.expr())
+                .forEach(
+                        expr -> {
+                            if (expr.getKind() == Kind.CALL) {
+                                calls.add(expr);
+                            } else if (expr.getKind() == Kind.COMPREHENSION) {
+                                checks.loops.add(expr.comprehension().iterVar());
+                            }
+                        });
         for (CelExpr call : calls) {
             switch (call.call().function()) {
                 case Patterns.FUNCTION -> checks.pattern(Cost.operands(call).getLast());
                 case "_[_]" -> checks.index(Cost.operands(call));
-                default -> { }
+                default -> {}
             }
         }
     }
@@ -81,11 +98,22 @@ final class Checks {
         OptionalLong index = constant(operands.getLast());
         int length = length(list);
         boolean known = length != UNKNOWN;
-        if (index.isPresent() && isList(list)
+        if (index.isPresent()
+                && isList(list)
                 && (index.getAsLong() < 0 || known && index.getAsLong() >= length)) {
-            throw at(operands.getLast(), "there is no [" + index.getAsLong() + "]: `" + words(list)
-                    + "` " + (known ? "has components: " + length + ", expected an index from 0 to "
-                            + (length - 1) : "expected an index of 0 or more"));
+            throw at(
+                    operands.getLast(),
+                    "there is no ["
+                            + index.getAsLong()
+                            + "]: `"
+                            + words(list)
+                            + "` "
+                            + (known
+                                    ? "has components: "
+                                            + length
+                                            + ", expected an index from 0 to "
+                                            + (length - 1)
+                                    : "expected an index of 0 or more"));
         }
     }
 
@@ -113,18 +141,21 @@ final class Checks {
     private int length(CelExpr expr) {
         return switch (expr.getKind()) {
             case LIST -> expr.list().elements().size();
-            case IDENT -> loops.contains(expr.ident().name()) ? UNKNOWN
-                    : components.getOrDefault(expr.ident().name(), UNKNOWN);
+            case IDENT ->
+                    loops.contains(expr.ident().name())
+                            ? UNKNOWN
+                            : components.getOrDefault(expr.ident().name(), UNKNOWN);
             case SELECT -> {
-                String owner = ast.getType(expr.select().operand().id()).map(CelType::name)
-                        .orElse("");
+                String owner =
+                        ast.getType(expr.select().operand().id()).map(CelType::name).orElse("");
                 yield components.getOrDefault(owner + "." + expr.select().field(), UNKNOWN);
             }
-            case CALL -> switch (expr.call().function()) {
-                case "rotate" -> 3;
-                case "add", "subtract", "scale" -> length(expr.call().args().getFirst());
-                default -> UNKNOWN;
-            };
+            case CALL ->
+                    switch (expr.call().function()) {
+                        case "rotate" -> 3;
+                        case "add", "subtract", "scale" -> length(expr.call().args().getFirst());
+                        default -> UNKNOWN;
+                    };
             default -> UNKNOWN;
         };
     }
@@ -140,11 +171,15 @@ final class Checks {
 
     private ExpressionException at(CelExpr expr, String message) {
         Map<Long, Integer> places = ast.getSource().getPositionsMap();
-        int first = CelNavigableExpr.fromExpr(expr).allNodes().map(CelNavigableExpr::expr)
-                .map(part -> places.getOrDefault(part.id(), Integer.MAX_VALUE))
-                .min(Integer::compare).orElse(0);
+        int first =
+                CelNavigableExpr.fromExpr(expr)
+                        .allNodes()
+                        .map(CelNavigableExpr::expr)
+                        .map(part -> places.getOrDefault(part.id(), Integer.MAX_VALUE))
+                        .min(Integer::compare)
+                        .orElse(0);
         int characters = text.codePointCount(0, text.length());
-        return new ExpressionException(text.offsetByCodePoints(0, Math.min(first, characters)),
-                message);
+        return new ExpressionException(
+                text.offsetByCodePoints(0, Math.min(first, characters)), message);
     }
 }

@@ -1,7 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.rule;
 
 import dev.cel.common.CelAbstractSyntaxTree;
 import dev.cel.common.ast.CelExpr;
+
 import java.util.ArrayList;
 import java.util.List;
 
@@ -83,7 +85,7 @@ final class Cost {
                 visit(loop.loopStep(), 0, depth + 1, Role.READ, 0);
                 visit(loop.result(), id, depth + 1, Role.READ, 0);
             }
-            default -> { }
+            default -> {}
         }
     }
 
@@ -91,7 +93,7 @@ final class Cost {
         List<CelExpr> operands = operands(expr);
         switch (expr.call().function()) {
             case "_||_", "_&&_" ->
-                operands.forEach(operand -> visit(operand, 0, depth, Role.TRUTH, 0));
+                    operands.forEach(operand -> visit(operand, 0, depth, Role.TRUTH, 0));
             case "_?_:_" -> {
                 visit(operands.getFirst(), 0, depth, Role.TRUTH, 0);
                 visit(operands.get(1), id, depth, Role.READ, 0);
@@ -100,24 +102,33 @@ final class Cost {
             case "@not_strictly_false" -> visit(operands.getFirst(), 0, depth, Role.READ, 0);
             case "_[_]" -> two(operands, id, depth, Role.PICKED, Role.READ, 0);
             case "@in" -> two(operands, id, depth, Role.READ, Role.MEMBERS, 0);
-            case "contains" ->
-                two(operands, id, depth, Role.HAYSTACK, Role.NEEDLE, haystacks++);
-            case Patterns.FUNCTION -> two(operands, id, depth, Role.MATCHED, Role.READ,
-                    Patterns.size(operands.getLast()));
+            case "contains" -> two(operands, id, depth, Role.HAYSTACK, Role.NEEDLE, haystacks++);
+            case Patterns.FUNCTION ->
+                    two(
+                            operands,
+                            id,
+                            depth,
+                            Role.MATCHED,
+                            Role.READ,
+                            Patterns.size(operands.getLast()));
             default -> inOrder(operands, id, depth);
         }
     }
 
-    private void two(List<CelExpr> operands, int owner, int depth, Role first, Role second,
-            int detail) {
+    private void two(
+            List<CelExpr> operands, int owner, int depth, Role first, Role second, int detail) {
         visit(operands.getFirst(), first(operands.getLast()), depth, first, detail);
         visit(operands.getLast(), owner, depth, second, detail);
     }
 
     private void inOrder(List<CelExpr> all, int owner, int depth) {
         for (int i = 0; i < all.size(); i++) {
-            visit(all.get(i), i + 1 < all.size() ? first(all.get(i + 1)) : owner, depth,
-                    Role.READ, 0);
+            visit(
+                    all.get(i),
+                    i + 1 < all.size() ? first(all.get(i + 1)) : owner,
+                    depth,
+                    Role.READ,
+                    0);
         }
     }
 
@@ -128,23 +139,27 @@ final class Cost {
 
     /** The part of an expression that is evaluated first. */
     private int first(CelExpr expr) {
-        List<CelExpr> inside = switch (expr.getKind()) {
-            case SELECT -> isName(expr) ? List.of() : List.of(expr.select().operand());
-            case CALL -> operands(expr);
-            case LIST -> expr.list().elements();
-            case MAP -> entries(expr);
-            case COMPREHENSION -> List.of(expr.comprehension().iterRange());
-            default -> List.of();
-        };
+        List<CelExpr> inside =
+                switch (expr.getKind()) {
+                    case SELECT -> isName(expr) ? List.of() : List.of(expr.select().operand());
+                    case CALL -> operands(expr);
+                    case LIST -> expr.list().elements();
+                    case MAP -> entries(expr);
+                    case COMPREHENSION -> List.of(expr.comprehension().iterRange());
+                    default -> List.of();
+                };
         return inside.isEmpty() ? (int) expr.id() : first(inside.getFirst());
     }
 
     private static List<CelExpr> entries(CelExpr map) {
         List<CelExpr> all = new ArrayList<>();
-        map.map().entries().forEach(entry -> {
-            all.add(entry.key());
-            all.add(entry.value());
-        });
+        map.map()
+                .entries()
+                .forEach(
+                        entry -> {
+                            all.add(entry.key());
+                            all.add(entry.value());
+                        });
         return all;
     }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.rule;
 
 /** An expression gave no value this time; the message quotes it and says why. */

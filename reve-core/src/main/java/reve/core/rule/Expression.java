@@ -1,10 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.rule;
 
 import com.google.common.primitives.UnsignedLong;
+
 import dev.cel.runtime.CelEvaluationException;
 import dev.cel.runtime.CelRuntime;
 import dev.cel.runtime.CelUnknownSet;
 import dev.cel.runtime.CelVariableResolver;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.core.world.Parameter;
+
 import java.util.ArrayList;
 import java.util.Collections;
 import java.util.List;
@@ -12,8 +19,6 @@ import java.util.Map;
 import java.util.Set;
 import java.util.TreeSet;
 import java.util.regex.Pattern;
-import org.jspecify.annotations.Nullable;
-import reve.core.world.Parameter;
 
 /**
  * An expression that was understood. Immutable; evaluated on the world's thread, because what it
@@ -32,8 +37,13 @@ public final class Expression {
     private final CelRuntime.Program program;
     private final Cost cost;
 
-    Expression(Scope scope, String text, ExpressionType type, Set<String> uses,
-            CelRuntime.Program program, Cost cost) {
+    Expression(
+            Scope scope,
+            String text,
+            ExpressionType type,
+            Set<String> uses,
+            CelRuntime.Program program,
+            Cost cost) {
         this.scope = scope;
         this.text = text;
         this.type = type;
@@ -86,8 +96,11 @@ public final class Expression {
             CelVariableResolver resolver = bindings::find;
             return value(program.trace(resolver, meter));
         } catch (Meter.Exceeded exceeded) {
-            throw failed("takes more than " + Meter.MAX_STEPS + " steps, which no expression may: "
-                    + "let it loop over less, or over shorter texts and lists");
+            throw failed(
+                    "takes more than "
+                            + Meter.MAX_STEPS
+                            + " steps, which no expression may: "
+                            + "let it loop over less, or over shorter texts and lists");
         } catch (CelEvaluationException failed) {
             throw failed(PLACE.matcher(String.valueOf(failed.getMessage())).replaceFirst(""));
         } finally {
@@ -139,9 +152,13 @@ public final class Expression {
                 yield Collections.unmodifiableList(values);
             }
             case CelUnknownSet unknown -> throw failed("a symbol that it reads is missing");
-            case null, default -> throw failed("gives "
-                    + (raw == null ? "nothing" : "a " + raw.getClass().getSimpleName())
-                    + ", expected true or false, a number, a text or a list");
+            case null, default ->
+                    throw failed(
+                            "gives "
+                                    + (raw == null
+                                            ? "nothing"
+                                            : "a " + raw.getClass().getSimpleName())
+                                    + ", expected true or false, a number, a text or a list");
         };
     }
 
@@ -153,8 +170,7 @@ public final class Expression {
     }
 
     private EvaluationException failed(String why) {
-        return new EvaluationException("`" + text + "`: "
-                + Bindings.shortened(why, MAX_REASON));
+        return new EvaluationException("`" + text + "`: " + Bindings.shortened(why, MAX_REASON));
     }
 
     @Override

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.rule;
 
 /** An expression cannot be understood; the message says why. */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.rule;
 
 import dev.cel.common.CelFunctionDecl;
@@ -6,6 +7,7 @@ import dev.cel.common.types.CelType;
 import dev.cel.common.types.ListType;
 import dev.cel.common.types.SimpleType;
 import dev.cel.runtime.CelFunctionBinding;
+
 import java.util.ArrayList;
 import java.util.List;
 import java.util.function.DoubleBinaryOperator;
@@ -22,27 +24,44 @@ final class Functions {
 
     private record Operator(String symbol, String name, DoubleBinaryOperator of) {}
 
-    private static final List<Operator> MIXED = List.of(
-            new Operator("_+_", "add", (a, b) -> a + b),
-            new Operator("_-_", "subtract", (a, b) -> a - b),
-            new Operator("_*_", "multiply", (a, b) -> a * b),
-            new Operator("_/_", "divide", (a, b) -> a / b));
+    private static final List<Operator> MIXED =
+            List.of(
+                    new Operator("_+_", "add", (a, b) -> a + b),
+                    new Operator("_-_", "subtract", (a, b) -> a - b),
+                    new Operator("_*_", "multiply", (a, b) -> a * b),
+                    new Operator("_/_", "divide", (a, b) -> a / b));
 
     static List<CelFunctionDecl> declarations() {
         List<CelFunctionDecl> all = new ArrayList<>();
         for (Operator operator : MIXED) {
-            all.add(CelFunctionDecl.newFunctionDeclaration(operator.symbol,
-                    CelOverloadDecl.newGlobalOverload(operator.name + "_double_int64",
-                            SimpleType.DOUBLE, SimpleType.DOUBLE, SimpleType.INT),
-                    CelOverloadDecl.newGlobalOverload(operator.name + "_int64_double",
-                            SimpleType.DOUBLE, SimpleType.INT, SimpleType.DOUBLE)));
+            all.add(
+                    CelFunctionDecl.newFunctionDeclaration(
+                            operator.symbol,
+                            CelOverloadDecl.newGlobalOverload(
+                                    operator.name + "_double_int64",
+                                    SimpleType.DOUBLE,
+                                    SimpleType.DOUBLE,
+                                    SimpleType.INT),
+                            CelOverloadDecl.newGlobalOverload(
+                                    operator.name + "_int64_double",
+                                    SimpleType.DOUBLE,
+                                    SimpleType.INT,
+                                    SimpleType.DOUBLE)));
         }
         for (String comparison : List.of("_==_", "_!=_")) {
-            all.add(CelFunctionDecl.newFunctionDeclaration(comparison,
-                    CelOverloadDecl.newGlobalOverload(comparison + "double_int64",
-                            SimpleType.BOOL, SimpleType.DOUBLE, SimpleType.INT),
-                    CelOverloadDecl.newGlobalOverload(comparison + "int64_double",
-                            SimpleType.BOOL, SimpleType.INT, SimpleType.DOUBLE)));
+            all.add(
+                    CelFunctionDecl.newFunctionDeclaration(
+                            comparison,
+                            CelOverloadDecl.newGlobalOverload(
+                                    comparison + "double_int64",
+                                    SimpleType.BOOL,
+                                    SimpleType.DOUBLE,
+                                    SimpleType.INT),
+                            CelOverloadDecl.newGlobalOverload(
+                                    comparison + "int64_double",
+                                    SimpleType.BOOL,
+                                    SimpleType.INT,
+                                    SimpleType.DOUBLE)));
         }
         all.add(function("norm", SimpleType.DOUBLE, VECTOR));
         all.add(function("distance", SimpleType.DOUBLE, VECTOR, VECTOR));
@@ -57,45 +76,88 @@ final class Functions {
     static List<CelFunctionBinding> bindings() {
         List<CelFunctionBinding> all = new ArrayList<>();
         for (Operator operator : MIXED) {
-            all.add(CelFunctionBinding.from(operator.name + "_double_int64", Double.class,
-                    Long.class, (a, b) -> operator.of.applyAsDouble(a, b)));
-            all.add(CelFunctionBinding.from(operator.name + "_int64_double", Long.class,
-                    Double.class, (a, b) -> operator.of.applyAsDouble(a, b)));
+            all.add(
+                    CelFunctionBinding.from(
+                            operator.name + "_double_int64",
+                            Double.class,
+                            Long.class,
+                            (a, b) -> operator.of.applyAsDouble(a, b)));
+            all.add(
+                    CelFunctionBinding.from(
+                            operator.name + "_int64_double",
+                            Long.class,
+                            Double.class,
+                            (a, b) -> operator.of.applyAsDouble(a, b)));
         }
         for (boolean equal : new boolean[] {true, false}) {
             String comparison = equal ? "_==_" : "_!=_";
-            all.add(CelFunctionBinding.from(comparison + "double_int64", Double.class, Long.class,
-                    (a, b) -> (a.doubleValue() == b.doubleValue()) == equal));
-            all.add(CelFunctionBinding.from(comparison + "int64_double", Long.class, Double.class,
-                    (a, b) -> (a.doubleValue() == b.doubleValue()) == equal));
+            all.add(
+                    CelFunctionBinding.from(
+                            comparison + "double_int64",
+                            Double.class,
+                            Long.class,
+                            (a, b) -> (a.doubleValue() == b.doubleValue()) == equal));
+            all.add(
+                    CelFunctionBinding.from(
+                            comparison + "int64_double",
+                            Long.class,
+                            Double.class,
+                            (a, b) -> (a.doubleValue() == b.doubleValue()) == equal));
         }
         all.add(CelFunctionBinding.from("norm", List.class, v -> norm(vector(v))));
-        all.add(CelFunctionBinding.from("distance", List.class, List.class,
-                (a, b) -> norm(each(vector(a), vector(b), (x, y) -> y - x))));
-        all.add(CelFunctionBinding.from("dot", List.class, List.class,
-                (a, b) -> sum(each(vector(a), vector(b), (x, y) -> x * y))));
-        all.add(CelFunctionBinding.from("add", List.class, List.class,
-                (a, b) -> list(each(vector(a), vector(b), Double::sum))));
-        all.add(CelFunctionBinding.from("subtract", List.class, List.class,
-                (a, b) -> list(each(vector(a), vector(b), (x, y) -> x - y))));
-        all.add(CelFunctionBinding.from("scale", List.class, Number.class,
-                (v, k) -> list(scaled(vector(v), k.doubleValue()))));
-        all.add(CelFunctionBinding.from("rotate", List.class, List.class,
-                (q, v) -> list(rotated(vector(q), vector(v)))));
+        all.add(
+                CelFunctionBinding.from(
+                        "distance",
+                        List.class,
+                        List.class,
+                        (a, b) -> norm(each(vector(a), vector(b), (x, y) -> y - x))));
+        all.add(
+                CelFunctionBinding.from(
+                        "dot",
+                        List.class,
+                        List.class,
+                        (a, b) -> sum(each(vector(a), vector(b), (x, y) -> x * y))));
+        all.add(
+                CelFunctionBinding.from(
+                        "add",
+                        List.class,
+                        List.class,
+                        (a, b) -> list(each(vector(a), vector(b), Double::sum))));
+        all.add(
+                CelFunctionBinding.from(
+                        "subtract",
+                        List.class,
+                        List.class,
+                        (a, b) -> list(each(vector(a), vector(b), (x, y) -> x - y))));
+        all.add(
+                CelFunctionBinding.from(
+                        "scale",
+                        List.class,
+                        Number.class,
+                        (v, k) -> list(scaled(vector(v), k.doubleValue()))));
+        all.add(
+                CelFunctionBinding.from(
+                        "rotate",
+                        List.class,
+                        List.class,
+                        (q, v) -> list(rotated(vector(q), vector(v)))));
         return all;
     }
 
     private static CelFunctionDecl function(String name, CelType result, CelType... arguments) {
-        return CelFunctionDecl.newFunctionDeclaration(name,
-                CelOverloadDecl.newGlobalOverload(name, result, arguments));
+        return CelFunctionDecl.newFunctionDeclaration(
+                name, CelOverloadDecl.newGlobalOverload(name, result, arguments));
     }
 
     private static double[] vector(List<?> list) {
         double[] vector = new double[list.size()];
         for (int i = 0; i < vector.length; i++) {
             if (!(list.get(i) instanceof Number number)) {
-                throw new IllegalArgumentException("expected a list of numbers, found a "
-                        + "list with something else at [" + i + "]");
+                throw new IllegalArgumentException(
+                        "expected a list of numbers, found a "
+                                + "list with something else at ["
+                                + i
+                                + "]");
             }
             vector[i] = number.doubleValue();
         }
@@ -112,8 +174,12 @@ final class Functions {
 
     private static double[] each(double[] a, double[] b, DoubleBinaryOperator of) {
         if (a.length != b.length) {
-            throw new IllegalArgumentException("expected vectors of one length, found "
-                    + a.length + " and " + b.length + " components");
+            throw new IllegalArgumentException(
+                    "expected vectors of one length, found "
+                            + a.length
+                            + " and "
+                            + b.length
+                            + " components");
         }
         double[] result = new double[a.length];
         for (int i = 0; i < result.length; i++) {
@@ -145,8 +211,12 @@ final class Functions {
     /** The vector turned by a unit quaternion xyzw: v + 2 w (q x v) + 2 q x (q x v). */
     private static double[] rotated(double[] q, double[] v) {
         if (q.length != 4 || v.length != 3) {
-            throw new IllegalArgumentException("expected a quaternion of 4 and a vector of 3 "
-                    + "components, found " + q.length + " and " + v.length);
+            throw new IllegalArgumentException(
+                    "expected a quaternion of 4 and a vector of 3 "
+                            + "components, found "
+                            + q.length
+                            + " and "
+                            + v.length);
         }
         double[] t = scaled(cross(q, v), 2);
         double[] u = cross(q, t);
@@ -158,7 +228,8 @@ final class Functions {
     }
 
     private static double[] cross(double[] a, double[] b) {
-        return new double[] {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2],
-            a[0] * b[1] - a[1] * b[0]};
+        return new double[] {
+            a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+        };
     }
 }

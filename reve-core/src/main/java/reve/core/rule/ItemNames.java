@@ -1,4 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.rule;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.core.world.Item;
+import reve.core.world.PropertyDescriptor;
+import reve.core.world.Relations;
 
 import java.util.AbstractMap;
 import java.util.ArrayList;
@@ -11,10 +18,6 @@ import java.util.Set;
 import java.util.function.Function;
 import java.util.function.LongConsumer;
 import java.util.function.Supplier;
-import org.jspecify.annotations.Nullable;
-import reve.core.world.Item;
-import reve.core.world.PropertyDescriptor;
-import reve.core.world.Relations;
 
 /** An item as expressions see it: maps that read its aspects when they are asked. */
 final class ItemNames {
@@ -27,10 +30,13 @@ final class ItemNames {
     private final Map<String, Object> physical;
     private final Map<String, Object> semantic;
     private final Map<String, Object> self;
+
     /** The relations of the item that were worked out: a loop may ask for one in every round. */
     private final Map<String, Optional<Object>> relations = new HashMap<>();
 
-    /** @param steps receives the steps that finding relations takes */
+    /**
+     * @param steps receives the steps that finding relations takes
+     */
     ItemNames(KindNames kind, LongConsumer steps) {
         this.kind = kind;
         this.steps = steps;
@@ -107,9 +113,12 @@ final class ItemNames {
 
     private @Nullable Object semantic(String name) {
         Item present = required();
-        Object value = (Relations.NAMES.contains(name)
-                ? relations.computeIfAbsent(name, relation -> related(present, relation))
-                : present.semantic().get(name)).orElse(null);
+        Object value =
+                (Relations.NAMES.contains(name)
+                                ? relations.computeIfAbsent(
+                                        name, relation -> related(present, relation))
+                                : present.semantic().get(name))
+                        .orElse(null);
         return value instanceof Double number ? kind.toSi(name, number) : value;
     }
 
@@ -143,8 +152,7 @@ final class ItemNames {
         private final Supplier<Set<String>> names;
         private final Function<String, @Nullable Object> values;
 
-        View(Supplier<Set<String>> names,
-                Function<String, @Nullable Object> values) {
+        View(Supplier<Set<String>> names, Function<String, @Nullable Object> values) {
             this.names = names;
             this.values = values;
         }

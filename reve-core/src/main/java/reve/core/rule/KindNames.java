@@ -1,14 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.rule;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.core.world.PropertyDescriptor;
+import reve.core.world.ScalarType;
+import reve.core.world.SymbolDescriptor;
+import reve.core.world.WorldPrototype;
 
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Set;
-import org.jspecify.annotations.Nullable;
-import reve.core.world.PropertyDescriptor;
-import reve.core.world.ScalarType;
-import reve.core.world.SymbolDescriptor;
-import reve.core.world.WorldPrototype;
 
 /** Which names the aspects of items of one kind have. Immutable. */
 final class KindNames {
@@ -16,6 +19,7 @@ final class KindNames {
     static final String PHYSICAL = "physical";
     static final String SEMANTIC = "semantic";
     static final String SELF = "item";
+
     /** What {@code item} has besides its aspects. */
     static final Set<String> ITEM_NAMES = Set.copyOf(List.of("name", "kind"));
 

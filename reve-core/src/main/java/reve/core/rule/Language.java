@@ -1,8 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.rule;
 
 import com.google.common.collect.ImmutableCollection;
 import com.google.common.collect.ImmutableList;
 import com.google.common.collect.ImmutableSet;
+
 import dev.cel.checker.CelStandardDeclarations;
 import dev.cel.checker.CelStandardDeclarations.StandardFunction;
 import dev.cel.common.CelAbstractSyntaxTree;
@@ -24,6 +26,10 @@ import dev.cel.parser.CelStandardMacro;
 import dev.cel.runtime.CelEvaluationException;
 import dev.cel.runtime.CelRuntime;
 import dev.cel.runtime.CelRuntimeFactory;
+
+import reve.core.world.Parameter;
+import reve.core.world.SymbolType;
+
 import java.util.HashMap;
 import java.util.LinkedHashMap;
 import java.util.Map;
@@ -33,60 +39,76 @@ import java.util.Set;
 import java.util.TreeSet;
 import java.util.regex.Matcher;
 import java.util.regex.Pattern;
-import reve.core.world.Parameter;
-import reve.core.world.SymbolType;
 
 /** CEL with the names of one {@link Scope}. Time and bytes, which no world has, are left out. */
 final class Language {
     /** Longest expression [characters]. */
     static final int MAX_LENGTH = 1000;
+
     /** Most operators, names and constants in one expression. */
     static final int MAX_PARTS = 250;
+
     /** Most rounds of {@code map}, {@code all}, … in one evaluation. */
     static final int MAX_ROUNDS = 1000;
 
-    private static final CelOptions OPTIONS = CelOptions.current()
-            .enableHeterogeneousNumericComparisons(true)
-            .maxExpressionCodePointSize(MAX_LENGTH)
-            .maxParseExpressionNodeCount(MAX_PARTS)
-            .maxParseRecursionDepth(MAX_PARTS)
-            .comprehensionMaxIterations(MAX_ROUNDS)
-            .build();
-    private static final Set<StandardFunction> LEFT_OUT = Set.of(StandardFunction.TIMESTAMP,
-            StandardFunction.DURATION, StandardFunction.BYTES, StandardFunction.TYPE);
+    private static final CelOptions OPTIONS =
+            CelOptions.current()
+                    .enableHeterogeneousNumericComparisons(true)
+                    .maxExpressionCodePointSize(MAX_LENGTH)
+                    .maxParseExpressionNodeCount(MAX_PARTS)
+                    .maxParseRecursionDepth(MAX_PARTS)
+                    .comprehensionMaxIterations(MAX_ROUNDS)
+                    .build();
+    private static final Set<StandardFunction> LEFT_OUT =
+            Set.of(
+                    StandardFunction.TIMESTAMP,
+                    StandardFunction.DURATION,
+                    StandardFunction.BYTES,
+                    StandardFunction.TYPE);
     private static final CelStandardDeclarations STANDARD =
             CelStandardDeclarations.newBuilder().excludeFunctions(LEFT_OUT).build();
-    private static final CelRuntime RUNTIME = CelRuntimeFactory.standardCelRuntimeBuilder()
-            .setOptions(OPTIONS).addLibraries(CelExtensions.math())
-            .addFunctionBindings(Functions.bindings()).build();
+    private static final CelRuntime RUNTIME =
+            CelRuntimeFactory.standardCelRuntimeBuilder()
+                    .setOptions(OPTIONS)
+                    .addLibraries(CelExtensions.math())
+                    .addFunctionBindings(Functions.bindings())
+                    .build();
     private static final ListType NUMBERS = ListType.create(SimpleType.DOUBLE);
     private static final Pattern UNDEFINED = Pattern.compile("undefined field '(.*)'");
     private static final Pattern UNDECLARED =
             Pattern.compile("undeclared reference to '(.*)' \\(in container ''\\)");
     private static final Pattern INPUT =
-            Pattern.compile("(?:mismatched|extraneous) input '(.*?)' expecting.*"
-                    + "|token recognition error at: '(.*)'");
+            Pattern.compile(
+                    "(?:mismatched|extraneous) input '(.*?)' expecting.*"
+                            + "|token recognition error at: '(.*)'");
+
     /** What CEL says of {@code has(semantic.note)} where note is declared. */
     private static final String NO_FIELD = "expression does not select a field";
-    private static final Pattern NO_OVERLOAD = Pattern.compile(
-            "found no matching overload for '(.*)' applied to '(.*)'( \\(candidates.*)?");
+
+    private static final Pattern NO_OVERLOAD =
+            Pattern.compile(
+                    "found no matching overload for '(.*)' applied to '(.*)'( \\(candidates.*)?");
 
     private final Scope scope;
     private final CelCompiler compiler;
     private final Set<String> names = new TreeSet<>();
     private final Map<String, StructType> structs = new LinkedHashMap<>();
+
     /** How many numbers a list has: of {@code physics.velocity}, 3. */
     private final Map<String, Integer> components = new HashMap<>();
+
     private String fieldsOfLastStruct = "";
 
     Language(Scope scope) {
         this.scope = scope;
-        CelCompilerBuilder builder = CelCompilerFactory.standardCelCompilerBuilder()
-                .setOptions(OPTIONS).setStandardEnvironmentEnabled(false)
-                .setStandardDeclarations(STANDARD)
-                .setStandardMacros(CelStandardMacro.STANDARD_MACROS)
-                .addLibraries(CelExtensions.math())
-                .addFunctionDeclarations(Functions.declarations());
+        CelCompilerBuilder builder =
+                CelCompilerFactory.standardCelCompilerBuilder()
+                        .setOptions(OPTIONS)
+                        .setStandardEnvironmentEnabled(false)
+                        .setStandardDeclarations(STANDARD)
+                        .setStandardMacros(CelStandardMacro.STANDARD_MACROS)
+                        .addLibraries(CelExtensions.math())
+                        .addFunctionDeclarations(Functions.declarations());
         Map<String, CelType> own = aspects("", scope.own());
         own.put(KindNames.SELF, struct(KindNames.SELF, names()));
         CelType body = struct("body", body(scope.other()));
@@ -97,8 +119,11 @@ final class Language {
             own.put(parameter.name(), type(parameter, body));
         }
         names.addAll(own.keySet());
-        scope.own().symbols().forEach((name, symbol) ->
-                own.put(KindNames.SEMANTIC + "." + name, type(symbol.type())));
+        scope.own()
+                .symbols()
+                .forEach(
+                        (name, symbol) ->
+                                own.put(KindNames.SEMANTIC + "." + name, type(symbol.type())));
         own.forEach(builder::addVar);
         builder.setTypeProvider(new Structs());
         compiler = builder.build();
@@ -110,8 +135,13 @@ final class Language {
             Checks.parsed(text, parsed);
             var ast = checked(text, compiler.check(parsed));
             Checks.typed(text, ast, components);
-            return new Expression(scope, text, type(ast.getResultType()), Uses.of(ast, names),
-                    RUNTIME.createProgram(ast), new Cost(ast));
+            return new Expression(
+                    scope,
+                    text,
+                    type(ast.getResultType()),
+                    Uses.of(ast, names),
+                    RUNTIME.createProgram(ast),
+                    new Cost(ast));
         } catch (CelValidationException | CelEvaluationException refused) {
             throw new ExpressionException(0, message(refused.getMessage()));
         }
@@ -146,24 +176,33 @@ final class Language {
         }
         Matcher undeclared = UNDECLARED.matcher(issue);
         if (undeclared.matches()) {
-            return "unknown name `" + undeclared.group(1) + "`; known are "
+            return "unknown name `"
+                    + undeclared.group(1)
+                    + "`; known are "
                     + String.join(", ", names);
         }
         Matcher input = INPUT.matcher(issue);
         if (input.matches()) {
             String found = input.group(1) == null ? input.group(2) : input.group(1);
-            return found.equals("<EOF>") ? "the expression ends too early"
+            return found.equals("<EOF>")
+                    ? "the expression ends too early"
                     : "`" + found.strip() + "` makes no sense here";
         }
         Matcher overload = NO_OVERLOAD.matcher(issue);
-        return overload.matches() ? "`" + overload.group(1).replace("_", "")
-                + "` does not go with " + words(overload.group(2)) : issue;
+        return overload.matches()
+                ? "`"
+                        + overload.group(1).replace("_", "")
+                        + "` does not go with "
+                        + words(overload.group(2))
+                : issue;
     }
 
     /** Types in the words that the documents use: of {@code list(double)}, list of numbers. */
     private static String words(String types) {
-        return types.replaceAll("\\b(int|uint|double)\\b", "number").replace("string", "text")
-                .replace("bool", "truth").replaceAll("list\\((\\w+)\\)", "list of $1s");
+        return types.replaceAll("\\b(int|uint|double)\\b", "number")
+                .replace("string", "text")
+                .replace("bool", "truth")
+                .replaceAll("list\\((\\w+)\\)", "list of $1s");
     }
 
     private static ExpressionType type(CelType type) throws ExpressionException {
@@ -173,8 +212,12 @@ final class Language {
             case STRING -> ExpressionType.TEXT;
             case LIST -> ExpressionType.LIST;
             case DYN -> ExpressionType.ANY;
-            default -> throw new ExpressionException(0, "gives a " + type.name()
-                    + ", expected true or false, a number, a text or a list");
+            default ->
+                    throw new ExpressionException(
+                            0,
+                            "gives a "
+                                    + type.name()
+                                    + ", expected true or false, a number, a text or a list");
         };
     }
 
@@ -183,15 +226,22 @@ final class Language {
         Map<String, CelType> physics = new LinkedHashMap<>();
         for (String name : kind.physicsNames()) {
             var property = Objects.requireNonNull(kind.property(name));
-            physics.put(name, numbers(owner + KindNames.PHYSICS + "." + name,
-                    property.components()));
+            physics.put(
+                    name, numbers(owner + KindNames.PHYSICS + "." + name, property.components()));
         }
         aspects.put(KindNames.PHYSICS, struct(owner + KindNames.PHYSICS, physics));
         if (!kind.physicalNames().isEmpty()) {
             Map<String, CelType> physical = new LinkedHashMap<>();
-            kind.physicalNames().forEach((name, count) ->
-                    physical.put(name, count == 0 ? SimpleType.STRING
-                            : numbers(owner + KindNames.PHYSICAL + "." + name, count)));
+            kind.physicalNames()
+                    .forEach(
+                            (name, count) ->
+                                    physical.put(
+                                            name,
+                                            count == 0
+                                                    ? SimpleType.STRING
+                                                    : numbers(
+                                                            owner + KindNames.PHYSICAL + "." + name,
+                                                            count)));
             aspects.put(KindNames.PHYSICAL, struct(owner + KindNames.PHYSICAL, physical));
         }
         aspects.put(KindNames.SEMANTIC, MapType.create(SimpleType.STRING, SimpleType.DYN));
@@ -211,8 +261,11 @@ final class Language {
     }
 
     private StructType struct(String name, Map<String, CelType> fields) {
-        StructType type = StructType.create(name, ImmutableSet.copyOf(fields.keySet()),
-                field -> Optional.ofNullable(fields.get(field)));
+        StructType type =
+                StructType.create(
+                        name,
+                        ImmutableSet.copyOf(fields.keySet()),
+                        field -> Optional.ofNullable(fields.get(field)));
         structs.put(name, type);
         return type;
     }

@@ -1,12 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.rule;
 
 import dev.cel.common.ast.CelExpr;
 import dev.cel.runtime.CelEvaluationListener;
 import dev.cel.runtime.ConcatenatedListView;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.core.rule.Cost.Part;
+
 import java.util.List;
 import java.util.Map;
-import org.jspecify.annotations.Nullable;
-import reve.core.rule.Cost.Part;
 
 /**
  * Counts the steps of one evaluation and ends it when there are too many. Nothing is counted but
@@ -19,13 +23,18 @@ final class Meter implements CelEvaluationListener {
 
     /** Characters that are read, compared or copied in a step. */
     private static final int CHARACTERS_PER_STEP = 32;
+
     /** Steps of a pattern in one character of a text that cost as much as a step here. */
     private static final int PATTERN_STEPS_PER_STEP = 8;
+
     /** Steps for a part that fails, which others may make good: {@code 1 / 0 > 1 || true}. */
     private static final int STEPS_OF_FAILURE = 100;
+
     private static final int STEPS_OF_FAILURE_PER_DEPTH = 10;
+
     /** Steps for each name of an item whose names are all looked up. */
     private static final int STEPS_PER_NAME = 4;
+
     private static final int[] NONE = {};
     private static final Exceeded EXCEEDED = new Exceeded();
 
@@ -58,7 +67,7 @@ final class Meter implements CelEvaluationListener {
         next = part.next();
         spend(1);
         switch (part.role()) {
-            case PICKED -> { }
+            case PICKED -> {}
             case TRUTH -> {
                 if (!(value instanceof Boolean)) {
                     fail(part.depth());
@@ -78,8 +87,11 @@ final class Meter implements CelEvaluationListener {
             case MATCHED -> {
                 weigh(value);
                 if (value instanceof String text) {
-                    spend(part.detail()
-                            + (long) text.length() * part.detail() / PATTERN_STEPS_PER_STEP);
+                    spend(
+                            part.detail()
+                                    + (long) text.length()
+                                            * part.detail()
+                                            / PATTERN_STEPS_PER_STEP);
                 }
             }
             case HAYSTACK -> {
@@ -108,9 +120,9 @@ final class Meter implements CelEvaluationListener {
     /** A step for each value in it, however often it is in there. */
     private void weigh(@Nullable Object value) {
         switch (value) {
-            case null -> { }
+            case null -> {}
             case String text -> spend(text.length() / CHARACTERS_PER_STEP);
-            case ConcatenatedListView<?> growing -> { } // a loop's result: paid when it is complete
+            case ConcatenatedListView<?> growing -> {} // a loop's result: paid when it is complete
             case List<?> list -> {
                 for (Object element : list) {
                     spend(1);
@@ -125,7 +137,7 @@ final class Meter implements CelEvaluationListener {
                     weigh(entry.getValue());
                 }
             }
-            default -> { }
+            default -> {}
         }
     }
 

@@ -1,9 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.rule;
 
 import com.google.re2j.Pattern;
 import com.google.re2j.PatternSyntaxException;
+
 import dev.cel.common.ast.CelConstant;
 import dev.cel.common.ast.CelExpr;
+
 import java.util.ArrayDeque;
 import java.util.Deque;
 import java.util.regex.Matcher;
@@ -35,29 +38,38 @@ final class Patterns {
     static int size(CelExpr pattern) {
         if (pattern.getKind() != CelExpr.ExprKind.Kind.CONSTANT
                 || pattern.constant().getKind() != CelConstant.Kind.STRING_VALUE) {
-            throw new IllegalArgumentException("the pattern of `matches` is computed, expected a "
-                    + "constant text in quotes, such as '^a+$': compare computed texts with "
-                    + "`==`, `startsWith`, `endsWith` or `contains`");
+            throw new IllegalArgumentException(
+                    "the pattern of `matches` is computed, expected a constant text in quotes, such"
+                            + " as '^a+$': compare computed texts with `==`, `startsWith`, `endsWith`"
+                            + " or `contains`");
         }
         String text = pattern.constant().stringValue();
         if (foldsBeyondAscii(text)) {
-            throw new IllegalArgumentException("the pattern ignores the case of characters beyond "
-                    + "ASCII, expected only ASCII with `(?i)`: write both cases, as in `[Ää]`");
+            throw new IllegalArgumentException(
+                    "the pattern ignores the case of characters beyond ASCII, expected only ASCII"
+                            + " with `(?i)`: write both cases, as in `[Ää]`");
         }
         long size = estimate(text);
         if (size <= MAX_SIZE) {
             try {
                 size = Pattern.compile(text).programSize();
             } catch (PatternSyntaxException broken) {
-                throw new IllegalArgumentException("the pattern is broken: "
-                        + broken.getDescription() + " `" + broken.getPattern()
-                        + "`, expected RE2 syntax", broken);
+                throw new IllegalArgumentException(
+                        "the pattern is broken: "
+                                + broken.getDescription()
+                                + " `"
+                                + broken.getPattern()
+                                + "`, expected RE2 syntax",
+                        broken);
             }
         }
         if (size > MAX_SIZE) {
-            throw new IllegalArgumentException("the pattern has " + (size == Long.MAX_VALUE
-                    ? "far too many" : size) + " steps with its repetitions written out, expected "
-                    + MAX_SIZE + " at most: repeat less often, or with `*` and `+`");
+            throw new IllegalArgumentException(
+                    "the pattern has "
+                            + (size == Long.MAX_VALUE ? "far too many" : size)
+                            + " steps with its repetitions written out, expected "
+                            + MAX_SIZE
+                            + " at most: repeat less often, or with `*` and `+`");
         }
         return (int) size;
     }
@@ -106,8 +118,11 @@ final class Patterns {
 
     private static long times(Matcher repetition) {
         String most = repetition.group(3);
-        return Math.max(1, Math.max(Long.parseLong(repetition.group(1)),
-                most == null || most.isEmpty() ? 0 : Long.parseLong(most)));
+        return Math.max(
+                1,
+                Math.max(
+                        Long.parseLong(repetition.group(1)),
+                        most == null || most.isEmpty() ? 0 : Long.parseLong(most)));
     }
 
     /** The end of what begins there and is one thing: an escape, a class, flags, a character. */
@@ -123,8 +138,10 @@ final class Patterns {
     /** The end of {@code \\d}, {@code \\p{Greek}}, {@code \\x{1F}} or {@code \\Q…\\E}. */
     private static int escape(String pattern, int at) {
         char kind = at + 1 < pattern.length() ? pattern.charAt(at + 1) : 0;
-        String until = kind == 'Q' ? "\\E"
-                : "pPx".indexOf(kind) >= 0 && pattern.startsWith("{", at + 2) ? "}" : "";
+        String until =
+                kind == 'Q'
+                        ? "\\E"
+                        : "pPx".indexOf(kind) >= 0 && pattern.startsWith("{", at + 2) ? "}" : "";
         if (until.isEmpty()) {
             return Math.min(pattern.length(), at + 2);
         }
@@ -145,8 +162,10 @@ final class Patterns {
                 i = named + 2;
             } else {
                 i = classCharacter(pattern, i);
-                boolean range = pattern.startsWith("-", i) && i + 1 < pattern.length()
-                        && pattern.charAt(i + 1) != ']';
+                boolean range =
+                        pattern.startsWith("-", i)
+                                && i + 1 < pattern.length()
+                                && pattern.charAt(i + 1) != ']';
                 i = range ? classCharacter(pattern, i + 1) : i;
             }
         }

@@ -1,8 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.rule;
 
-import java.util.Optional;
 import org.jspecify.annotations.Nullable;
+
 import reve.core.world.ItemSymbols;
+
+import java.util.Optional;
 
 /**
  * A semantic symbol that an expression gives to items. Immutable.
@@ -10,10 +13,12 @@ import reve.core.world.ItemSymbols;
  * @param kind of the items that get it
  * @param itemClass which of them: those of that class; empty for all
  */
-public record Rule(String symbol, String kind, Optional<String> itemClass, Expression expression,
-        String doc) {
+public record Rule(
+        String symbol, String kind, Optional<String> itemClass, Expression expression, String doc) {
 
-    /** @throws IllegalArgumentException if the world derives that symbol in another way */
+    /**
+     * @throws IllegalArgumentException if the world derives that symbol in another way
+     */
     public Rule {
         if (ItemSymbols.DERIVED.contains(symbol) || symbol.equals("class")) {
             throw new IllegalArgumentException(

@@ -1,13 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.rule;
 
-import java.util.ArrayList;
-import java.util.Arrays;
-import java.util.LinkedHashMap;
-import java.util.List;
-import java.util.Map;
-import java.util.Objects;
-import java.util.function.BooleanSupplier;
 import org.jspecify.annotations.Nullable;
+
 import reve.core.unit.Unit;
 import reve.core.world.Column;
 import reve.core.world.Item;
@@ -17,6 +12,14 @@ import reve.core.world.Table;
 import reve.core.world.World;
 import reve.core.world.WorldEvent;
 import reve.core.world.WorldPrototype;
+
+import java.util.ArrayList;
+import java.util.Arrays;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Objects;
+import java.util.function.BooleanSupplier;
 
 /**
  * Keeps the symbol of one rule current. For each row it remembers what the rule read there last:
@@ -32,8 +35,10 @@ final class RuleKeeper {
     private final Table table;
     private final Bindings bindings;
     private final Unit unit;
+
     /** What the rule reads; if that cannot be listed, it is evaluated every time. */
     private final List<Column> columns = new ArrayList<>();
+
     private final List<String> symbols = new ArrayList<>();
     private final boolean listed;
     private final int numbersPerRow;
@@ -43,6 +48,7 @@ final class RuleKeeper {
     private boolean told;
     private boolean disabled;
     private long steps;
+
     /** The item that the rule was evaluated for last. */
     private @Nullable Item current;
 
@@ -51,8 +57,11 @@ final class RuleKeeper {
         this.rule = rule;
         this.table = world.table(rule.kind());
         this.bindings = rule.expression().bindings();
-        this.unit = world.prototype().symbol(rule.symbol()).map(SymbolDescriptor::unit)
-                .orElse(Unit.ONE);
+        this.unit =
+                world.prototype()
+                        .symbol(rule.symbol())
+                        .map(SymbolDescriptor::unit)
+                        .orElse(Unit.ONE);
         rule.itemClass().ifPresent(wanted -> symbols.add(CLASS));
         boolean all = true;
         for (String name : rule.expression().uses()) {
@@ -133,8 +142,12 @@ final class RuleKeeper {
     @Override
     public String toString() {
         Item item = current;
-        return "rule " + rule.symbol() + (item == null ? "" : " of " + item.name()) + ": `"
-                + rule.expression() + "`";
+        return "rule "
+                + rule.symbol()
+                + (item == null ? "" : " of " + item.name())
+                + ": `"
+                + rule.expression()
+                + "`";
     }
 
     private void updateRows(long frame, long most, BooleanSupplier ends) {
@@ -187,8 +200,7 @@ final class RuleKeeper {
     }
 
     private boolean applies(Item item) {
-        return rule.itemClass().isEmpty()
-                || rule.itemClass().equals(item.semantic().get(CLASS));
+        return rule.itemClass().isEmpty() || rule.itemClass().equals(item.semantic().get(CLASS));
     }
 
     private @Nullable Object evaluate(Item item, long frame) {
@@ -219,8 +231,15 @@ final class RuleKeeper {
             return;
         }
         told = true;
-        raise(frame, failed.getClass().getSimpleName(), item + " gets no " + rule.symbol() + ": "
-                + failed.getMessage() + " (told once; the same may hold for other items)");
+        raise(
+                frame,
+                failed.getClass().getSimpleName(),
+                item
+                        + " gets no "
+                        + rule.symbol()
+                        + ": "
+                        + failed.getMessage()
+                        + " (told once; the same may hold for other items)");
     }
 
     private void raise(long frame, String error, String message) {

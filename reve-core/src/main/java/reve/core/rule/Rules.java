@@ -1,13 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.rule;
+
+import reve.core.frame.FrameBus;
+import reve.core.frame.FramePhase;
+import reve.core.world.World;
 
 import java.util.ArrayList;
 import java.util.Comparator;
 import java.util.List;
 import java.util.Locale;
 import java.util.function.BooleanSupplier;
-import reve.core.frame.FrameBus;
-import reve.core.frame.FramePhase;
-import reve.core.world.World;
 
 /**
  * Keeps the symbols that rules give to items current. Rules are evaluated in their order, so that
@@ -69,11 +71,18 @@ public final class Rules {
     }
 
     private void disableCostliest(long frame, List<RuleKeeper> evaluated, long steps) {
-        RuleKeeper costliest = evaluated.stream()
-                .max(Comparator.comparingLong(RuleKeeper::steps)).orElseThrow();
-        costliest.disable(frame, String.format(Locale.ROOT, "took %,d of %,d steps in frame %d, "
-                + "expected at most %,d for all rules: it is disabled and no item has its symbol; "
-                + "let it loop over less, read fewer relations, or hold for a class of items",
-                costliest.steps(), steps, frame, stepsPerFrame));
+        RuleKeeper costliest =
+                evaluated.stream().max(Comparator.comparingLong(RuleKeeper::steps)).orElseThrow();
+        costliest.disable(
+                frame,
+                String.format(
+                        Locale.ROOT,
+                        "took %,d of %,d steps in frame %d, expected at most %,d for all rules: it"
+                                + " is disabled and no item has its symbol; let it loop over less, read"
+                                + " fewer relations, or hold for a class of items",
+                        costliest.steps(),
+                        steps,
+                        frame,
+                        stepsPerFrame));
     }
 }

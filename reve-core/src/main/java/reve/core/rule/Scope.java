@@ -1,12 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.rule;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.core.world.Parameter;
+import reve.core.world.WorldPrototype;
 
 import java.util.HashMap;
 import java.util.LinkedHashMap;
 import java.util.Map;
 import java.util.Objects;
-import org.jspecify.annotations.Nullable;
-import reve.core.world.Parameter;
-import reve.core.world.WorldPrototype;
 
 /**
  * Which names expressions may use, and of which type: {@code physics}, {@code physical}, {@code
@@ -24,7 +27,10 @@ public final class Scope {
     private final Map<String, Expression> known = new HashMap<>();
     private @Nullable Language language;
 
-    private Scope(WorldPrototype prototype, String kind, Map<String, Parameter> parameters,
+    private Scope(
+            WorldPrototype prototype,
+            String kind,
+            Map<String, Parameter> parameters,
             boolean withActor) {
         this.own = new KindNames(prototype, kind);
         this.other = new KindNames(prototype, WorldPrototype.BODY);
@@ -38,8 +44,8 @@ public final class Scope {
     }
 
     /** Names of an item of that kind, of the body that acts, and the action's parameters. */
-    public static Scope ofAction(WorldPrototype prototype, String kind,
-            Iterable<Parameter> parameters) {
+    public static Scope ofAction(
+            WorldPrototype prototype, String kind, Iterable<Parameter> parameters) {
         var byName = new LinkedHashMap<String, Parameter>();
         parameters.forEach(parameter -> byName.put(parameter.name(), parameter));
         return new Scope(prototype, kind, byName, true);

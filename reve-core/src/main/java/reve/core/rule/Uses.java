@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.rule;
 
 import dev.cel.common.CelAbstractSyntaxTree;
@@ -5,6 +6,7 @@ import dev.cel.common.ast.CelConstant;
 import dev.cel.common.ast.CelExpr;
 import dev.cel.common.navigation.CelNavigableAst;
 import dev.cel.common.navigation.CelNavigableExpr;
+
 import java.util.Set;
 import java.util.TreeSet;
 
@@ -15,16 +17,20 @@ final class Uses {
     /** Names in full, in alphabetical order: {@code actor.physics.mass}, {@code semantic.lit}. */
     static Set<String> of(CelAbstractSyntaxTree ast, Set<String> roots) {
         Set<String> uses = new TreeSet<>();
-        CelNavigableAst.fromAst(ast).getRoot().allNodes().forEach(node -> {
-            CelExpr expr = node.expr();
-            if (expr.getKind() == CelExpr.ExprKind.Kind.IDENT) {
-                String name = expr.ident().name();
-                int dot = name.indexOf('.');
-                if (roots.contains(dot < 0 ? name : name.substring(0, dot))) {
-                    uses.add(inFull(node, name));
-                }
-            }
-        });
+        CelNavigableAst.fromAst(ast)
+                .getRoot()
+                .allNodes()
+                .forEach(
+                        node -> {
+                            CelExpr expr = node.expr();
+                            if (expr.getKind() == CelExpr.ExprKind.Kind.IDENT) {
+                                String name = expr.ident().name();
+                                int dot = name.indexOf('.');
+                                if (roots.contains(dot < 0 ? name : name.substring(0, dot))) {
+                                    uses.add(inFull(node, name));
+                                }
+                            }
+                        });
         return uses;
     }
 
@@ -37,10 +43,12 @@ final class Uses {
         CelExpr expr = parent.expr();
         return switch (expr.getKind()) {
             case SELECT -> inFull(parent, name + "." + expr.select().field());
-            case CALL -> isIndex(expr, node.expr())
-                    ? inFull(parent,
-                            name + "." + expr.call().args().get(1).constant().stringValue())
-                    : name;
+            case CALL ->
+                    isIndex(expr, node.expr())
+                            ? inFull(
+                                    parent,
+                                    name + "." + expr.call().args().get(1).constant().stringValue())
+                            : name;
             default -> name;
         };
     }

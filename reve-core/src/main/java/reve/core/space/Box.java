@@ -1,14 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.space;
 
 /** A box along the axes, its faces included [m]. A side may be infinite. */
 public record Box(double minX, double minY, double minZ, double maxX, double maxY, double maxZ) {
 
-    /** @throws IllegalArgumentException if a number is NaN or a lower corner is above the upper */
+    /**
+     * @throws IllegalArgumentException if a number is NaN or a lower corner is above the upper
+     */
     public Box {
         if (!(minX <= maxX && minY <= maxY && minZ <= maxZ)) {
-            throw new IllegalArgumentException("box from " + minX + ", " + minY + ", " + minZ
-                    + " to " + maxX + ", " + maxY + ", " + maxZ
-                    + ": expected each number of the first corner to be at most the second's");
+            throw new IllegalArgumentException(
+                    "box from "
+                            + minX
+                            + ", "
+                            + minY
+                            + ", "
+                            + minZ
+                            + " to "
+                            + maxX
+                            + ", "
+                            + maxY
+                            + ", "
+                            + maxZ
+                            + ": expected each number of the first corner to be at most the"
+                            + " second's");
         }
     }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.space;
 
 import java.lang.foreign.MemorySegment;
@@ -20,6 +21,7 @@ public final class BoxIndex {
     private static final int SIDES = 2 * AXES;
     private static final int MAX_LEVELS = 12;
     private static final int NOTHING = -1;
+
     /** How many times as long the edges of a node become before it counts as grown. */
     private static final double WORN_OUT = 2;
 
@@ -32,13 +34,18 @@ public final class BoxIndex {
     private float[] centres = {};
     private int[] order = {};
     private int ordered = NOTHING;
+
     /** Sum of the edges of the nodes around boxes, when the boxes were put in order. */
     private double[] extents = {};
+
     /** All nodes, six sides each: the boxes in their order, then those around eight, ... */
     private double[] sides = {};
+
     private long[] keys = {};
+
     /** The first node of each level, and behind the last one. */
     private final int[] firstOf = new int[MAX_LEVELS + 2];
+
     private int levels;
 
     /**
@@ -73,9 +80,12 @@ public final class BoxIndex {
         while (depth > 0) {
             int node = stack[--depth];
             int at = SIDES * node;
-            if (sides[at] <= box.maxX() && sides[at + 3] >= box.minX()
-                    && sides[at + 1] <= box.maxY() && sides[at + 4] >= box.minY()
-                    && sides[at + 2] <= box.maxZ() && sides[at + 5] >= box.minZ()) {
+            if (sides[at] <= box.maxX()
+                    && sides[at + 3] >= box.minX()
+                    && sides[at + 1] <= box.maxY()
+                    && sides[at + 4] >= box.minY()
+                    && sides[at + 2] <= box.maxZ()
+                    && sides[at + 5] >= box.minZ()) {
                 depth = enter(node, depth, found);
             }
         }
@@ -220,15 +230,16 @@ public final class BoxIndex {
     }
 
     /** Gathers the boxes that are there; returns how many. */
-    private int read(MemorySegment ids, MemorySegment givenLows, MemorySegment givenHighs,
-            int rows) {
+    private int read(
+            MemorySegment ids, MemorySegment givenLows, MemorySegment givenHighs, int rows) {
         MemorySegment.copy(ids, ValueLayout.JAVA_LONG, 0, givenKeys, 0, rows);
         MemorySegment.copy(givenLows, ValueLayout.JAVA_DOUBLE, 0, lows, 0, AXES * rows);
         MemorySegment.copy(givenHighs, ValueLayout.JAVA_DOUBLE, 0, highs, 0, AXES * rows);
         int count = 0;
         for (int row = 0; row < rows; row++) {
             int at = AXES * row;
-            if (lows[at] <= highs[at] && lows[at + 1] <= highs[at + 1]
+            if (lows[at] <= highs[at]
+                    && lows[at + 1] <= highs[at + 1]
                     && lows[at + 2] <= highs[at + 2]) {
                 if (count < row) {
                     System.arraycopy(lows, at, lows, AXES * count, AXES);
@@ -266,7 +277,9 @@ public final class BoxIndex {
 
     private double extent(int node) {
         int at = SIDES * node;
-        return sides[at + 3] - sides[at] + (sides[at + 4] - sides[at + 1])
+        return sides[at + 3]
+                - sides[at]
+                + (sides[at + 4] - sides[at + 1])
                 + (sides[at + 5] - sides[at + 2]);
     }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.space;
 
 import java.util.Arrays;
@@ -15,7 +16,9 @@ public final class Found {
         return size;
     }
 
-    /** @param index 0 to {@link #size()} - 1 */
+    /**
+     * @param index 0 to {@link #size()} - 1
+     */
     public long key(int index) {
         return keys[Objects.checkIndex(index, size)];
     }

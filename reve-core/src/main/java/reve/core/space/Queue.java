@@ -1,11 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.space;
 
 import java.util.Arrays;
 
 /**
  * Nodes of a {@link BoxIndex} by their distance from a point, the nearest first: a binary heap in
- * arrays. At equal distance nodes come before boxes, which may be in them, and boxes in the
- * order of their keys.
+ * arrays. At equal distance nodes come before boxes, which may be in them, and boxes in the order
+ * of their keys.
  */
 final class Queue {
 

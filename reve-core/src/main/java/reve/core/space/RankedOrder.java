@@ -1,12 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.space;
 
 import java.util.Arrays;
 
 /**
  * An order of points in which neighbours in space are mostly neighbours: along a Z-curve (Morton)
- * through their ranks on each axis. By rank rather than by place, so that one
- * point far away does not press all others into one cell. Radix sorts, in time proportional to the
- * number of points; allocates only for more points than ever before.
+ * through their ranks on each axis. By rank rather than by place, so that one point far away does
+ * not press all others into one cell. Radix sorts, in time proportional to the number of points;
+ * allocates only for more points than ever before.
  */
 final class RankedOrder {
 

@@ -1,14 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.store;
 
-import java.lang.foreign.MemorySegment;
-import java.lang.foreign.ValueLayout;
-import java.util.Arrays;
-import java.util.Base64;
-import java.util.LinkedHashMap;
-import java.util.List;
-import java.util.Map;
-import java.util.Optional;
 import org.jspecify.annotations.Nullable;
+
 import reve.core.mesh.Assets;
 import reve.core.world.Action;
 import reve.core.world.Colour;
@@ -23,15 +17,27 @@ import reve.core.world.Shape;
 import reve.core.world.World;
 import reve.core.world.WorldChange;
 import reve.core.world.WorldPrototype;
+
 import tools.jackson.core.JacksonException;
 import tools.jackson.databind.JsonNode;
+
+import java.lang.foreign.MemorySegment;
+import java.lang.foreign.ValueLayout;
+import java.util.Arrays;
+import java.util.Base64;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
 
 /** Changes of a world as JSON, to be made again on an equal world. One thread. */
 public final class ChangeCodec {
 
     private final ItemTexts texts;
 
-    /** @param assets where the items' mesh and texture files are */
+    /**
+     * @param assets where the items' mesh and texture files are
+     */
     public ChangeCodec(WorldPrototype prototype, Assets assets) {
         texts = new ItemTexts(prototype, assets);
     }
@@ -44,22 +50,43 @@ public final class ChangeCodec {
     public Map<String, Object> write(WorldChange change, byte @Nullable [] columnRows) {
         return switch (change) {
             case WorldChange.Added added -> added(added);
-            case WorldChange.Removed removed -> tree("remove", removed.item().value(),
-                    "cascade", !removed.cascade().isEmpty());
+            case WorldChange.Removed removed ->
+                    tree("remove", removed.item().value(), "cascade", !removed.cascade().isEmpty());
             case WorldChange.Renamed renamed ->
                     tree("rename", renamed.item().value(), "to", renamed.to());
-            case WorldChange.Attached attached -> tree("attach", attached.item().value(),
-                    "parent", attached.to().parent().value(), "pose",
-                    numbers(attached.to().pose()));
+            case WorldChange.Attached attached ->
+                    tree(
+                            "attach",
+                            attached.item().value(),
+                            "parent",
+                            attached.to().parent().value(),
+                            "pose",
+                            numbers(attached.to().pose()));
             case WorldChange.Detached detached -> tree("detach", detached.item().value());
             case WorldChange.Edited edited -> edited(edited);
-            case WorldChange.Pushed pushed -> tree("push", pushed.force().item().value(),
-                    "newtons", pushed.force().newtons(), "frames", pushed.force().frames());
-            case WorldChange.ColumnEdited column -> tree("column", column.property(),
-                    "kind", column.kind(), "rows", columnRows == null ? ""
-                            : Base64.getEncoder().encodeToString(columnRows));
-            case WorldChange.Restored restored -> throw new IllegalArgumentException(
-                    "the world went back to frame " + restored.frame() + ": write an image");
+            case WorldChange.Pushed pushed ->
+                    tree(
+                            "push",
+                            pushed.force().item().value(),
+                            "newtons",
+                            pushed.force().newtons(),
+                            "frames",
+                            pushed.force().frames());
+            case WorldChange.ColumnEdited column ->
+                    tree(
+                            "column",
+                            column.property(),
+                            "kind",
+                            column.kind(),
+                            "rows",
+                            columnRows == null
+                                    ? ""
+                                    : Base64.getEncoder().encodeToString(columnRows));
+            case WorldChange.Restored restored ->
+                    throw new IllegalArgumentException(
+                            "the world went back to frame "
+                                    + restored.frame()
+                                    + ": write an image");
         };
     }
 
@@ -72,8 +99,8 @@ public final class ChangeCodec {
         try {
             applyUnchecked(world, change);
         } catch (IllegalArgumentException | IllegalStateException | JacksonException e) {
-            throw new CorruptException("the change " + shortened(change)
-                    + " cannot be made: " + e.getMessage(), e);
+            throw new CorruptException(
+                    "the change " + shortened(change) + " cannot be made: " + e.getMessage(), e);
         }
     }
 
@@ -89,35 +116,43 @@ public final class ChangeCodec {
         } else if (change.has("rename")) {
             world.restoreName(id(change, "rename"), Trees.text(change, "to"));
         } else if (change.has("attach")) {
-            world.attach(id(change, "attach"), id(change, "parent"),
-                    pose(Trees.field(change, "pose")));
+            world.attach(
+                    id(change, "attach"), id(change, "parent"), pose(Trees.field(change, "pose")));
         } else if (change.has("detach")) {
             world.detach(id(change, "detach"));
         } else if (change.has("edit")) {
             edit(world.item(id(change, "edit")), change);
         } else if (change.has("push")) {
-            world.forces().add(new Forces.Force(id(change, "push"),
-                    Arrays.stream(Trees.numbers(Trees.field(change, "newtons"))).boxed().toList(),
-                    Trees.integer(change, "frames")));
+            world.forces()
+                    .add(
+                            new Forces.Force(
+                                    id(change, "push"),
+                                    Arrays.stream(Trees.numbers(Trees.field(change, "newtons")))
+                                            .boxed()
+                                            .toList(),
+                                    Trees.integer(change, "frames")));
         } else {
             writeColumn(world, change);
         }
     }
 
     private void add(World world, JsonNode change) {
-        List<ItemDefinition> items = Trees.list(change, "items").stream()
-                .map(texts::read).toList();
+        List<ItemDefinition> items = Trees.list(change, "items").stream().map(texts::read).toList();
         String maker = change.has("maker") ? Trees.text(change, "maker") : null;
         Item first = world.addAll(items, maker).getFirst();
         if (!first.id().equals(id(change, "add"))) {
-            throw new CorruptException(first + " was added, expected an item with the id "
-                    + id(change, "add"));
+            throw new CorruptException(
+                    first + " was added, expected an item with the id " + id(change, "add"));
         }
     }
 
     private Map<String, Object> added(WorldChange.Added added) {
-        Map<String, Object> tree = tree("add", added.first().value(), "items",
-                added.definitions().stream().map(texts::tree).toList());
+        Map<String, Object> tree =
+                tree(
+                        "add",
+                        added.first().value(),
+                        "items",
+                        added.definitions().stream().map(texts::tree).toList());
         if (added.maker() != null) {
             tree.put("maker", added.maker());
         }
@@ -125,8 +160,14 @@ public final class ChangeCodec {
     }
 
     private Map<String, Object> edited(WorldChange.Edited edited) {
-        Map<String, Object> tree = tree("edit", edited.item().value(),
-                "aspect", edited.aspect().name(), "property", edited.property());
+        Map<String, Object> tree =
+                tree(
+                        "edit",
+                        edited.item().value(),
+                        "aspect",
+                        edited.aspect().name(),
+                        "property",
+                        edited.property());
         Object to = edited.to();
         if (to != null) {
             tree.put("to", value(to));
@@ -140,8 +181,10 @@ public final class ChangeCodec {
             case Material material -> texts.write(material);
             case Colour colour -> colour.toString();
             case Action action -> texts.write(action);
-            case List<?> list -> list.stream()
-                    .map(element -> element instanceof ItemId id ? id.value() : element).toList();
+            case List<?> list ->
+                    list.stream()
+                            .map(element -> element instanceof ItemId id ? id.value() : element)
+                            .toList();
             default -> to;
         };
     }
@@ -179,14 +222,21 @@ public final class ChangeCodec {
                 double[] n = Trees.numbers(to);
                 item.physical().setOrientation(n[0], n[1], n[2], n[3]);
             }
-            case "shape" -> item.physical().setShape(
-                    texts.readShape(Trees.text("the field to", to)));
-            case "material" -> item.physical().setMaterial(to.isMissingNode() ? Optional.empty()
-                    : Optional.of(texts.readMaterial(Trees.text("the field to", to))));
-            case "colour" -> item.physical().setColour(
-                    Colour.parse(Trees.text("the field to", to)));
-            default -> throw new CorruptException(
-                    "the physical aspect has no " + property + " that could be set");
+            case "shape" ->
+                    item.physical().setShape(texts.readShape(Trees.text("the field to", to)));
+            case "material" ->
+                    item.physical()
+                            .setMaterial(
+                                    to.isMissingNode()
+                                            ? Optional.empty()
+                                            : Optional.of(
+                                                    texts.readMaterial(
+                                                            Trees.text("the field to", to))));
+            case "colour" ->
+                    item.physical().setColour(Colour.parse(Trees.text("the field to", to)));
+            default ->
+                    throw new CorruptException(
+                            "the physical aspect has no " + property + " that could be set");
         }
     }
 
@@ -210,12 +260,16 @@ public final class ChangeCodec {
     }
 
     private static void writeColumn(World world, JsonNode change) {
-        Column column = world.table(Trees.text(change, "kind"))
-                .column(Trees.text(change, "column"));
+        Column column =
+                world.table(Trees.text(change, "kind")).column(Trees.text(change, "column"));
         byte[] rows = Base64.getDecoder().decode(Trees.text(change, "rows"));
         if (rows.length != column.segment().byteSize()) {
-            throw new CorruptException(column + " holds " + column.segment().byteSize()
-                    + " bytes, found " + rows.length);
+            throw new CorruptException(
+                    column
+                            + " holds "
+                            + column.segment().byteSize()
+                            + " bytes, found "
+                            + rows.length);
         }
         MemorySegment.copy(rows, 0, column.segment(), ValueLayout.JAVA_BYTE, 0, rows.length);
         column.touch();

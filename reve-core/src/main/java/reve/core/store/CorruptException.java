@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.store;
 
 /** Bytes that were read are not what was written, or something else altogether. */
@@ -5,7 +6,9 @@ public final class CorruptException extends RuntimeException {
 
     private static final long serialVersionUID = 1L;
 
-    /** @param message what is wrong; a caller that knows puts in front of what */
+    /**
+     * @param message what is wrong; a caller that knows puts in front of what
+     */
     public CorruptException(String message) {
         super(message);
     }

@@ -1,12 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.store;
 
-import java.util.HashMap;
-import java.util.List;
-import java.util.Map;
-import reve.core.mesh.Assets;
 import reve.core.file.ItemWriter;
 import reve.core.file.WorldFile;
 import reve.core.file.WorldFileException;
+import reve.core.mesh.Assets;
 import reve.core.world.Action;
 import reve.core.world.ItemDefinition;
 import reve.core.world.ItemId;
@@ -15,7 +13,12 @@ import reve.core.world.Likeness;
 import reve.core.world.Material;
 import reve.core.world.Shape;
 import reve.core.world.WorldPrototype;
+
 import tools.jackson.databind.JsonNode;
+
+import java.util.HashMap;
+import java.util.List;
+import java.util.Map;
 
 /** Items and parts of them as the text that a world file has for them. One thread. */
 final class ItemTexts {
@@ -41,8 +44,10 @@ final class ItemTexts {
         Likeness likeness = item.likeness();
         String known = texts.get(likeness);
         if (known == null) {
-            known = item.kind().equals(WorldPrototype.WORLD)
-                    ? writer.write(withoutKind(item)) : writer.write(likeness);
+            known =
+                    item.kind().equals(WorldPrototype.WORLD)
+                            ? writer.write(withoutKind(item))
+                            : writer.write(likeness);
             if (texts.size() < MAX_KEPT) {
                 texts.put(likeness, known);
             }
@@ -64,8 +69,8 @@ final class ItemTexts {
 
     /** What is symbolic about an item of that id and name but symbols and attachment. */
     ItemSymbols read(ItemId id, String name, ItemDefinition likeness) {
-        ItemDefinition named = name.equals(WorldPrototype.WORLD) ? constants(likeness)
-                : likeness.renamed(name);
+        ItemDefinition named =
+                name.equals(WorldPrototype.WORLD) ? constants(likeness) : likeness.renamed(name);
         return new ItemSymbols(id, named);
     }
 
@@ -75,8 +80,8 @@ final class ItemTexts {
     }
 
     ItemDefinition read(JsonNode tree) {
-        return read(Trees.text(tree, "item")).withSymbols(
-                Trees.values(Trees.field(tree, "symbols")));
+        return read(Trees.text(tree, "item"))
+                .withSymbols(Trees.values(Trees.field(tree, "symbols")));
     }
 
     ItemDefinition read(String text) {
@@ -105,7 +110,8 @@ final class ItemTexts {
     }
 
     Material readMaterial(String text) {
-        return read(text).material()
+        return read(text)
+                .material()
                 .orElseThrow(() -> new CorruptException("found no material, expected one"));
     }
 

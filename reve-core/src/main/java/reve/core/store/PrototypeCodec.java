@@ -1,16 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.store;
 
-import java.util.LinkedHashMap;
-import java.util.List;
-import java.util.Map;
-import java.util.Optional;
 import reve.core.unit.Unit;
 import reve.core.world.PropertyDescriptor;
 import reve.core.world.ScalarType;
 import reve.core.world.SymbolDescriptor;
 import reve.core.world.SymbolType;
 import reve.core.world.WorldPrototype;
+
 import tools.jackson.databind.JsonNode;
+
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
 
 /** Prototypes as trees: the standard one's name, and what designers added to it. */
 public final class PrototypeCodec {
@@ -23,21 +26,41 @@ public final class PrototypeCodec {
         List<PropertyDescriptor> all = prototype.properties();
         Map<String, Object> tree = new LinkedHashMap<>();
         tree.put("name", prototype.name());
-        tree.put("added", all.subList(standard, all.size()).stream()
-                .map(PrototypeCodec::tree).toList());
-        tree.put("symbols", prototype.symbols().stream().map(symbol -> Map.of("name",
-                symbol.name(), "type", symbol.type().name(), "unit", symbol.unit().symbol(),
-                "doc", symbol.doc())).toList());
+        tree.put(
+                "added",
+                all.subList(standard, all.size()).stream().map(PrototypeCodec::tree).toList());
+        tree.put(
+                "symbols",
+                prototype.symbols().stream()
+                        .map(
+                                symbol ->
+                                        Map.of(
+                                                "name",
+                                                symbol.name(),
+                                                "type",
+                                                symbol.type().name(),
+                                                "unit",
+                                                symbol.unit().symbol(),
+                                                "doc",
+                                                symbol.doc()))
+                        .toList());
         return tree;
     }
 
-    /** @throws CorruptException if it is none */
+    /**
+     * @throws CorruptException if it is none
+     */
     public static WorldPrototype read(JsonNode tree) {
         try {
-            return WorldPrototype.standard(Trees.text(tree, "name")).extendedBy(
-                    Trees.list(tree, "added").stream().map(PrototypeCodec::property).toList())
-                    .withSymbols(Trees.list(tree, "symbols").stream()
-                            .map(PrototypeCodec::symbol).toList());
+            return WorldPrototype.standard(Trees.text(tree, "name"))
+                    .extendedBy(
+                            Trees.list(tree, "added").stream()
+                                    .map(PrototypeCodec::property)
+                                    .toList())
+                    .withSymbols(
+                            Trees.list(tree, "symbols").stream()
+                                    .map(PrototypeCodec::symbol)
+                                    .toList());
         } catch (IllegalArgumentException e) {
             throw new CorruptException("no prototype: " + e.getMessage(), e);
         }
@@ -59,18 +82,24 @@ public final class PrototypeCodec {
     }
 
     private static SymbolDescriptor symbol(JsonNode tree) {
-        return new SymbolDescriptor(Trees.text(tree, "name"),
+        return new SymbolDescriptor(
+                Trees.text(tree, "name"),
                 SymbolType.valueOf(Trees.text(tree, "type")),
-                Unit.parse(Trees.text(tree, "unit")), Trees.text(tree, "doc"));
+                Unit.parse(Trees.text(tree, "unit")),
+                Trees.text(tree, "doc"));
     }
 
     private static PropertyDescriptor property(JsonNode tree) {
-        return new PropertyDescriptor(Trees.text(tree, "name"), Trees.text(tree, "kind"),
+        return new PropertyDescriptor(
+                Trees.text(tree, "name"),
+                Trees.text(tree, "kind"),
                 ScalarType.valueOf(Trees.text(tree, "type")),
-                (int) Trees.integer(tree, "components"), Unit.parse(Trees.text(tree, "unit")),
+                (int) Trees.integer(tree, "components"),
+                Unit.parse(Trees.text(tree, "unit")),
                 Optional.ofNullable(tree.get("refersTo"))
                         .map(kind -> Trees.text("the field refersTo", kind)),
-                tree.has("minimum") ? Trees.number("the field minimum", tree.get("minimum"))
+                tree.has("minimum")
+                        ? Trees.number("the field minimum", tree.get("minimum"))
                         : Double.NEGATIVE_INFINITY,
                 Trees.text(tree, "doc"));
     }

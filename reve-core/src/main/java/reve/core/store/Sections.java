@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.store;
 
 import java.io.ByteArrayOutputStream;
@@ -22,37 +23,46 @@ public final class Sections {
 
     private Sections() {}
 
-    /** @param sections names of at most 255 bytes of UTF-8 */
+    /**
+     * @param sections names of at most 255 bytes of UTF-8
+     */
     public static byte[] write(Map<String, byte[]> sections) {
         var out = new ByteArrayOutputStream();
         out.writeBytes(MARK);
         out.writeBytes(little(Integer.BYTES).putInt(VERSION).array());
         out.writeBytes(little(Integer.BYTES).putInt(sections.size()).array());
-        sections.forEach((name, bytes) -> {
-            byte[] title = name.getBytes(StandardCharsets.UTF_8);
-            byte[] head = little(1 + title.length + Integer.BYTES).put((byte) title.length)
-                    .put(title).putInt(bytes.length).array();
-            out.writeBytes(head);
-            out.writeBytes(bytes);
-            out.writeBytes(checksum(head, bytes));
-        });
+        sections.forEach(
+                (name, bytes) -> {
+                    byte[] title = name.getBytes(StandardCharsets.UTF_8);
+                    byte[] head =
+                            little(1 + title.length + Integer.BYTES)
+                                    .put((byte) title.length)
+                                    .put(title)
+                                    .putInt(bytes.length)
+                                    .array();
+                    out.writeBytes(head);
+                    out.writeBytes(bytes);
+                    out.writeBytes(checksum(head, bytes));
+                });
         out.writeBytes(checksum(out.toByteArray()));
         return out.toByteArray();
     }
 
-    /** @throws CorruptException saying what is wrong where */
+    /**
+     * @throws CorruptException saying what is wrong where
+     */
     public static Map<String, byte[]> read(byte[] block) {
         if (block.length < MARK.length + 3 * Integer.BYTES
                 || !Arrays.equals(MARK, 0, MARK.length, block, 0, MARK.length)) {
-            throw new CorruptException("it begins with no mark of an image: it was cut, damaged, "
-                    + "or is none");
+            throw new CorruptException(
+                    "it begins with no mark of an image: it was cut, damaged, " + "or is none");
         }
         ByteBuffer in = ByteBuffer.wrap(block).order(ByteOrder.LITTLE_ENDIAN);
         in.position(MARK.length);
         int version = in.getInt();
         if (version != VERSION) {
-            throw new CorruptException("its format is version " + version + ", this program reads "
-                    + VERSION);
+            throw new CorruptException(
+                    "its format is version " + version + ", this program reads " + VERSION);
         }
         int end = block.length - Integer.BYTES;
         int count = in.getInt();

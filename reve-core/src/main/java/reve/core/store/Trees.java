@@ -1,14 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.store;
+
+import tools.jackson.core.JacksonException;
+import tools.jackson.core.exc.StreamConstraintsException;
+import tools.jackson.databind.JsonNode;
+import tools.jackson.databind.json.JsonMapper;
 
 import java.util.ArrayList;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.stream.IntStream;
-import tools.jackson.core.JacksonException;
-import tools.jackson.core.exc.StreamConstraintsException;
-import tools.jackson.databind.JsonNode;
-import tools.jackson.databind.json.JsonMapper;
 
 /**
  * Maps, lists, texts and numbers as JSON and back. Doubles come back to the bit. What does not have
@@ -17,12 +19,15 @@ import tools.jackson.databind.json.JsonMapper;
 public final class Trees {
 
     private static final JsonMapper MAPPER = new JsonMapper();
+
     /** Maximum length of a value in a message [characters]. */
     private static final int SHOWN = 80;
 
     private Trees() {}
 
-    /** @param tree of Map, List, String, Number and Boolean */
+    /**
+     * @param tree of Map, List, String, Number and Boolean
+     */
     public static byte[] write(Object tree) {
         return MAPPER.writeValueAsBytes(tree);
     }
@@ -32,8 +37,8 @@ public final class Trees {
         try {
             return MAPPER.readTree(json);
         } catch (StreamConstraintsException e) {
-            throw new CorruptException("JSON is nested too deep, or a text or number of it is too "
-                    + "long", e);
+            throw new CorruptException(
+                    "JSON is nested too deep, or a text or number of it is too " + "long", e);
         } catch (JacksonException e) {
             throw new CorruptException("no JSON: " + e.getOriginalMessage(), e);
         }
@@ -66,8 +71,8 @@ public final class Trees {
     static int count(JsonNode object, String name, int most) {
         long count = integer(object, name);
         if (count < 0 || count > most) {
-            throw new CorruptException("the field " + name + ": found " + count
-                    + ", expected 0 to " + most);
+            throw new CorruptException(
+                    "the field " + name + ": found " + count + ", expected 0 to " + most);
         }
         return (int) count;
     }
@@ -79,7 +84,9 @@ public final class Trees {
         return node.asLong();
     }
 
-    /** @param what it is, for a message */
+    /**
+     * @param what it is, for a message
+     */
     static String text(String what, JsonNode node) {
         if (!node.isString()) {
             throw other(what, node, "a text");
@@ -87,7 +94,9 @@ public final class Trees {
         return node.asString();
     }
 
-    /** @param what it is, for a message */
+    /**
+     * @param what it is, for a message
+     */
     public static double number(String what, JsonNode node) {
         if (!node.isNumber()) {
             throw other(what, node, "a number");
@@ -96,14 +105,19 @@ public final class Trees {
     }
 
     private static CorruptException other(String what, JsonNode found, String expected) {
-        String shown = switch (found.getNodeType()) {
-            case ARRAY -> "a list";
-            case OBJECT -> "an object";
-            case MISSING -> "nothing";
-            default -> found.toString();
-        };
-        return new CorruptException(what + ": found " + (shown.length() > SHOWN
-                ? shown.substring(0, SHOWN) + "..." : shown) + ", expected " + expected);
+        String shown =
+                switch (found.getNodeType()) {
+                    case ARRAY -> "a list";
+                    case OBJECT -> "an object";
+                    case MISSING -> "nothing";
+                    default -> found.toString();
+                };
+        return new CorruptException(
+                what
+                        + ": found "
+                        + (shown.length() > SHOWN ? shown.substring(0, SHOWN) + "..." : shown)
+                        + ", expected "
+                        + expected);
     }
 
     /** The elements of a list; none if it is not there. */
@@ -132,7 +146,8 @@ public final class Trees {
         if (node.isArray()) {
             return IntStream.range(0, node.size()).mapToObj(i -> value(node.get(i))).toList();
         }
-        return node.isBoolean() ? node.asBoolean()
+        return node.isBoolean()
+                ? node.asBoolean()
                 : node.isNumber() ? (Object) node.asDouble() : text("a value", node);
     }
 
@@ -141,6 +156,7 @@ public final class Trees {
             throw other("numbers", array, "a list");
         }
         return IntStream.range(0, array.size())
-                .mapToDouble(i -> number("a number", array.get(i))).toArray();
+                .mapToDouble(i -> number("a number", array.get(i)))
+                .toArray();
     }
 }

@@ -1,14 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.store;
+
+import reve.core.world.Column;
+import reve.core.world.ItemId;
+import reve.core.world.Table;
+import reve.core.world.World;
 
 import java.lang.foreign.MemorySegment;
 import java.lang.foreign.ValueLayout;
 import java.util.ArrayList;
 import java.util.List;
 import java.util.Optional;
-import reve.core.world.Column;
-import reve.core.world.ItemId;
-import reve.core.world.Table;
-import reve.core.world.World;
 
 /**
  * A short summary of all columns of a world, two numbers for each: the sum of a hash of every row,
@@ -112,8 +114,10 @@ public final class WorldDigest {
         boolean wide = column.type().bytes() == Long.BYTES;
         for (int row = 0; row < table.rowCount(); row++) {
             long first = (long) row * components;
-            long hash = wide ? hashLongs(values, first, components)
-                    : hashInts(values, first, components);
+            long hash =
+                    wide
+                            ? hashLongs(values, first, components)
+                            : hashInts(values, first, components);
             plain += hash;
             weighted += hash * table.idAt(row).value();
         }

@@ -1,15 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.store;
 
-import java.lang.foreign.MemorySegment;
-import java.lang.foreign.ValueLayout;
-import java.nio.ByteOrder;
-import java.util.ArrayList;
-import java.util.LinkedHashMap;
-import java.util.List;
-import java.util.Map;
 import org.jspecify.annotations.Nullable;
 import org.pcollections.PMap;
 import org.pcollections.TreePMap;
+
 import reve.core.mesh.Assets;
 import reve.core.world.Attachment;
 import reve.core.world.Forces;
@@ -19,8 +14,17 @@ import reve.core.world.ItemSymbols;
 import reve.core.world.TableCopy;
 import reve.core.world.WorldImage;
 import reve.core.world.WorldPrototype;
+
 import tools.jackson.core.JacksonException;
 import tools.jackson.databind.JsonNode;
+
+import java.lang.foreign.MemorySegment;
+import java.lang.foreign.ValueLayout;
+import java.nio.ByteOrder;
+import java.util.ArrayList;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
 
 /**
  * World images as sections: {@code world} and {@code items} (JSON), and the bytes of each column
@@ -33,7 +37,9 @@ public final class WorldImageCodec {
 
     private final ItemTexts texts;
 
-    /** @param assets where the items' mesh and texture files are */
+    /**
+     * @param assets where the items' mesh and texture files are
+     */
     public WorldImageCodec(WorldPrototype prototype, Assets assets) {
         texts = new ItemTexts(prototype, assets);
     }
@@ -93,11 +99,30 @@ public final class WorldImageCodec {
         world.put("frame", image.frame());
         world.put("age", image.age());
         world.put("lastId", image.lastId());
-        world.put("forces", image.forces().stream().map(force -> List.of(
-                force.item().value(), force.newtons(), force.frames())).toList());
+        world.put(
+                "forces",
+                image.forces().stream()
+                        .map(
+                                force ->
+                                        List.of(
+                                                force.item().value(),
+                                                force.newtons(),
+                                                force.frames()))
+                        .toList());
         world.put("byteOrder", ByteOrder.nativeOrder().toString());
-        world.put("tables", image.tables().stream().map(table -> Map.of("kind", table.kind(),
-                "rows", table.rowCount(), "physicsRows", table.physicsRowCount())).toList());
+        world.put(
+                "tables",
+                image.tables().stream()
+                        .map(
+                                table ->
+                                        Map.of(
+                                                "kind",
+                                                table.kind(),
+                                                "rows",
+                                                table.rowCount(),
+                                                "physicsRows",
+                                                table.physicsRowCount()))
+                        .toList());
         return world;
     }
 
@@ -106,8 +131,10 @@ public final class WorldImageCodec {
         if (newtons.length != 3) {
             throw new CorruptException("a force has " + newtons.length + " components");
         }
-        return new Forces.Force(new ItemId(Trees.integer(tree.path(0))),
-                List.of(newtons[0], newtons[1], newtons[2]), Trees.integer(tree.path(2)));
+        return new Forces.Force(
+                new ItemId(Trees.integer(tree.path(0))),
+                List.of(newtons[0], newtons[1], newtons[2]),
+                Trees.integer(tree.path(2)));
     }
 
     /**
@@ -123,8 +150,8 @@ public final class WorldImageCodec {
         for (ItemSymbols item : symbols.values()) {
             String text = texts.write(item);
             int place = places.computeIfAbsent(text, any -> places.size());
-            List<Object> entry = new ArrayList<>(
-                    List.of(item.id().value(), item.name(), place, item.given()));
+            List<Object> entry =
+                    new ArrayList<>(List.of(item.id().value(), item.name(), place, item.given()));
             Attachment attachment = item.attachment();
             if (attachment != null) {
                 entry.add(attachment.parent().value());
@@ -135,17 +162,25 @@ public final class WorldImageCodec {
                 derived.add(List.of(item.id().value(), item.derived()));
             }
             if (item.maker() != null) {
-                made.computeIfAbsent(item.maker(), any -> new ArrayList<>())
-                        .add(item.id().value());
+                made.computeIfAbsent(item.maker(), any -> new ArrayList<>()).add(item.id().value());
             }
         }
-        return Map.of("texts", List.copyOf(places.keySet()), "items", items, "derived", derived,
-                "made", made);
+        return Map.of(
+                "texts",
+                List.copyOf(places.keySet()),
+                "items",
+                items,
+                "derived",
+                derived,
+                "made",
+                made);
     }
 
     private PMap<ItemId, ItemSymbols> readItems(JsonNode tree) {
-        List<ItemDefinition> definitions = Trees.list(tree, "texts").stream()
-                .map(text -> texts.read(Trees.text("an item", text))).toList();
+        List<ItemDefinition> definitions =
+                Trees.list(tree, "texts").stream()
+                        .map(text -> texts.read(Trees.text("an item", text)))
+                        .toList();
         Map<ItemId, ItemSymbols> items = new LinkedHashMap<>();
         for (JsonNode entry : Trees.list(tree, "items")) {
             var id = new ItemId(Trees.integer(entry.path(0)));
@@ -154,13 +189,17 @@ public final class WorldImageCodec {
                 throw new CorruptException("item " + id + " has no text");
             }
             String name = Trees.text("a name", entry.path(1));
-            items.put(id, texts.read(id, name, definitions.get(place))
-                    .withGiven(Trees.values(entry.path(3))).attached(attachment(entry)));
+            items.put(
+                    id,
+                    texts.read(id, name, definitions.get(place))
+                            .withGiven(Trees.values(entry.path(3)))
+                            .attached(attachment(entry)));
         }
         for (JsonNode entry : Trees.list(tree, "derived")) {
             var id = new ItemId(Trees.integer(entry.path(0)));
-            if (items.computeIfPresent(id, (any, item) ->
-                    item.withDerived(Trees.values(entry.path(1)))) == null) {
+            if (items.computeIfPresent(
+                            id, (any, item) -> item.withDerived(Trees.values(entry.path(1))))
+                    == null) {
                 throw new CorruptException("symbols of item " + id + ", which is not there");
             }
         }
@@ -180,13 +219,15 @@ public final class WorldImageCodec {
         if (entry.size() <= 4) {
             return null;
         }
-        return new Attachment(new ItemId(Trees.integer(entry.get(4))),
-                ChangeCodec.pose(entry.path(5)));
+        return new Attachment(
+                new ItemId(Trees.integer(entry.get(4))), ChangeCodec.pose(entry.path(5)));
     }
 
-    /** @param items how many there are: each has a row in one table at most */
-    private static void readTable(JsonNode tree, int items, Map<String, byte[]> sections,
-            TableCopy into) {
+    /**
+     * @param items how many there are: each has a row in one table at most
+     */
+    private static void readTable(
+            JsonNode tree, int items, Map<String, byte[]> sections, TableCopy into) {
         String kind = Trees.text(tree, "kind");
         if (!kind.equals(into.kind())) {
             throw new CorruptException("kind " + kind + ", expected " + into.kind());
@@ -201,8 +242,12 @@ public final class WorldImageCodec {
             } else if (bytes.length == column.byteSize()) {
                 MemorySegment.copy(bytes, 0, column, ValueLayout.JAVA_BYTE, 0, bytes.length);
             } else {
-                throw new CorruptException(section(into, i) + " has " + bytes.length
-                        + " bytes, expected " + column.byteSize());
+                throw new CorruptException(
+                        section(into, i)
+                                + " has "
+                                + bytes.length
+                                + " bytes, expected "
+                                + column.byteSize());
             }
         }
     }

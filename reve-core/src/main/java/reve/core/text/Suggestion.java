@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.text;
 
 import java.util.Arrays;
@@ -9,8 +10,10 @@ import java.util.Locale;
 public final class Suggestion {
     /** Names beyond these are not looked at, so that a wrong file is refused quickly. */
     private static final int MAX_CANDIDATES = 1_000;
+
     /** Longest text for which a name is looked for; names of items are no longer. */
     private static final int MAX_LENGTH = 128;
+
     /** Most letters in which a name may differ from what was written. */
     private static final int MAX_DISTANCE = 8;
 
@@ -24,13 +27,18 @@ public final class Suggestion {
         int limit = Math.clamp(wrong.length() / 3, 1, MAX_DISTANCE);
         String written = lower(wrong);
         record Candidate(String name, int distance) {}
-        return known.stream().limit(MAX_CANDIDATES)
+        return known.stream()
+                .limit(MAX_CANDIDATES)
                 .filter(name -> Math.abs(name.length() - wrong.length()) <= limit)
                 .map(name -> new Candidate(name, distance(written, lower(name), limit)))
-                .filter(candidate -> candidate.distance <= limit
-                        && candidate.distance < Math.min(wrong.length(), candidate.name.length()))
+                .filter(
+                        candidate ->
+                                candidate.distance <= limit
+                                        && candidate.distance
+                                                < Math.min(wrong.length(), candidate.name.length()))
                 .min(Comparator.comparingInt(Candidate::distance))
-                .map(candidate -> "; did you mean `" + candidate.name + "`?").orElse("");
+                .map(candidate -> "; did you mean `" + candidate.name + "`?")
+                .orElse("");
     }
 
     private static String lower(String text) {
@@ -57,9 +65,11 @@ public final class Suggestion {
             int least = row[0];
             for (int j = Math.max(1, i - limit); j <= Math.min(b.length(), i + limit); j++) {
                 boolean same = a.charAt(i - 1) == b.charAt(j - 1);
-                int distance = Math.min(above[j - 1] + (same ? 0 : 1),
-                        Math.min(above[j], row[j - 1]) + 1);
-                if (i > 1 && j > 1 && a.charAt(i - 1) == b.charAt(j - 2)
+                int distance =
+                        Math.min(above[j - 1] + (same ? 0 : 1), Math.min(above[j], row[j - 1]) + 1);
+                if (i > 1
+                        && j > 1
+                        && a.charAt(i - 1) == b.charAt(j - 2)
                         && a.charAt(i - 2) == b.charAt(j - 1)) {
                     distance = Math.min(distance, twoAbove[j - 2] + 1);
                 }

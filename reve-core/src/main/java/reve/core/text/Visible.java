@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.text;
 
 import java.util.Locale;
@@ -44,19 +45,23 @@ public final class Visible {
             return document;
         }
         var out = new StringBuilder(document.length() + 16);
-        document.codePoints().forEach(c -> {
-            if (c <= LAST_ASCII || isSafe(c)) {
-                out.appendCodePoint(c);
-            } else {
-                for (char unit : Character.toChars(c)) {
-                    out.append(String.format(Locale.ROOT, "\\u%04x", (int) unit));
-                }
-            }
-        });
+        document.codePoints()
+                .forEach(
+                        c -> {
+                            if (c <= LAST_ASCII || isSafe(c)) {
+                                out.appendCodePoint(c);
+                            } else {
+                                for (char unit : Character.toChars(c)) {
+                                    out.append(String.format(Locale.ROOT, "\\u%04x", (int) unit));
+                                }
+                            }
+                        });
         return out.toString();
     }
 
-    /** @param least the first ASCII character that needs no look */
+    /**
+     * @param least the first ASCII character that needs no look
+     */
     private static boolean isSafe(String text, int least) {
         for (int i = 0; i < text.length(); i++) {
             char c = text.charAt(i);
@@ -69,9 +74,13 @@ public final class Visible {
 
     private static boolean isSafe(int codePoint) {
         return switch (Character.getType(codePoint)) {
-            case Character.CONTROL, Character.SURROGATE, Character.PRIVATE_USE,
-                    Character.UNASSIGNED, Character.LINE_SEPARATOR,
-                    Character.PARAGRAPH_SEPARATOR -> false;
+            case Character.CONTROL,
+                    Character.SURROGATE,
+                    Character.PRIVATE_USE,
+                    Character.UNASSIGNED,
+                    Character.LINE_SEPARATOR,
+                    Character.PARAGRAPH_SEPARATOR ->
+                    false;
             case Character.SPACE_SEPARATOR -> codePoint == ' ';
             case Character.FORMAT -> codePoint == JOINER || codePoint == NON_JOINER;
             default -> true;

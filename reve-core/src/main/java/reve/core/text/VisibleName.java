@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.text;
 
 import java.lang.Character.UnicodeScript;
@@ -14,13 +15,27 @@ import java.util.Set;
 public final class VisibleName {
     private static final int NON_JOINER = 0x200C;
     private static final int JOINER = 0x200D;
+
     /** Scripts whose letters a joiner or a non-joiner gives another form. */
-    private static final Set<UnicodeScript> JOINED = EnumSet.of(UnicodeScript.ARABIC,
-            UnicodeScript.SYRIAC, UnicodeScript.MONGOLIAN, UnicodeScript.NKO,
-            UnicodeScript.DEVANAGARI, UnicodeScript.BENGALI, UnicodeScript.GURMUKHI,
-            UnicodeScript.GUJARATI, UnicodeScript.ORIYA, UnicodeScript.TAMIL, UnicodeScript.TELUGU,
-            UnicodeScript.KANNADA, UnicodeScript.MALAYALAM, UnicodeScript.SINHALA,
-            UnicodeScript.KHMER, UnicodeScript.MYANMAR, UnicodeScript.TIBETAN);
+    private static final Set<UnicodeScript> JOINED =
+            EnumSet.of(
+                    UnicodeScript.ARABIC,
+                    UnicodeScript.SYRIAC,
+                    UnicodeScript.MONGOLIAN,
+                    UnicodeScript.NKO,
+                    UnicodeScript.DEVANAGARI,
+                    UnicodeScript.BENGALI,
+                    UnicodeScript.GURMUKHI,
+                    UnicodeScript.GUJARATI,
+                    UnicodeScript.ORIYA,
+                    UnicodeScript.TAMIL,
+                    UnicodeScript.TELUGU,
+                    UnicodeScript.KANNADA,
+                    UnicodeScript.MALAYALAM,
+                    UnicodeScript.SINHALA,
+                    UnicodeScript.KHMER,
+                    UnicodeScript.MYANMAR,
+                    UnicodeScript.TIBETAN);
 
     private VisibleName() {}
 
@@ -33,8 +48,8 @@ public final class VisibleName {
         for (int i = 0; i < text.length(); i += Character.charCount(text.codePointAt(i))) {
             int character = text.codePointAt(i);
             if (isHidden(character) && !isNeeded(text, i, character)) {
-                return Optional.of("contains " + name(character) + ", " + effect(character)
-                        + "; remove it");
+                return Optional.of(
+                        "contains " + name(character) + ", " + effect(character) + "; remove it");
             }
         }
         return Optional.empty();
@@ -50,8 +65,12 @@ public final class VisibleName {
             return character < 0x20;
         }
         return switch (Character.getType(character)) {
-            case Character.CONTROL, Character.FORMAT, Character.LINE_SEPARATOR,
-                    Character.PARAGRAPH_SEPARATOR, Character.SURROGATE -> true;
+            case Character.CONTROL,
+                    Character.FORMAT,
+                    Character.LINE_SEPARATOR,
+                    Character.PARAGRAPH_SEPARATOR,
+                    Character.SURROGATE ->
+                    true;
             default -> isFiller(character) || isVariation(character);
         };
     }
@@ -59,8 +78,9 @@ public final class VisibleName {
     private static boolean isFiller(int character) {
         return switch (character) {
             case 0x034F, 0x115F, 0x1160, 0x17B4, 0x17B5, 0x2065, 0x2800, 0x3164, 0xFFA0 -> true;
-            default -> character >= 0xFFF0 && character <= 0xFFF8
-                    || character >= 0xE0000 && character <= 0xE0FFF;
+            default ->
+                    character >= 0xFFF0 && character <= 0xFFF8
+                            || character >= 0xE0000 && character <= 0xE0FFF;
         };
     }
 
@@ -77,7 +97,8 @@ public final class VisibleName {
         }
         int before = text.codePointBefore(at);
         if (isVariation(character)) {
-            return Character.isIdeographic(before) || Character.isEmoji(before)
+            return Character.isIdeographic(before)
+                    || Character.isEmoji(before)
                     || UnicodeScript.of(before) == UnicodeScript.MONGOLIAN;
         }
         if (character != JOINER && character != NON_JOINER) {
@@ -88,13 +109,13 @@ public final class VisibleName {
             return end < text.length() && isPicture(text.codePointAt(end));
         }
         UnicodeScript script = UnicodeScript.of(before);
-        return JOINED.contains(script) && (character == JOINER || end < text.length())
+        return JOINED.contains(script)
+                && (character == JOINER || end < text.length())
                 && (end == text.length() || UnicodeScript.of(text.codePointAt(end)) == script);
     }
 
     private static boolean isPicture(int character) {
-        return Character.isExtendedPictographic(character)
-                || Character.isEmojiModifier(character);
+        return Character.isExtendedPictographic(character) || Character.isEmojiModifier(character);
     }
 
     private static String effect(int character) {
@@ -102,20 +123,25 @@ public final class VisibleName {
             case Character.LINE_SEPARATOR, Character.PARAGRAPH_SEPARATOR -> "which ends a line";
             case Character.CONTROL -> "a control character";
             case Character.SURROGATE -> "half of a surrogate pair";
-            default -> isDirection(character) ? "which changes the direction of text"
-                    : "which is not seen";
+            default ->
+                    isDirection(character)
+                            ? "which changes the direction of text"
+                            : "which is not seen";
         };
     }
 
     private static boolean isDirection(int character) {
-        return character == 0x061C || character == 0x200E || character == 0x200F
+        return character == 0x061C
+                || character == 0x200E
+                || character == 0x200F
                 || character >= 0x202A && character <= 0x202E
                 || character >= 0x2066 && character <= 0x2069;
     }
 
     private static String name(int character) {
         String name = Character.getName(character);
-        return name == null ? code(character)
+        return name == null
+                ? code(character)
                 : code(character) + " (" + name.toLowerCase(Locale.ROOT) + ")";
     }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /** Foreign text, made safe to show. */
 @NullMarked
 package reve.core.text;

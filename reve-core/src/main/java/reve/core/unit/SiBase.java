@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.unit;
 
 /** The seven SI base units, in the order in which {@link Unit#exponents()} gives them. */

@@ -1,11 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.unit;
 
 import java.util.Arrays;
 
 /**
  * A physical unit: {@code scale * m^a * kg^b * s^c * A^d * K^e * mol^f * cd^g}. Angles are numbers
- * (rad = 1). Units with a zero point of their own (degrees Celsius) do not exist here: a number
- * in a unit becomes a number in SI by one multiplication.
+ * (rad = 1). Units with a zero point of their own (degrees Celsius) do not exist here: a number in
+ * a unit becomes a number in SI by one multiplication.
  *
  * <p>Immutable, any thread. Two units are equal when dimension and scale are; the symbol is only
  * how it was written.
@@ -66,8 +67,8 @@ public final class Unit {
     }
 
     /**
-     * The number in unit {@code to} that a number in this unit stands for; exactly the same
-     * number where the scales are equal.
+     * The number in unit {@code to} that a number in this unit stands for; exactly the same number
+     * where the scales are equal.
      *
      * @throws IllegalArgumentException if the dimensions differ
      */

@@ -1,18 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.unit;
 
-import java.util.Locale;
-import java.util.Map;
-import java.util.ResourceBundle;
-import java.util.regex.Matcher;
-import java.util.regex.Pattern;
-import javax.measure.Dimension;
-import javax.measure.UnitConverter;
 import tech.units.indriya.AbstractUnit;
 import tech.units.indriya.format.EBNFUnitFormat;
 import tech.units.indriya.format.SymbolMap;
 import tech.units.indriya.format.TokenMgrError;
 import tech.units.indriya.unit.UnitDimension;
 import tech.units.indriya.unit.Units;
+
+import java.util.Locale;
+import java.util.Map;
+import java.util.ResourceBundle;
+import java.util.regex.Matcher;
+import java.util.regex.Pattern;
+
+import javax.measure.Dimension;
+import javax.measure.UnitConverter;
 
 /**
  * Text to {@link Unit} by way of the units library. Its grammar is wider than a unit of ours
@@ -22,17 +25,20 @@ final class UnitParser {
     private static final int MAX_LENGTH = 64;
     private static final Pattern ALLOWED = Pattern.compile("[\\p{L}%°℃0-9²³*·/^()\\-]+");
     private static final Pattern NAME = Pattern.compile("[\\p{L}%°℃]+");
+
     /** Largest product of all exponents: the library takes a step of recursion for each. */
     private static final int MAX_POWER = 1000;
+
     private static final Pattern NUMBER = Pattern.compile("(\\^-?)?\\d+");
-    private static final Map<Dimension, SiBase> BASES = Map.of(
-            UnitDimension.LENGTH, SiBase.METRE,
-            UnitDimension.MASS, SiBase.KILOGRAM,
-            UnitDimension.TIME, SiBase.SECOND,
-            UnitDimension.ELECTRIC_CURRENT, SiBase.AMPERE,
-            UnitDimension.TEMPERATURE, SiBase.KELVIN,
-            UnitDimension.AMOUNT_OF_SUBSTANCE, SiBase.MOLE,
-            UnitDimension.LUMINOUS_INTENSITY, SiBase.CANDELA);
+    private static final Map<Dimension, SiBase> BASES =
+            Map.of(
+                    UnitDimension.LENGTH, SiBase.METRE,
+                    UnitDimension.MASS, SiBase.KILOGRAM,
+                    UnitDimension.TIME, SiBase.SECOND,
+                    UnitDimension.ELECTRIC_CURRENT, SiBase.AMPERE,
+                    UnitDimension.TEMPERATURE, SiBase.KELVIN,
+                    UnitDimension.AMOUNT_OF_SUBSTANCE, SiBase.MOLE,
+                    UnitDimension.LUMINOUS_INTENSITY, SiBase.CANDELA);
     private static final EBNFUnitFormat FORMAT = EBNFUnitFormat.getInstance(symbols());
 
     private UnitParser() {}
@@ -50,8 +56,10 @@ final class UnitParser {
 
     /** The library's base symbols whatever the machine's language, and a few that it lacks. */
     private static SymbolMap symbols() {
-        SymbolMap symbols = SymbolMap.of(
-                ResourceBundle.getBundle("tech.units.indriya.format.messages", Locale.ROOT));
+        SymbolMap symbols =
+                SymbolMap.of(
+                        ResourceBundle.getBundle(
+                                "tech.units.indriya.format.messages", Locale.ROOT));
         var degree = Units.RADIAN.multiply(Math.PI / 180);
         symbols.alias(degree, "deg");
         symbols.alias(degree, "°");
@@ -71,7 +79,8 @@ final class UnitParser {
             throw refuse(text, "it is empty; a plain number has the unit 1");
         }
         if (symbol.length() > MAX_LENGTH) {
-            throw refuse(text.substring(0, MAX_LENGTH) + "…",
+            throw refuse(
+                    text.substring(0, MAX_LENGTH) + "…",
                     "it is longer than " + MAX_LENGTH + " characters");
         }
         if (!ALLOWED.matcher(symbol).matches()) {
@@ -90,8 +99,11 @@ final class UnitParser {
             }
             boolean leadingOne = number.start() == 0 && symbol.startsWith("1/");
             if (!exponent && !leadingOne) {
-                throw refuse(text, "the number " + number.group()
-                        + " is no exponent; write m^2 for square metres");
+                throw refuse(
+                        text,
+                        "the number "
+                                + number.group()
+                                + " is no exponent; write m^2 for square metres");
             }
         }
     }
@@ -138,13 +150,14 @@ final class UnitParser {
         if (factors == null) { // a base dimension itself
             factors = Map.of(dimension, 1);
         }
-        factors.forEach((factor, exponent) -> {
-            SiBase base = BASES.get(factor);
-            if (base == null || exponent != exponent.byteValue()) {
-                throw refuse(text, "its dimension " + dimension + " is out of range");
-            }
-            exponents[base.ordinal()] = exponent.byteValue();
-        });
+        factors.forEach(
+                (factor, exponent) -> {
+                    SiBase base = BASES.get(factor);
+                    if (base == null || exponent != exponent.byteValue()) {
+                        throw refuse(text, "its dimension " + dimension + " is out of range");
+                    }
+                    exponents[base.ordinal()] = exponent.byteValue();
+                });
         return exponents;
     }
 

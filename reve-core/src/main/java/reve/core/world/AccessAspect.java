@@ -1,9 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
+
+import org.jspecify.annotations.Nullable;
 
 import java.util.ArrayList;
 import java.util.List;
 import java.util.Optional;
-import org.jspecify.annotations.Nullable;
 
 /** What agents can do with an item. World's thread only. */
 public final class AccessAspect {
@@ -56,9 +58,11 @@ public final class AccessAspect {
         } else {
             changed.remove(from);
         }
-        item.world().setSymbols(item, item.symbols().with(
-                item.symbols().likeness().with(List.copyOf(changed))));
-        item.world().note(
-                new WorldChange.Edited(item.id(), WorldChange.Aspect.ACCESS, name, from, to));
+        item.world()
+                .setSymbols(
+                        item,
+                        item.symbols().with(item.symbols().likeness().with(List.copyOf(changed))));
+        item.world()
+                .note(new WorldChange.Edited(item.id(), WorldChange.Aspect.ACCESS, name, from, to));
     }
 }

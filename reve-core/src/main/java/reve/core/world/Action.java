@@ -1,10 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
 import java.util.List;
 
-/**
- * Something that can be done to an item. Implementations are immutable and shared by items.
- */
+/** Something that can be done to an item. Implementations are immutable and shared by items. */
 public interface Action {
     /** Unique within an item: {@code push}. */
     String name();

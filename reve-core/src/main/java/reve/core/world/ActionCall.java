@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
 import java.util.List;
@@ -14,15 +15,27 @@ import java.util.Optional;
  * @param quota how many items it may create
  * @param events how many bytes of events it may raise
  */
-public record ActionCall(World world, long frame, Item target, Optional<Item> actor,
-        Arguments arguments, List<String> capabilities, ItemQuota quota,
+public record ActionCall(
+        World world,
+        long frame,
+        Item target,
+        Optional<Item> actor,
+        Arguments arguments,
+        List<String> capabilities,
+        ItemQuota quota,
         EventBudget events) {
 
     /** With all capabilities that the actor has, and no limits. */
-    public ActionCall(World world, long frame, Item target, Optional<Item> actor,
-            Arguments arguments) {
-        this(world, frame, target, actor, arguments,
-                actor.map(item -> item.access().capabilities()).orElse(List.of()), ItemQuota.NONE,
+    public ActionCall(
+            World world, long frame, Item target, Optional<Item> actor, Arguments arguments) {
+        this(
+                world,
+                frame,
+                target,
+                actor,
+                arguments,
+                actor.map(item -> item.access().capabilities()).orElse(List.of()),
+                ItemQuota.NONE,
                 EventBudget.unlimited());
     }
 }

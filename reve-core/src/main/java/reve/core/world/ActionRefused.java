@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
 import org.jspecify.annotations.Nullable;
 
 /**
- * An action was refused; the world is as it was before. The code is for programs and never
- * changes its meaning, the message is for people.
+ * An action was refused; the world is as it was before. The code is for programs and never changes
+ * its meaning, the message is for people.
  */
 public final class ActionRefused extends Exception {
     private static final long serialVersionUID = 1L;
@@ -15,7 +16,9 @@ public final class ActionRefused extends Exception {
         this(code, message, null);
     }
 
-    /** @param cause what went wrong in the action itself, for the log */
+    /**
+     * @param cause what went wrong in the action itself, for the log
+     */
     public ActionRefused(String code, String message, @Nullable Throwable cause) {
         super(message, cause);
         this.code = code;

@@ -1,7 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
-import java.util.concurrent.atomic.AtomicReference;
 import org.jspecify.annotations.Nullable;
+
+import java.util.concurrent.atomic.AtomicReference;
 
 /**
  * What the thread of a world does now: the rule, condition or Java action that a frame would wait

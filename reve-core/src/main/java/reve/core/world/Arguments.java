@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
 import java.util.LinkedHashMap;
@@ -6,8 +7,8 @@ import java.util.Map;
 import java.util.stream.Collectors;
 
 /**
- * The arguments of one call, checked against the action's parameters: none is missing, unknown,
- * of the wrong type or length, or not finite. Immutable, any thread.
+ * The arguments of one call, checked against the action's parameters: none is missing, unknown, of
+ * the wrong type or length, or not finite. Immutable, any thread.
  */
 public final class Arguments {
     /** Longest text an argument may be [characters]. */
@@ -23,24 +24,36 @@ public final class Arguments {
      * Checks what a caller gave: per parameter a {@link Number}, a {@link List} of numbers, a
      * {@link String} or a {@link Boolean}.
      *
-     * @throws ActionRefused with code {@code missing-argument}, {@code unknown-argument},
-     *     {@code wrong-type}, {@code wrong-components}, {@code not-finite} or
-     *     {@code out-of-range}; the message names action and parameter and what it takes
+     * @throws ActionRefused with code {@code missing-argument}, {@code unknown-argument}, {@code
+     *     wrong-type}, {@code wrong-components}, {@code not-finite} or {@code out-of-range}; the
+     *     message names action and parameter and what it takes
      */
     public static Arguments check(Action action, Map<String, ?> given) throws ActionRefused {
         var values = new LinkedHashMap<String, Object>();
         for (Parameter parameter : action.parameters()) {
             Object argument = given.get(parameter.name());
             if (argument == null) {
-                throw new ActionRefused("missing-argument", "action " + action.name() + " needs `"
-                        + parameter.name() + "`, " + parameter.expectation());
+                throw new ActionRefused(
+                        "missing-argument",
+                        "action "
+                                + action.name()
+                                + " needs `"
+                                + parameter.name()
+                                + "`, "
+                                + parameter.expectation());
             }
             values.put(parameter.name(), checked(action, parameter, argument));
         }
         for (String name : given.keySet()) {
             if (!values.containsKey(name)) {
-                throw new ActionRefused("unknown-argument", "action " + action.name() + " has no `"
-                        + name + "`; it takes " + parameterNames(action));
+                throw new ActionRefused(
+                        "unknown-argument",
+                        "action "
+                                + action.name()
+                                + " has no `"
+                                + name
+                                + "`; it takes "
+                                + parameterNames(action));
             }
         }
         return new Arguments(values);
@@ -68,9 +81,13 @@ public final class Arguments {
     private <T> T get(String name, Class<T> type) {
         Object value = values.get(name);
         if (!type.isInstance(value)) {
-            throw new IllegalArgumentException("argument `" + name + "` is "
-                    + (value == null ? "no parameter of this action"
-                            : "a " + value.getClass().getSimpleName()));
+            throw new IllegalArgumentException(
+                    "argument `"
+                            + name
+                            + "` is "
+                            + (value == null
+                                    ? "no parameter of this action"
+                                    : "a " + value.getClass().getSimpleName()));
         }
         return type.cast(value);
     }
@@ -84,13 +101,20 @@ public final class Arguments {
                     throw wrongType(action, parameter, argument);
                 }
                 if (text.length() > MAX_TEXT_LENGTH) {
-                    throw new ActionRefused("wrong-type", subject(action, parameter) + " takes a "
-                            + "text of at most " + MAX_TEXT_LENGTH + " characters, found "
-                            + text.length());
+                    throw new ActionRefused(
+                            "wrong-type",
+                            subject(action, parameter)
+                                    + " takes a "
+                                    + "text of at most "
+                                    + MAX_TEXT_LENGTH
+                                    + " characters, found "
+                                    + text.length());
                 }
                 if (!Names.isUnicode(text)) {
-                    throw new ActionRefused("wrong-type", subject(action, parameter)
-                            + " takes Unicode text, found half of a surrogate pair");
+                    throw new ActionRefused(
+                            "wrong-type",
+                            subject(action, parameter)
+                                    + " takes Unicode text, found half of a surrogate pair");
                 }
                 yield text;
             }
@@ -112,34 +136,52 @@ public final class Arguments {
             }
         }
         if (list.size() != parameter.components()) {
-            throw new ActionRefused("wrong-components", subject(action, parameter) + " takes "
-                    + parameter.expectation() + ", found " + list.size() + " numbers");
+            throw new ActionRefused(
+                    "wrong-components",
+                    subject(action, parameter)
+                            + " takes "
+                            + parameter.expectation()
+                            + ", found "
+                            + list.size()
+                            + " numbers");
         }
         double[] numbers = new double[list.size()];
         for (int i = 0; i < numbers.length; i++) {
             numbers[i] = ((Number) list.get(i)).doubleValue();
             if (!Double.isFinite(numbers[i])) {
-                throw new ActionRefused("not-finite", subject(action, parameter)
-                        + " takes finite numbers, found " + list.get(i));
+                throw new ActionRefused(
+                        "not-finite",
+                        subject(action, parameter) + " takes finite numbers, found " + list.get(i));
             }
             if (numbers[i] < parameter.minimum() || numbers[i] > parameter.maximum()) {
-                throw new ActionRefused("out-of-range", subject(action, parameter) + " takes "
-                        + parameter.expectation() + ", found " + list.get(i));
+                throw new ActionRefused(
+                        "out-of-range",
+                        subject(action, parameter)
+                                + " takes "
+                                + parameter.expectation()
+                                + ", found "
+                                + list.get(i));
             }
         }
         return numbers;
     }
 
     private static ActionRefused wrongType(Action action, Parameter parameter, Object found) {
-        String what = switch (found) {
-            case String text -> "a text";
-            case Boolean truth -> "a truth value";
-            case Number number -> "a number";
-            case List<?> list -> "a list";
-            default -> "something else";
-        };
-        return new ActionRefused("wrong-type", subject(action, parameter) + " takes "
-                + parameter.expectation() + ", found " + what);
+        String what =
+                switch (found) {
+                    case String text -> "a text";
+                    case Boolean truth -> "a truth value";
+                    case Number number -> "a number";
+                    case List<?> list -> "a list";
+                    default -> "something else";
+                };
+        return new ActionRefused(
+                "wrong-type",
+                subject(action, parameter)
+                        + " takes "
+                        + parameter.expectation()
+                        + ", found "
+                        + what);
     }
 
     private static String subject(Action action, Parameter parameter) {
@@ -147,8 +189,10 @@ public final class Arguments {
     }
 
     private static String parameterNames(Action action) {
-        return action.parameters().isEmpty() ? "no arguments"
-                : action.parameters().stream().map(Parameter::name)
+        return action.parameters().isEmpty()
+                ? "no arguments"
+                : action.parameters().stream()
+                        .map(Parameter::name)
                         .collect(Collectors.joining("`, `", "`", "`"));
     }
 }

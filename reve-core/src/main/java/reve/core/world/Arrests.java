@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
 import java.util.ArrayList;
@@ -12,16 +13,27 @@ import java.util.TreeSet;
  */
 public final class Arrests {
     /** What laws know an item by; the numbers of an arrested item are 0. */
-    private static final Map<String, List<String>> NUMBERS = Map.of(
-            WorldPrototype.BODY, List.of("mass", "velocity", "angularVelocity", "inertia",
-                    "charge", "radius", "dragCoefficient", "linearDragCoefficient"),
-            WorldPrototype.SPRING, List.of("springConstant", "dampingConstant"),
-            WorldPrototype.SURFACE, List.of("hardness", "surfaceDamping", "frictionCoefficient"));
+    private static final Map<String, List<String>> NUMBERS =
+            Map.of(
+                    WorldPrototype.BODY,
+                            List.of(
+                                    "mass",
+                                    "velocity",
+                                    "angularVelocity",
+                                    "inertia",
+                                    "charge",
+                                    "radius",
+                                    "dragCoefficient",
+                                    "linearDragCoefficient"),
+                    WorldPrototype.SPRING, List.of("springConstant", "dampingConstant"),
+                    WorldPrototype.SURFACE,
+                            List.of("hardness", "surfaceDamping", "frictionCoefficient"));
 
     /** Magnitudes above this are extreme, in SI units; no body of a world that works has them. */
     private static final double EXTREME = 1e15;
 
     private final World world;
+
     /** Of which actions or edits changed physics or place. */
     private final TreeSet<ItemId> changed = new TreeSet<>();
 
@@ -49,8 +61,10 @@ public final class Arrests {
         }
         var suspects = new ArrayList<Item>();
         changed.removeIf(id -> world.findItem(id) == null);
-        changed.stream().flatMap(id -> world.find(id).stream())
-                .filter(item -> excess(item) > 0).forEach(suspects::add);
+        changed.stream()
+                .flatMap(id -> world.find(id).stream())
+                .filter(item -> excess(item) > 0)
+                .forEach(suspects::add);
         failed.filter(item -> excess(item) > EXTREME && !suspects.contains(item))
                 .ifPresent(suspects::add);
         return suspects;
@@ -107,6 +121,7 @@ public final class Arrests {
 
     private static List<Column> columns(Item item) {
         return NUMBERS.getOrDefault(item.kind(), List.of()).stream()
-                .map(item.table()::physicsColumn).toList();
+                .map(item.table()::physicsColumn)
+                .toList();
     }
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
 import java.util.Optional;
@@ -37,9 +38,11 @@ public record Colour(int rgba) {
      * brings colours of its own.
      */
     public static Colour defaultOf(Shape shape, Optional<Material> material) {
-        boolean coloured = material.isPresent() ? material.get().texture().isPresent()
-                : shape instanceof Mesh mesh
-                        && (!mesh.parts().isEmpty() || mesh.colours().isPresent());
+        boolean coloured =
+                material.isPresent()
+                        ? material.get().texture().isPresent()
+                        : shape instanceof Mesh mesh
+                                && (!mesh.parts().isEmpty() || mesh.colours().isPresent());
         return coloured ? WHITE : DEFAULT;
     }
 

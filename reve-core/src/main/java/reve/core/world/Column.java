@@ -1,10 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
 import java.lang.foreign.MemorySegment;
 
-/**
- * A live column. World's thread only. Values are not checked here; the aspects check them.
- */
+/** A live column. World's thread only. Values are not checked here; the aspects check them. */
 public final class Column extends ColumnView {
 
     private final Table table;
@@ -14,7 +13,9 @@ public final class Column extends ColumnView {
     private long version;
     private boolean editNoted;
 
-    /** @param memory zeroed */
+    /**
+     * @param memory zeroed
+     */
     Column(Table table, PropertyDescriptor descriptor, MemorySegment memory) {
         super(descriptor);
         this.table = table;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
 import java.lang.foreign.MemorySegment;
@@ -9,8 +10,8 @@ import java.lang.foreign.MemorySegment;
 public interface ColumnArena extends AutoCloseable {
 
     /**
-     * Reserves zeroed memory that begins at a page (a multiple of 4096 bytes) and stays where it
-     * is until it is released.
+     * Reserves zeroed memory that begins at a page (a multiple of 4096 bytes) and stays where it is
+     * until it is released.
      *
      * @param name what the memory is for, for example {@code body.mass}
      * @param bytes size, at least 1

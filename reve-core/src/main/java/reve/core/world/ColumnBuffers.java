@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
 import java.lang.foreign.Arena;
@@ -12,6 +13,7 @@ import java.util.List;
 final class ColumnBuffers {
 
     private static final long ALIGNMENT_BYTES = 64;
+
     /** What grows gets room for an eighth more rows, so that it needs no new memory each frame. */
     private static final int SLACK = 8;
 

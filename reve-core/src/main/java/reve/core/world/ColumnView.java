@@ -1,11 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
+
+import reve.core.unit.Unit;
 
 import java.lang.foreign.MemorySegment;
 import java.lang.foreign.ValueLayout;
 import java.nio.ByteBuffer;
 import java.nio.ByteOrder;
 import java.util.Objects;
-import reve.core.unit.Unit;
 
 /**
  * One property of all items of a kind as a packed array of shape (rows x components), in native
@@ -100,7 +102,17 @@ public abstract sealed class ColumnView permits Column, ColumnSnapshot {
 
     @Override
     public final String toString() {
-        return descriptor.kind() + "." + name() + " " + type() + "x" + components() + " ["
-                + unit().symbol() + "], " + rowCount() + " rows";
+        return descriptor.kind()
+                + "."
+                + name()
+                + " "
+                + type()
+                + "x"
+                + components()
+                + " ["
+                + unit().symbol()
+                + "], "
+                + rowCount()
+                + " rows";
     }
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
 import java.util.HashMap;
@@ -17,6 +18,7 @@ final class DefinitionCheck {
     private final List<ItemDefinition> definitions;
     private final Map<String, ItemDefinition> batch = new HashMap<>();
     private Map<String, Object> checkedSymbols = Map.of();
+
     /** Names whose chain of parents is known to end. */
     private final Set<String> rooted = new HashSet<>();
 
@@ -25,7 +27,9 @@ final class DefinitionCheck {
         this.definitions = definitions;
     }
 
-    /** @throws IllegalArgumentException naming the first item that cannot be added, and why */
+    /**
+     * @throws IllegalArgumentException naming the first item that cannot be added, and why
+     */
     void run() {
         for (ItemDefinition definition : definitions) {
             checkName(definition);
@@ -40,8 +44,12 @@ final class DefinitionCheck {
     /** Symbols that items share are checked once. */
     private void checkSymbols(ItemDefinition definition) {
         if (definition.symbols() != checkedSymbols) {
-            definition.symbols().forEach((symbol, value) -> Values.requireSymbol(
-                    world.prototype(), definition.name(), symbol, value));
+            definition
+                    .symbols()
+                    .forEach(
+                            (symbol, value) ->
+                                    Values.requireSymbol(
+                                            world.prototype(), definition.name(), symbol, value));
             checkedSymbols = definition.symbols();
         }
     }
@@ -56,40 +64,65 @@ final class DefinitionCheck {
         }
     }
 
-    static void requireTarget(String where, PropertyDescriptor property, String target, String kind,
+    static void requireTarget(
+            String where,
+            PropertyDescriptor property,
+            String target,
+            String kind,
             boolean hasPhysics) {
         String expected = property.refersTo().orElseThrow();
         if (!kind.equals(expected)) {
-            throw new IllegalArgumentException(where + " refers to " + target + " of kind " + kind
-                    + ", expected kind " + expected);
+            throw new IllegalArgumentException(
+                    where
+                            + " refers to "
+                            + target
+                            + " of kind "
+                            + kind
+                            + ", expected kind "
+                            + expected);
         }
         if (!hasPhysics) {
-            throw new IllegalArgumentException(where + " refers to " + target
-                    + ", which is scenery: give it a physics property (mass 0 makes it immovable)");
+            throw new IllegalArgumentException(
+                    where
+                            + " refers to "
+                            + target
+                            + ", which is scenery: give it a physics property (mass 0 makes it"
+                            + " immovable)");
         }
     }
 
     private void checkName(ItemDefinition definition) {
         String name = definition.name();
-        requireFree(name, world.findItem(name) != null
-                || batch.putIfAbsent(name, definition) != null);
+        requireFree(
+                name, world.findItem(name) != null || batch.putIfAbsent(name, definition) != null);
     }
 
     private void checkKind(ItemDefinition definition) {
         world.table(definition.kind());
         if (definition.kind().equals(WorldPrototype.WORLD)) {
-            throw new IllegalArgumentException("item " + definition.name()
-                    + " cannot be of kind world, which has exactly one item");
+            throw new IllegalArgumentException(
+                    "item "
+                            + definition.name()
+                            + " cannot be of kind world, which has exactly one item");
         }
         if (definition.isPlaced() && !definition.kind().equals(WorldPrototype.BODY)) {
-            throw new IllegalArgumentException("item " + definition.name() + " of kind "
-                    + definition.kind() + " has no place, shape or colour: only kind body has");
+            throw new IllegalArgumentException(
+                    "item "
+                            + definition.name()
+                            + " of kind "
+                            + definition.kind()
+                            + " has no place, shape or colour: only kind body has");
         }
         ScalarType real = world.prototype().realType();
         for (double metres : definition.sharedLocation()) {
             if (real == ScalarType.F32 && !Float.isFinite((float) metres)) {
-                throw new IllegalArgumentException("item " + definition.name() + ": position is "
-                        + metres + ", which does not fit type " + real);
+                throw new IllegalArgumentException(
+                        "item "
+                                + definition.name()
+                                + ": position is "
+                                + metres
+                                + ", which does not fit type "
+                                + real);
             }
         }
     }
@@ -99,8 +132,8 @@ final class DefinitionCheck {
         List<String> properties = definition.physicsProperties();
         for (int i = 0; i < properties.size(); i++) {
             Column column = physicsColumn(table, definition, properties.get(i));
-            Values.requireFits(definition.name(), column.descriptor(),
-                    definition.physicsValues().get(i));
+            Values.requireFits(
+                    definition.name(), column.descriptor(), definition.physicsValues().get(i));
         }
     }
 
@@ -110,24 +143,37 @@ final class DefinitionCheck {
             return;
         }
         Set<String> given = new HashSet<>();
-        definition.references().forEach((property, targets) -> {
-            PropertyDescriptor descriptor =
-                    physicsColumn(table, definition, property).descriptor();
-            String where = "item " + definition.name() + ": " + property;
-            if (descriptor.type() != ScalarType.REF) {
-                throw new IllegalArgumentException(where + " is a number, not a reference");
-            }
-            if (targets.size() != descriptor.components()) {
-                throw new IllegalArgumentException(where + " refers to " + targets.size()
-                        + " items, expected " + descriptor.components());
-            }
-            targets.forEach(target -> checkTarget(where, descriptor, target));
-            given.add(property);
-        });
+        definition
+                .references()
+                .forEach(
+                        (property, targets) -> {
+                            PropertyDescriptor descriptor =
+                                    physicsColumn(table, definition, property).descriptor();
+                            String where = "item " + definition.name() + ": " + property;
+                            if (descriptor.type() != ScalarType.REF) {
+                                throw new IllegalArgumentException(
+                                        where + " is a number, not a reference");
+                            }
+                            if (targets.size() != descriptor.components()) {
+                                throw new IllegalArgumentException(
+                                        where
+                                                + " refers to "
+                                                + targets.size()
+                                                + " items, expected "
+                                                + descriptor.components());
+                            }
+                            targets.forEach(target -> checkTarget(where, descriptor, target));
+                            given.add(property);
+                        });
         for (Column column : table.references()) {
             if (definition.hasPhysics() && !given.contains(column.name())) {
-                throw new IllegalArgumentException("item " + definition.name() + " of kind "
-                        + definition.kind() + " needs " + column.name());
+                throw new IllegalArgumentException(
+                        "item "
+                                + definition.name()
+                                + " of kind "
+                                + definition.kind()
+                                + " needs "
+                                + column.name());
             }
         }
     }
@@ -144,9 +190,12 @@ final class DefinitionCheck {
             throw new IllegalArgumentException(where + "it does not exist");
         }
         Hierarchy.requireBody(where, definition.name(), definition.kind());
-        Hierarchy.requireBody(where, parent,
+        Hierarchy.requireBody(
+                where,
+                parent,
                 fellow != null ? fellow.kind() : Objects.requireNonNull(present).kind());
-        definition.physics(PhysicsAspect.MASS)
+        definition
+                .physics(PhysicsAspect.MASS)
                 .ifPresent(mass -> Hierarchy.requireNoMass(where, mass[0]));
         checkNoCircle(definition);
     }
@@ -157,8 +206,11 @@ final class DefinitionCheck {
         ItemDefinition next = definition;
         while (next != null && !rooted.contains(next.name())) {
             if (!path.add(next.name())) {
-                throw new IllegalArgumentException("item " + next.name()
-                        + " cannot be attached to itself, as by " + String.join(" to ", path));
+                throw new IllegalArgumentException(
+                        "item "
+                                + next.name()
+                                + " cannot be attached to itself, as by "
+                                + String.join(" to ", path));
             }
             next = next.parent().map(batch::get).orElse(null);
         }
@@ -171,11 +223,10 @@ final class DefinitionCheck {
         if (fellow != null) {
             requireTarget(where, descriptor, target, fellow.kind(), fellow.hasPhysics());
         } else if (present != null) {
-            requireTarget(where, descriptor, target, present.kind(),
-                    !present.physics().isEmpty());
+            requireTarget(where, descriptor, target, present.kind(), !present.physics().isEmpty());
         } else {
-            throw new IllegalArgumentException(where + " refers to " + target
-                    + ", which does not exist");
+            throw new IllegalArgumentException(
+                    where + " refers to " + target + ", which does not exist");
         }
     }
 
@@ -183,8 +234,8 @@ final class DefinitionCheck {
         try {
             return table.physicsColumn(property);
         } catch (IllegalArgumentException e) {
-            throw new IllegalArgumentException("item " + definition.name() + ": "
-                    + e.getMessage(), e);
+            throw new IllegalArgumentException(
+                    "item " + definition.name() + ": " + e.getMessage(), e);
         }
     }
 }

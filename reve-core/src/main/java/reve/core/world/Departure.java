@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
 import java.util.Comparator;
@@ -30,11 +31,16 @@ public record Departure(List<String> detached, List<String> removed) {
         List<Item> referring = world.references().referring(leaving);
         Set<Item> going = new HashSet<>(referring);
         going.add(leaving);
-        List<Item> staying = going.stream().flatMap(item -> item.children().stream())
-                .filter(child -> !going.contains(child)).sorted(Comparator.comparing(Item::id))
-                .toList();
-        var departure = new Departure(staying.stream().map(Item::name).toList(),
-                referring.stream().map(Item::name).toList());
+        List<Item> staying =
+                going.stream()
+                        .flatMap(item -> item.children().stream())
+                        .filter(child -> !going.contains(child))
+                        .sorted(Comparator.comparing(Item::id))
+                        .toList();
+        var departure =
+                new Departure(
+                        staying.stream().map(Item::name).toList(),
+                        referring.stream().map(Item::name).toList());
         staying.forEach(item -> world.detach(item.id()));
         world.removeCascade(id);
         return departure;
@@ -51,8 +57,8 @@ public record Departure(List<String> detached, List<String> removed) {
         raise(world, frame, "removed", removed, agent, body);
     }
 
-    private static void raise(World world, long frame, String type, List<String> items,
-            String agent, String body) {
+    private static void raise(
+            World world, long frame, String type, List<String> items, String agent, String body) {
         for (String item : items) {
             Map<String, Object> fields = new LinkedHashMap<>();
             fields.put("agent", agent);

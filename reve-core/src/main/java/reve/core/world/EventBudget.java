@@ -1,8 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
+
+import org.jspecify.annotations.Nullable;
 
 import java.util.HashMap;
 import java.util.Map;
-import org.jspecify.annotations.Nullable;
 
 /**
  * How many bytes of events actions of agents may raise in one second of world time. Seconds are
@@ -13,8 +15,10 @@ public final class EventBudget {
     private final int agentBytes;
     private final int worldBytes;
     private final int framesPerSecond;
+
     /** Spent in the current second, by agent. */
     private final Map<String, Long> spent = new HashMap<>();
+
     private long spentByAll;
     private long second = -1;
 
@@ -74,12 +78,23 @@ public final class EventBudget {
         if (already + bytes <= limit) {
             return;
         }
-        String found = "the action raises events of " + bytes + " bytes, and " + whose
-                + " have raised " + already + " of at most " + limit
-                + " bytes in this second of world time";
-        throw new ActionRefused("too-many-events", found + (bytes > limit
-                ? "; give it shorter texts"
-                : "; give it shorter texts, or try again in "
-                        + (framesPerSecond - Math.floorMod(frame, framesPerSecond)) + " frames"));
+        String found =
+                "the action raises events of "
+                        + bytes
+                        + " bytes, and "
+                        + whose
+                        + " have raised "
+                        + already
+                        + " of at most "
+                        + limit
+                        + " bytes in this second of world time";
+        throw new ActionRefused(
+                "too-many-events",
+                found
+                        + (bytes > limit
+                                ? "; give it shorter texts"
+                                : "; give it shorter texts, or try again in "
+                                        + (framesPerSecond - Math.floorMod(frame, framesPerSecond))
+                                        + " frames"));
     }
 }

@@ -1,9 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
+
+import org.jspecify.annotations.Nullable;
 
 import java.util.ArrayList;
 import java.util.Collections;
 import java.util.List;
-import org.jspecify.annotations.Nullable;
 
 /**
  * What was noted while a frame is made: a list that PUBLISH shows to everybody as it then is, and
@@ -17,7 +19,9 @@ final class FrameLog<T> {
     private long lost;
     private long publishedLost;
 
-    /** @param limit how many entries a frame keeps; later ones are only counted */
+    /**
+     * @param limit how many entries a frame keeps; later ones are only counted
+     */
     FrameLog(int limit) {
         this.limit = limit;
     }

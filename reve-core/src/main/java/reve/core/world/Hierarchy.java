@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
 import java.util.ArrayList;
@@ -21,8 +22,10 @@ final class Hierarchy {
     private final boolean single;
     private final Set<Item> attached = new TreeSet<>(Comparator.comparing(Item::id));
     private final double[] pose = new double[Pose.NUMBERS];
+
     /** Attached items with parents before children, and their own poses; empty if to be redone. */
     private final List<Item> order = new ArrayList<>();
+
     private double[] relative = {};
     private boolean current = true;
 
@@ -32,33 +35,45 @@ final class Hierarchy {
         single = positions.type() == ScalarType.F32;
     }
 
-    /** @throws IllegalArgumentException if the two cannot move together */
+    /**
+     * @throws IllegalArgumentException if the two cannot move together
+     */
     void requireAttachable(Item child, Item parent) {
         String where = child + " cannot be attached to " + parent + ": ";
         requireBody(where, child.name(), child.kind());
         requireBody(where, parent.name(), parent.kind());
-        requireNoMass(where, child.physics().isEmpty() ? 0
-                : child.physics().scalar(PhysicsAspect.MASS));
+        requireNoMass(
+                where, child.physics().isEmpty() ? 0 : child.physics().scalar(PhysicsAspect.MASS));
         for (Item above = parent; above != null; above = above.parent) {
             if (above == child) {
-                throw new IllegalArgumentException(where + (parent == child ? "it is the same item"
-                        : parent.name() + " already moves with " + child.name()));
+                throw new IllegalArgumentException(
+                        where
+                                + (parent == child
+                                        ? "it is the same item"
+                                        : parent.name() + " already moves with " + child.name()));
             }
         }
     }
 
     static void requireBody(String where, String name, String kind) {
         if (!kind.equals(WorldPrototype.BODY)) {
-            throw new IllegalArgumentException(where + name + " is of kind " + kind
-                    + ", which has no place; only items of kind body have");
+            throw new IllegalArgumentException(
+                    where
+                            + name
+                            + " is of kind "
+                            + kind
+                            + ", which has no place; only items of kind body have");
         }
     }
 
     static void requireNoMass(String where, double mass) {
         if (mass != 0) {
-            throw new IllegalArgumentException(where + "mass is " + mass
-                    + " kg, but laws cannot move what moves with another item: "
-                    + "give it mass 0, or hold it with a spring");
+            throw new IllegalArgumentException(
+                    where
+                            + "mass is "
+                            + mass
+                            + " kg, but laws cannot move what moves with another item: "
+                            + "give it mass 0, or hold it with a spring");
         }
     }
 
@@ -183,8 +198,12 @@ final class Hierarchy {
             relative = new double[2 * order.size() * Pose.NUMBERS];
         }
         for (int i = 0; i < order.size(); i++) {
-            System.arraycopy(order.get(i).attachment().pose().numbers(), 0, relative,
-                    i * Pose.NUMBERS, Pose.NUMBERS);
+            System.arraycopy(
+                    order.get(i).attachment().pose().numbers(),
+                    0,
+                    relative,
+                    i * Pose.NUMBERS,
+                    Pose.NUMBERS);
         }
         current = true;
     }

@@ -1,10 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
+
+import org.jspecify.annotations.Nullable;
 
 import java.util.Comparator;
 import java.util.List;
 import java.util.Optional;
 import java.util.TreeSet;
-import org.jspecify.annotations.Nullable;
 
 /**
  * One thing in a world. It holds no numbers: its aspects are views of its row in the columns.
@@ -25,6 +27,7 @@ public final class Item {
 
     /** What the item moves with, and what moves with it; kept by the hierarchy. */
     @Nullable Item parent;
+
     @Nullable TreeSet<Item> children;
 
     Item(Table table, ItemSymbols symbols) {
@@ -108,7 +111,9 @@ public final class Item {
         child.parent = null;
     }
 
-    /** @throws IllegalStateException if the item is attached to nothing */
+    /**
+     * @throws IllegalStateException if the item is attached to nothing
+     */
     Attachment attachment() {
         Attachment attachment = symbols.attachment();
         if (attachment == null) {

@@ -1,12 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
+
+import org.jspecify.annotations.Nullable;
+import org.pcollections.PMap;
+import org.pcollections.TreePMap;
 
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
-import org.jspecify.annotations.Nullable;
-import org.pcollections.PMap;
-import org.pcollections.TreePMap;
 
 /**
  * Everything an item begins with. What can be checked without a world is checked here, the rest by
@@ -36,14 +38,15 @@ public final class ItemDefinition {
         placed = builder.placed;
         shape = builder.shape;
         material = builder.material;
-        colour = builder.colour != null ? builder.colour
-                : Colour.defaultOf(shape, material);
+        colour = builder.colour != null ? builder.colour : Colour.defaultOf(shape, material);
         location = builder.location;
         orientation = builder.orientation;
         parent = Optional.ofNullable(builder.parent);
         symbols = builder.symbols;
-        actions = builder.actionsByName == null ? builder.actions
-                : List.copyOf(builder.actionsByName.values());
+        actions =
+                builder.actionsByName == null
+                        ? builder.actions
+                        : List.copyOf(builder.actionsByName.values());
         capabilities = builder.capabilities;
         sensors = builder.sensors;
         numbers = builder.numbers;
@@ -65,8 +68,8 @@ public final class ItemDefinition {
     }
 
     /**
-     * What an item is now; added to another world of the same prototype, it is the same item to
-     * the bit. Properties of its physics aspect that are 0 are left out.
+     * What an item is now; added to another world of the same prototype, it is the same item to the
+     * bit. Properties of its physics aspect that are 0 are left out.
      */
     static ItemDefinition of(Item item) {
         Builder now = new Builder(item.name()).kind(item.kind());
@@ -78,11 +81,13 @@ public final class ItemDefinition {
             now.location = item.physical().location();
             now.orientation = item.physical().orientation();
         }
-        item.parent().ifPresent(parent -> {
-            now.parent = parent.name();
-            now.location = item.attachment().pose().location();
-            now.orientation = item.attachment().pose().orientation();
-        });
+        item.parent()
+                .ifPresent(
+                        parent -> {
+                            now.parent = parent.name();
+                            now.location = item.attachment().pose().location();
+                            now.orientation = item.attachment().pose().orientation();
+                        });
         now.symbols = item.symbols().given();
         now.actions = item.symbols().actions();
         now.capabilities = item.symbols().capabilities();
@@ -90,8 +95,12 @@ public final class ItemDefinition {
         for (String name : item.physics().properties()) {
             Column column = item.table().physicsColumn(name);
             if (column.type() == ScalarType.REF) {
-                now.references = now.references.with(name, item.physics().references(name).stream()
-                        .map(target -> item.world().item(target).name()).toList());
+                now.references =
+                        now.references.with(
+                                name,
+                                item.physics().references(name).stream()
+                                        .map(target -> item.world().item(target).name())
+                                        .toList());
             } else if (!Values.isZero(item.physics().vector(name))) {
                 now.numbers = now.numbers.with(name, item.physics().vector(name));
             }
@@ -250,8 +259,10 @@ public final class ItemDefinition {
         private @Nullable String parent;
         private PMap<String, Object> symbols = TreePMap.empty();
         private List<Action> actions = List.of();
+
         /** Takes the place of the list as soon as there is one action more. */
         private @Nullable Map<String, Action> actionsByName;
+
         private List<String> capabilities = List.of();
         private List<Sensor> sensors = List.of();
         private Named<double[]> numbers = Named.none();
@@ -397,8 +408,7 @@ public final class ItemDefinition {
 
         /** Several numeric physics properties by name, in their order; quicker than one by one. */
         public Builder physics(Map<String, double[]> properties) {
-            properties.forEach((property, values) ->
-                    Values.requireFinite(name, property, values));
+            properties.forEach((property, values) -> Values.requireFinite(name, property, values));
             numbers = numbers.withAll(properties);
             return this;
         }

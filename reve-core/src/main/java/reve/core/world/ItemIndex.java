@@ -1,8 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
+
+import org.jspecify.annotations.Nullable;
 
 import java.util.Arrays;
 import java.util.function.Function;
-import org.jspecify.annotations.Nullable;
 
 /**
  * Items by something that each has and no two share. A hash table of the items themselves, by
@@ -16,7 +18,9 @@ final class ItemIndex<K> {
     private @Nullable Item[] slots = new Item[INITIAL_SLOTS];
     private int size;
 
-    /** @param keyOf stays what it is while the item is in here */
+    /**
+     * @param keyOf stays what it is while the item is in here
+     */
     ItemIndex(Function<Item, K> keyOf) {
         this.keyOf = keyOf;
     }

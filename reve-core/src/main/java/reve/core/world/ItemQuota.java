@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
 import org.jspecify.annotations.Nullable;
@@ -12,8 +13,7 @@ import org.jspecify.annotations.Nullable;
 public record ItemQuota(@Nullable String agent, int items, int worldItems) {
 
     /** No agent's, and no limit. */
-    public static final ItemQuota NONE =
-            new ItemQuota(null, Integer.MAX_VALUE, Integer.MAX_VALUE);
+    public static final ItemQuota NONE = new ItemQuota(null, Integer.MAX_VALUE, Integer.MAX_VALUE);
 
     /**
      * Refuses what exceeds the quota.
@@ -35,17 +35,31 @@ public record ItemQuota(@Nullable String agent, int items, int worldItems) {
             more -= item.maker().filter(agent::equals).isPresent() ? 1 : 0;
         }
         if (more > 0 && own + more > items) {
-            throw refused(created, own + " of at most " + items + " items that your actions"
-                    + " created are in the world; remove some of them first");
+            throw refused(
+                    created,
+                    own
+                            + " of at most "
+                            + items
+                            + " items that your actions"
+                            + " created are in the world; remove some of them first");
         }
         if (moreOfAll > 0 && all + moreOfAll > worldItems) {
-            throw refused(created, all + " of at most " + worldItems + " items that actions of"
-                    + " agents created are in the world; some of them have to be removed first");
+            throw refused(
+                    created,
+                    all
+                            + " of at most "
+                            + worldItems
+                            + " items that actions of agents created are in the world; some of them"
+                            + " have to be removed first");
         }
     }
 
     private static ActionRefused refused(int created, String why) {
-        return new ActionRefused("too-many-items", "the action creates " + created
-                + (created == 1 ? " item, and " : " items, and ") + why);
+        return new ActionRefused(
+                "too-many-items",
+                "the action creates "
+                        + created
+                        + (created == 1 ? " item, and " : " items, and ")
+                        + why);
     }
 }

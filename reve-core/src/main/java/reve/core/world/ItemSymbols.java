@@ -1,13 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
+
+import org.jspecify.annotations.Nullable;
+import org.pcollections.PMap;
+import org.pcollections.TreePMap;
 
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
-import org.jspecify.annotations.Nullable;
-import org.pcollections.PMap;
-import org.pcollections.TreePMap;
 
 /**
  * What is symbolic about an item. Immutable, so that snapshots share it; a change makes a new one.
@@ -18,8 +20,14 @@ import org.pcollections.TreePMap;
  * @param attachment what the item moves with, null for nothing
  * @param maker the agent whose action created the item, null for items that came otherwise
  */
-public record ItemSymbols(ItemId id, String name, Likeness likeness, PMap<String, Object> given,
-        PMap<String, Object> derived, @Nullable Attachment attachment, @Nullable String maker) {
+public record ItemSymbols(
+        ItemId id,
+        String name,
+        Likeness likeness,
+        PMap<String, Object> given,
+        PMap<String, Object> derived,
+        @Nullable Attachment attachment,
+        @Nullable String maker) {
 
     private static final PMap<String, Object> NO_SYMBOLS = TreePMap.empty();
 
@@ -75,8 +83,8 @@ public record ItemSymbols(ItemId id, String name, Likeness likeness, PMap<String
     public Optional<Object> get(String symbol) {
         return switch (symbol) {
             case NAME -> Optional.of(name);
-            case DIMENSIONS -> shape() == Shape.none() ? Optional.empty()
-                    : Optional.of(dimensions());
+            case DIMENSIONS ->
+                    shape() == Shape.none() ? Optional.empty() : Optional.of(dimensions());
             case CLASS -> Optional.of(given.getOrDefault(CLASS, kind()));
             default -> Optional.ofNullable(given.getOrDefault(symbol, derived.get(symbol)));
         };

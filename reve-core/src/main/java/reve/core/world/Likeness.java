@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
 import java.util.List;
@@ -12,12 +13,22 @@ import java.util.Optional;
  * @param capabilities what the item can do with others
  * @param sensors what an agent that has the item as its body perceives with; none for everything
  */
-public record Likeness(String kind, Shape shape, Optional<Material> material, List<Action> actions,
-        List<String> capabilities, List<Sensor> sensors) {
+public record Likeness(
+        String kind,
+        Shape shape,
+        Optional<Material> material,
+        List<Action> actions,
+        List<String> capabilities,
+        List<Sensor> sensors) {
 
     static Likeness of(ItemDefinition definition) {
-        return new Likeness(definition.kind(), definition.shape(), definition.material(),
-                definition.actions(), definition.capabilities(), definition.sensors());
+        return new Likeness(
+                definition.kind(),
+                definition.shape(),
+                definition.material(),
+                definition.actions(),
+                definition.capabilities(),
+                definition.sensors());
     }
 
     Likeness with(Shape newShape) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
 import java.util.Optional;
@@ -11,13 +12,15 @@ import java.util.Optional;
  * @param metallic 0 (plastic, wood, stone) to 1 (bare metal: no colour but in what it reflects)
  * @param texture multiplies the colour, where the shape has texture coordinates
  */
-public record Material(Colour colour, double roughness, double metallic,
-        Optional<Texture> texture) {
+public record Material(
+        Colour colour, double roughness, double metallic, Optional<Texture> texture) {
 
     /** What a surface has that names no other: slightly glossy and white. */
     public static final Material DEFAULT = new Material(Colour.WHITE, 0.45, 0, Optional.empty());
 
-    /** @throws IllegalArgumentException if roughness or metallic are not 0 to 1 */
+    /**
+     * @throws IllegalArgumentException if roughness or metallic are not 0 to 1
+     */
     public Material {
         requireFraction("roughness", roughness);
         requireFraction("metallic", metallic);

@@ -1,4 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
+
+import org.jspecify.annotations.Nullable;
 
 import java.nio.FloatBuffer;
 import java.nio.IntBuffer;
@@ -6,7 +9,6 @@ import java.util.ArrayList;
 import java.util.Arrays;
 import java.util.List;
 import java.util.Optional;
-import org.jspecify.annotations.Nullable;
 
 /**
  * Triangles in metres around a body's origin, counter-clockwise seen from outside. Immutable; items
@@ -59,17 +61,26 @@ public final class Mesh implements Shape {
         int count = vertices.length / 3;
         for (int i = 0; i < triangles.length; i++) {
             if (triangles[i] < 0 || triangles[i] >= count) {
-                throw new IllegalArgumentException("mesh triangle " + i / 3 + " refers to vertex "
-                        + triangles[i] + ", expected 0 to " + (count - 1));
+                throw new IllegalArgumentException(
+                        "mesh triangle "
+                                + i / 3
+                                + " refers to vertex "
+                                + triangles[i]
+                                + ", expected 0 to "
+                                + (count - 1));
             }
         }
         normals = perVertex("normals", builder.normals, 3 * count);
-        textureCoordinates = perVertex("texture coordinates", builder.textureCoordinates,
-                2 * count);
+        textureCoordinates =
+                perVertex("texture coordinates", builder.textureCoordinates, 2 * count);
         colours = builder.colours == null ? null : builder.colours.clone();
         if (colours != null && colours.length != count) {
-            throw new IllegalArgumentException("mesh has " + colours.length
-                    + " colours, expected one for each of " + count + " vertices");
+            throw new IllegalArgumentException(
+                    "mesh has "
+                            + colours.length
+                            + " colours, expected one for each of "
+                            + count
+                            + " vertices");
         }
         parts = List.copyOf(builder.parts);
         requireParts(parts, triangles.length / 3);
@@ -147,8 +158,13 @@ public final class Mesh implements Shape {
 
     private static void requireTriples(String what, int count) {
         if (count == 0 || count % 3 != 0 || count / 3 > MAX_COUNT) {
-            throw new IllegalArgumentException("mesh has " + count + " " + what
-                    + ", expected a multiple of 3, from 3 to " + 3 * MAX_COUNT);
+            throw new IllegalArgumentException(
+                    "mesh has "
+                            + count
+                            + " "
+                            + what
+                            + ", expected a multiple of 3, from 3 to "
+                            + 3 * MAX_COUNT);
         }
     }
 
@@ -159,14 +175,19 @@ public final class Mesh implements Shape {
         }
     }
 
-    private static float @Nullable [] perVertex(String what, float @Nullable [] values,
-            int expected) {
+    private static float @Nullable [] perVertex(
+            String what, float @Nullable [] values, int expected) {
         if (values == null) {
             return null;
         }
         if (values.length != expected) {
-            throw new IllegalArgumentException("mesh has " + values.length + " numbers for "
-                    + what + ", expected " + expected);
+            throw new IllegalArgumentException(
+                    "mesh has "
+                            + values.length
+                            + " numbers for "
+                            + what
+                            + ", expected "
+                            + expected);
         }
         for (float value : values) {
             requireFinite("has among its " + what, value);
@@ -177,17 +198,24 @@ public final class Mesh implements Shape {
     private static void requireParts(List<Part> parts, int triangleCount) {
         int next = 0;
         for (Part part : parts) {
-            if (part.firstTriangle != next || part.triangleCount < 1
+            if (part.firstTriangle != next
+                    || part.triangleCount < 1
                     || part.triangleCount > triangleCount - next) {
-                throw new IllegalArgumentException("mesh part from triangle " + part.firstTriangle
-                        + " with " + part.triangleCount + " triangles, expected one from " + next
-                        + " within " + triangleCount);
+                throw new IllegalArgumentException(
+                        "mesh part from triangle "
+                                + part.firstTriangle
+                                + " with "
+                                + part.triangleCount
+                                + " triangles, expected one from "
+                                + next
+                                + " within "
+                                + triangleCount);
             }
             next += part.triangleCount;
         }
         if (!parts.isEmpty() && next != triangleCount) {
-            throw new IllegalArgumentException("mesh parts end at triangle " + next + " of "
-                    + triangleCount);
+            throw new IllegalArgumentException(
+                    "mesh parts end at triangle " + next + " of " + triangleCount);
         }
     }
 
@@ -230,8 +258,10 @@ public final class Mesh implements Shape {
 
         /** The next triangles have a material of their own. */
         public Builder part(int triangleCount, Material material) {
-            int first = parts.isEmpty() ? 0
-                    : parts.getLast().firstTriangle + parts.getLast().triangleCount;
+            int first =
+                    parts.isEmpty()
+                            ? 0
+                            : parts.getLast().firstTriangle + parts.getLast().triangleCount;
             parts.add(new Part(first, triangleCount, material));
             return this;
         }
@@ -242,7 +272,9 @@ public final class Mesh implements Shape {
             return this;
         }
 
-        /** @throws IllegalArgumentException if a number is missing, not finite or out of range */
+        /**
+         * @throws IllegalArgumentException if a number is missing, not finite or out of range
+         */
         public Mesh build() {
             return new Mesh(this);
         }

@@ -1,10 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
+
+import org.jspecify.annotations.Nullable;
 
 import java.util.ArrayList;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
-import org.jspecify.annotations.Nullable;
 
 /**
  * A few values by name, in the order in which the names were given. What is made from another one

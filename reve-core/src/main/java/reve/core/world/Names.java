@@ -1,8 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
-import java.util.regex.Pattern;
 import reve.core.text.Visible;
 import reve.core.text.VisibleName;
+
+import java.util.regex.Pattern;
 
 /** The one place that decides what a name may be. */
 final class Names {
@@ -20,9 +22,15 @@ final class Names {
             throw new IllegalArgumentException(what + " is empty");
         }
         if (name.length() > MAX_LENGTH) {
-            throw new IllegalArgumentException(what + " \"" + name.substring(0, 32)
-                    + "...\" has " + name.length() + " characters, at most "
-                    + MAX_LENGTH + " are allowed");
+            throw new IllegalArgumentException(
+                    what
+                            + " \""
+                            + name.substring(0, 32)
+                            + "...\" has "
+                            + name.length()
+                            + " characters, at most "
+                            + MAX_LENGTH
+                            + " are allowed");
         }
         for (int i = 0; i < name.length(); i++) {
             if (Character.isISOControl(name.charAt(i))) {
@@ -40,10 +48,12 @@ final class Names {
     /** As {@link #require}, a new name of an item: {@link VisibleName} finds no fault with it. */
     static String requireItemName(String what, String name) {
         require(what, name);
-        VisibleName.fault(name).ifPresent(fault -> {
-            throw new IllegalArgumentException(
-                    what + " \"" + Visible.line(name) + "\" " + fault);
-        });
+        VisibleName.fault(name)
+                .ifPresent(
+                        fault -> {
+                            throw new IllegalArgumentException(
+                                    what + " \"" + Visible.line(name) + "\" " + fault);
+                        });
         return name;
     }
 
@@ -51,9 +61,11 @@ final class Names {
     static String requireWorldName(String name) {
         require("world name", name);
         if (!WORLD_NAME.matcher(name).matches()) {
-            throw new IllegalArgumentException("world name \"" + name + "\": expected a letter "
-                    + "(a to z) or digit, then letters, digits, spaces, ., _ or -: it becomes "
-                    + "part of file names");
+            throw new IllegalArgumentException(
+                    "world name \""
+                            + name
+                            + "\": expected a letter (a to z) or digit, then letters, digits,"
+                            + " spaces, ., _ or -: it becomes part of file names");
         }
         return name;
     }
@@ -74,21 +86,28 @@ final class Names {
     /** A name that laws look up: properties, kinds. Short enough for the C side's 48 bytes. */
     static String requireIdentifier(String what, String name) {
         if (!IDENTIFIER.matcher(name).matches()) {
-            throw new IllegalArgumentException(what + " \"" + escaped(name)
-                    + "\": expected a letter, then letters, digits or _, at most 47 in all");
+            throw new IllegalArgumentException(
+                    what
+                            + " \""
+                            + escaped(name)
+                            + "\": expected a letter, then letters, digits or _, at most 47 in"
+                            + " all");
         }
         return name;
     }
 
     private static String escaped(String name) {
         StringBuilder out = new StringBuilder();
-        name.chars().limit(MAX_LENGTH).forEach(c -> {
-            if (Character.isISOControl(c) || Character.isSurrogate((char) c)) {
-                out.append(String.format("\\u%04x", c));
-            } else {
-                out.append((char) c);
-            }
-        });
+        name.chars()
+                .limit(MAX_LENGTH)
+                .forEach(
+                        c -> {
+                            if (Character.isISOControl(c) || Character.isSurrogate((char) c)) {
+                                out.append(String.format("\\u%04x", c));
+                            } else {
+                                out.append((char) c);
+                            }
+                        });
         return out.toString();
     }
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
 import reve.core.unit.Unit;
@@ -10,8 +11,14 @@ import reve.core.unit.Unit;
  * @param minimum least number that it takes [unit]; negative infinity for any
  * @param maximum greatest number that it takes [unit]; infinity for any
  */
-public record Parameter(String name, ParameterType type, int components, Unit unit, double minimum,
-        double maximum, String doc) {
+public record Parameter(
+        String name,
+        ParameterType type,
+        int components,
+        Unit unit,
+        double minimum,
+        double maximum,
+        String doc) {
     /** Most numbers in one argument. */
     public static final int MAX_COMPONENTS = 16;
 
@@ -20,17 +27,22 @@ public record Parameter(String name, ParameterType type, int components, Unit un
             throw new IllegalArgumentException("an action's parameter has no name");
         }
         if (components < 1 || components > MAX_COMPONENTS) {
-            throw new IllegalArgumentException("parameter " + name + ": " + components
-                    + " components, expected 1 to " + MAX_COMPONENTS);
+            throw new IllegalArgumentException(
+                    "parameter "
+                            + name
+                            + ": "
+                            + components
+                            + " components, expected 1 to "
+                            + MAX_COMPONENTS);
         }
-        if (type != ParameterType.NUMBER && (components != 1 || !unit.equals(Unit.ONE)
-                || isBounded(minimum, maximum))) {
-            throw new IllegalArgumentException("parameter " + name
-                    + ": only numbers have components, a unit and a range");
+        if (type != ParameterType.NUMBER
+                && (components != 1 || !unit.equals(Unit.ONE) || isBounded(minimum, maximum))) {
+            throw new IllegalArgumentException(
+                    "parameter " + name + ": only numbers have components, a unit and a range");
         }
         if (!(minimum <= maximum)) {
-            throw new IllegalArgumentException("parameter " + name + ": no number is from "
-                    + minimum + " to " + maximum);
+            throw new IllegalArgumentException(
+                    "parameter " + name + ": no number is from " + minimum + " to " + maximum);
         }
     }
 
@@ -76,8 +88,10 @@ public record Parameter(String name, ParameterType type, int components, Unit un
     /** What this parameter takes, in words: {@code 3 numbers in N*s}. */
     String expectation() {
         return switch (type) {
-            case NUMBER -> (components == 1 ? "a number" : components + " numbers")
-                    + (unit.equals(Unit.ONE) ? "" : " in " + unit.symbol()) + range();
+            case NUMBER ->
+                    (components == 1 ? "a number" : components + " numbers")
+                            + (unit.equals(Unit.ONE) ? "" : " in " + unit.symbol())
+                            + range();
             case TEXT -> "a text";
             case TRUTH -> "true or false";
             case ITEM -> "the name of an item";
@@ -88,8 +102,10 @@ public record Parameter(String name, ParameterType type, int components, Unit un
         if (!isBounded()) {
             return "";
         }
-        return minimum == Double.NEGATIVE_INFINITY ? ", at most " + maximum
-                : maximum == Double.POSITIVE_INFINITY ? ", at least " + minimum
+        return minimum == Double.NEGATIVE_INFINITY
+                ? ", at most " + maximum
+                : maximum == Double.POSITIVE_INFINITY
+                        ? ", at least " + minimum
                         : " from " + minimum + " to " + maximum;
     }
 }

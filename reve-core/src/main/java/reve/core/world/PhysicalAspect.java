@@ -1,9 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
+
+import org.jspecify.annotations.Nullable;
 
 import java.util.Arrays;
 import java.util.List;
 import java.util.Optional;
-import org.jspecify.annotations.Nullable;
 
 /**
  * Where a body is and what it looks like: a view of its row. Only the kind {@code body} has one;
@@ -26,7 +28,8 @@ public final class PhysicalAspect {
     /** Place of the origin in the world frame (3) [m]; see {@link World#attach}. */
     public double[] location() {
         requirePlace();
-        return item.parent == null ? read("position")
+        return item.parent == null
+                ? read("position")
                 : Arrays.copyOf(item.world().hierarchy().worldPose(item), 3);
     }
 
@@ -46,7 +49,8 @@ public final class PhysicalAspect {
     /** Rotation as a unit quaternion xyzw (4). */
     public double[] orientation() {
         requirePlace();
-        return item.parent == null ? read("orientation")
+        return item.parent == null
+                ? read("orientation")
                 : Arrays.copyOfRange(item.world().hierarchy().worldPose(item), 3, Pose.NUMBERS);
     }
 
@@ -82,11 +86,13 @@ public final class PhysicalAspect {
         return item.symbols().material();
     }
 
-    /** @param material empty for the one that comes with the shape */
+    /**
+     * @param material empty for the one that comes with the shape
+     */
     public void setMaterial(Optional<Material> material) {
         Optional<Material> from = material();
-        item.world().setSymbols(item, item.symbols().with(
-                item.symbols().likeness().with(material)));
+        item.world()
+                .setSymbols(item, item.symbols().with(item.symbols().likeness().with(material)));
         note("material", from.orElse(null), material.orElse(null));
     }
 
@@ -140,15 +146,18 @@ public final class PhysicalAspect {
             return;
         }
         World world = item.world();
-        Pose pose = Pose.of(location, orientation)
-                .relativeTo(Pose.of(world.hierarchy().worldPose(parent)));
+        Pose pose =
+                Pose.of(location, orientation)
+                        .relativeTo(Pose.of(world.hierarchy().worldPose(parent)));
         world.setSymbols(item, item.symbols().attached(new Attachment(parent.id(), pose)));
         world.hierarchy().touch();
     }
 
     private void note(String property, @Nullable Object from, @Nullable Object to) {
-        item.world().note(
-                new WorldChange.Edited(item.id(), WorldChange.Aspect.PHYSICAL, property, from, to));
+        item.world()
+                .note(
+                        new WorldChange.Edited(
+                                item.id(), WorldChange.Aspect.PHYSICAL, property, from, to));
     }
 
     private static List<Double> numbers(double[] values) {

@@ -1,4 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
+
+import org.jspecify.annotations.Nullable;
 
 import java.util.ArrayList;
 import java.util.LinkedHashMap;
@@ -6,7 +9,6 @@ import java.util.LinkedHashSet;
 import java.util.List;
 import java.util.Map;
 import java.util.Set;
-import org.jspecify.annotations.Nullable;
 
 /**
  * What physics laws see of an item: a view of its row. An item whose physics aspect is empty is
@@ -48,8 +50,13 @@ public final class PhysicsAspect {
     public double scalar(String property) {
         Column column = existing(property);
         if (column.components() != 1) {
-            throw new IllegalArgumentException(item + ": " + property + " has "
-                    + column.components() + " components: ask for the vector");
+            throw new IllegalArgumentException(
+                    item
+                            + ": "
+                            + property
+                            + " has "
+                            + column.components()
+                            + " components: ask for the vector");
         }
         return column.getDouble(item.checkedRow(), 0);
     }
@@ -75,8 +82,8 @@ public final class PhysicsAspect {
         Column column = column(property);
         Values.requireFits(item.name(), column.descriptor(), values);
         if (item.parent != null && property.equals(MASS)) {
-            Hierarchy.requireNoMass(item + " is attached to " + item.parent.name() + ": ",
-                    values[0]);
+            Hierarchy.requireNoMass(
+                    item + " is attached to " + item.parent.name() + ": ", values[0]);
         }
         boolean first = isEmpty();
         if (first) {
@@ -100,8 +107,9 @@ public final class PhysicsAspect {
         Map<String, Object> before = new LinkedHashMap<>();
         for (String property : properties()) {
             Column column = column(property);
-            before.put(property, column.type() == ScalarType.REF ? references(property)
-                    : numbers(column));
+            before.put(
+                    property,
+                    column.type() == ScalarType.REF ? references(property) : numbers(column));
         }
         item.world().takePhysics(item);
         before.forEach((property, from) -> note(property, from, null));
@@ -119,8 +127,13 @@ public final class PhysicsAspect {
     public ItemId reference(String property) {
         List<ItemId> all = references(property);
         if (all.size() != 1) {
-            throw new IllegalArgumentException(item + ": " + property + " refers to " + all.size()
-                    + " items: ask for the references");
+            throw new IllegalArgumentException(
+                    item
+                            + ": "
+                            + property
+                            + " refers to "
+                            + all.size()
+                            + " items: ask for the references");
         }
         return all.getFirst();
     }
@@ -156,8 +169,10 @@ public final class PhysicsAspect {
     }
 
     private void note(String property, @Nullable Object from, @Nullable Object to) {
-        item.world().note(
-                new WorldChange.Edited(item.id(), WorldChange.Aspect.PHYSICS, property, from, to));
+        item.world()
+                .note(
+                        new WorldChange.Edited(
+                                item.id(), WorldChange.Aspect.PHYSICS, property, from, to));
     }
 
     private Column existing(String property) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
 /**
@@ -12,16 +13,31 @@ public record Pose(double x, double y, double z, double qx, double qy, double qz
     public static final Pose ORIGIN = new Pose(0, 0, 0, 0, 0, 0, 1);
 
     /**
-     * @throws IllegalArgumentException if a number is not finite or the quaternion is not of
-     *     length 1 (to 1e-6)
+     * @throws IllegalArgumentException if a number is not finite or the quaternion is not of length
+     *     1 (to 1e-6)
      */
     public Pose {
         double length = Math.sqrt(qx * qx + qy * qy + qz * qz + qw * qw);
-        if (!Double.isFinite(x) || !Double.isFinite(y) || !Double.isFinite(z)
+        if (!Double.isFinite(x)
+                || !Double.isFinite(y)
+                || !Double.isFinite(z)
                 || !(Math.abs(length - 1) <= 1e-6)) {
-            throw new IllegalArgumentException("pose at " + x + ", " + y + ", " + z
-                    + " with orientation " + qx + ", " + qy + ", " + qz + ", " + qw
-                    + ": expected finite numbers and a quaternion of length 1");
+            throw new IllegalArgumentException(
+                    "pose at "
+                            + x
+                            + ", "
+                            + y
+                            + ", "
+                            + z
+                            + " with orientation "
+                            + qx
+                            + ", "
+                            + qy
+                            + ", "
+                            + qz
+                            + ", "
+                            + qw
+                            + ": expected finite numbers and a quaternion of length 1");
         }
     }
 
@@ -37,8 +53,14 @@ public record Pose(double x, double y, double z, double qx, double qy, double qz
 
     /** As {@link #of}, of a quaternion that is of length 1 already and kept to the bit. */
     static Pose exactly(double[] location, double[] orientation) {
-        return new Pose(location[0], location[1], location[2], orientation[0], orientation[1],
-                orientation[2], orientation[3]);
+        return new Pose(
+                location[0],
+                location[1],
+                location[2],
+                orientation[0],
+                orientation[1],
+                orientation[2],
+                orientation[3]);
     }
 
     /** Place (3) [m]. */
@@ -68,8 +90,8 @@ public record Pose(double x, double y, double z, double qx, double qy, double qz
     }
 
     static Pose of(double[] numbers) {
-        return new Pose(numbers[0], numbers[1], numbers[2], numbers[3], numbers[4], numbers[5],
-                numbers[6]);
+        return new Pose(
+                numbers[0], numbers[1], numbers[2], numbers[3], numbers[4], numbers[5], numbers[6]);
     }
 
     double[] numbers() {
@@ -80,8 +102,8 @@ public record Pose(double x, double y, double z, double qx, double qy, double qz
      * The inner pose in the frame of the outer one's frame; {@code out} may be either of them. The
      * inner place turned by q is v + 2w(u x v) + 2u x (u x v), with q = (u, w).
      */
-    static void compose(double[] outer, int at, double[] inner, int innerAt, double[] out,
-            int outAt) {
+    static void compose(
+            double[] outer, int at, double[] inner, int innerAt, double[] out, int outAt) {
         double ux = outer[at + 3];
         double uy = outer[at + 4];
         double uz = outer[at + 5];
@@ -108,8 +130,12 @@ public record Pose(double x, double y, double z, double qx, double qy, double qz
 
     /** Keeps products of many rotations from growing or shrinking; 0 stays 0. */
     private static void normalise(double[] values, int at) {
-        double length = Math.sqrt(values[at] * values[at] + values[at + 1] * values[at + 1]
-                + values[at + 2] * values[at + 2] + values[at + 3] * values[at + 3]);
+        double length =
+                Math.sqrt(
+                        values[at] * values[at]
+                                + values[at + 1] * values[at + 1]
+                                + values[at + 2] * values[at + 2]
+                                + values[at + 3] * values[at + 3]);
         if (length > 0) {
             for (int i = at; i < at + 4; i++) {
                 values[i] /= length;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
 import java.util.Optional;
@@ -35,9 +36,14 @@ public final class Possible {
             double a = moments[(axis + 1) % 3];
             double b = moments[(axis + 2) % 3];
             if (a > 0 && b > 0 && moments[axis] - a - b > ROUNDING * moments[axis]) {
-                return Optional.of("no body has moments of " + moments[0] + ", " + moments[1]
-                        + " and " + moments[2]
-                        + " kg*m^2; expected none larger than the sum of the two others");
+                return Optional.of(
+                        "no body has moments of "
+                                + moments[0]
+                                + ", "
+                                + moments[1]
+                                + " and "
+                                + moments[2]
+                                + " kg*m^2; expected none larger than the sum of the two others");
             }
         }
         return Optional.empty();

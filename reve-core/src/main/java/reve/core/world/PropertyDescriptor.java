@@ -1,8 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
+
+import reve.core.unit.Unit;
 
 import java.util.Objects;
 import java.util.Optional;
-import reve.core.unit.Unit;
 
 /**
  * What a property is: one typed column of every item of a kind.
@@ -13,8 +15,15 @@ import reve.core.unit.Unit;
  * @param refersTo the kind that a {@link ScalarType#REF} property points at; empty for numbers
  * @param minimum least value that a number may be given [unit]; negative infinity for any
  */
-public record PropertyDescriptor(String name, String kind, ScalarType type, int components,
-        Unit unit, Optional<String> refersTo, double minimum, String doc) {
+public record PropertyDescriptor(
+        String name,
+        String kind,
+        ScalarType type,
+        int components,
+        Unit unit,
+        Optional<String> refersTo,
+        double minimum,
+        String doc) {
 
     /** Most numbers one item may have in one property: a 4 by 4 matrix. */
     public static final int MAX_COMPONENTS = 16;
@@ -26,27 +35,47 @@ public record PropertyDescriptor(String name, String kind, ScalarType type, int 
         Objects.requireNonNull(unit, "unit");
         Objects.requireNonNull(doc, "doc");
         if (components < 1 || components > MAX_COMPONENTS) {
-            throw new IllegalArgumentException("property " + name + ": " + components
-                    + " components, expected 1 to " + MAX_COMPONENTS);
+            throw new IllegalArgumentException(
+                    "property "
+                            + name
+                            + ": "
+                            + components
+                            + " components, expected 1 to "
+                            + MAX_COMPONENTS);
         }
         if (refersTo.isPresent() != (type == ScalarType.REF)) {
-            throw new IllegalArgumentException("property " + name
-                    + ": a reference names the kind it refers to, and only a reference does; "
-                    + "found type " + type + ", refers to " + refersTo.orElse("nothing"));
+            throw new IllegalArgumentException(
+                    "property "
+                            + name
+                            + ": a reference names the kind it refers to, and only a reference"
+                            + " does; found type "
+                            + type
+                            + ", refers to "
+                            + refersTo.orElse("nothing"));
         }
         if (Double.isNaN(minimum) || minimum == Double.POSITIVE_INFINITY) {
-            throw new IllegalArgumentException("property " + name + ": its least value is "
-                    + minimum + ", expected a finite number");
+            throw new IllegalArgumentException(
+                    "property "
+                            + name
+                            + ": its least value is "
+                            + minimum
+                            + ", expected a finite number");
         }
         if (minimum != Double.NEGATIVE_INFINITY && type == ScalarType.REF) {
-            throw new IllegalArgumentException("property " + name
-                    + ": a reference has no least value");
+            throw new IllegalArgumentException(
+                    "property " + name + ": a reference has no least value");
         }
     }
 
     /** A property whose numbers may be any that its type holds. */
-    public PropertyDescriptor(String name, String kind, ScalarType type, int components,
-            Unit unit, Optional<String> refersTo, String doc) {
+    public PropertyDescriptor(
+            String name,
+            String kind,
+            ScalarType type,
+            int components,
+            Unit unit,
+            Optional<String> refersTo,
+            String doc) {
         this(name, kind, type, components, unit, refersTo, Double.NEGATIVE_INFINITY, doc);
     }
 

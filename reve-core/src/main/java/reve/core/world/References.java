@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
 import java.util.Collection;
@@ -26,23 +27,39 @@ final class References {
             return;
         }
         World world = item.world();
-        definition.references().forEach((property, names) -> {
-            Column column = item.table().physicsColumn(property);
-            for (int i = 0; i < names.size(); i++) {
-                point(item, column, i, world.find(names.get(i)).orElseThrow());
-            }
-        });
+        definition
+                .references()
+                .forEach(
+                        (property, names) -> {
+                            Column column = item.table().physicsColumn(property);
+                            for (int i = 0; i < names.size(); i++) {
+                                point(item, column, i, world.find(names.get(i)).orElseThrow());
+                            }
+                        });
     }
 
-    /** @throws IllegalArgumentException naming item and property if a target does not fit */
+    /**
+     * @throws IllegalArgumentException naming item and property if a target does not fit
+     */
     void set(Item item, Column column, List<Item> targets) {
         String where = item + ": " + column.name();
         if (column.type() != ScalarType.REF || targets.size() != column.components()) {
-            throw new IllegalArgumentException(where + " takes " + column.components() + " "
-                    + column.type() + ", found " + targets.size() + " references");
+            throw new IllegalArgumentException(
+                    where
+                            + " takes "
+                            + column.components()
+                            + " "
+                            + column.type()
+                            + ", found "
+                            + targets.size()
+                            + " references");
         }
         for (Item target : targets) {
-            DefinitionCheck.requireTarget(where, column.descriptor(), target.name(), target.kind(),
+            DefinitionCheck.requireTarget(
+                    where,
+                    column.descriptor(),
+                    target.name(),
+                    target.kind(),
                     !target.physics().isEmpty());
         }
         for (int i = 0; i < targets.size(); i++) {
@@ -136,8 +153,9 @@ final class References {
     String describeReferrers(Item item) {
         Set<Item> referring = new LinkedHashSet<>();
         addReferrers(Set.of(item), referring);
-        return String.join(", ",
-                referring.stream().map(Item::toString).limit(NAMED_IN_MESSAGES).toList())
+        return String.join(
+                        ", ",
+                        referring.stream().map(Item::toString).limit(NAMED_IN_MESSAGES).toList())
                 + (referring.size() > NAMED_IN_MESSAGES ? ", ..." : "");
     }
 

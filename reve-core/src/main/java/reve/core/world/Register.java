@@ -1,4 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
+
+import org.jspecify.annotations.Nullable;
+import org.pcollections.PMap;
+import org.pcollections.TreePMap;
 
 import java.util.ArrayList;
 import java.util.Collections;
@@ -7,9 +12,6 @@ import java.util.List;
 import java.util.Map;
 import java.util.Objects;
 import java.util.function.Function;
-import org.jspecify.annotations.Nullable;
-import org.pcollections.PMap;
-import org.pcollections.TreePMap;
 
 /**
  * The items of a world by id, by name and by symbol, and all that is symbolic about them as one
@@ -21,10 +23,13 @@ final class Register {
     private final ItemIndex<String> byName = new ItemIndex<>(Item::name);
     private final SymbolIndex bySymbol = new SymbolIndex();
     private PMap<ItemId, ItemSymbols> symbols = TreePMap.empty();
+
     /** Of the item that came last: the next one is often like it. */
     private @Nullable Likeness latest;
+
     /** How many items of each agent's making there are; no agent has 0. */
     private final Map<String, Integer> made = new HashMap<>();
+
     private int madeInAll;
     private long lastId;
 
@@ -83,8 +88,7 @@ final class Register {
     private void count(ItemSymbols item, int more) {
         if (item.maker() != null) {
             madeInAll += more;
-            made.merge(item.maker(), more,
-                    (known, _) -> known + more == 0 ? null : known + more);
+            made.merge(item.maker(), more, (known, _) -> known + more == 0 ? null : known + more);
         }
     }
 
@@ -128,14 +132,16 @@ final class Register {
     void restore(WorldImage image, Function<String, Table> tableOf) {
         items().forEach(item -> item.row = Item.REMOVED);
         List<Item> restored = new ArrayList<>(image.symbols().size());
-        image.symbols().forEach((id, itemSymbols) -> {
-            Item item = byId.find(id);
-            if (item == null || !item.kind().equals(itemSymbols.kind())) {
-                item = new Item(tableOf.apply(itemSymbols.kind()), itemSymbols);
-            }
-            item.setSymbols(itemSymbols);
-            restored.add(item);
-        });
+        image.symbols()
+                .forEach(
+                        (id, itemSymbols) -> {
+                            Item item = byId.find(id);
+                            if (item == null || !item.kind().equals(itemSymbols.kind())) {
+                                item = new Item(tableOf.apply(itemSymbols.kind()), itemSymbols);
+                            }
+                            item.setSymbols(itemSymbols);
+                            restored.add(item);
+                        });
         byId.clear();
         byName.clear();
         restored.forEach(byId::add);

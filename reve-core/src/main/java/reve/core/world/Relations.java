@@ -1,4 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
+
+import reve.core.space.Box;
 
 import java.util.ArrayList;
 import java.util.Comparator;
@@ -7,7 +10,6 @@ import java.util.Optional;
 import java.util.Set;
 import java.util.TreeSet;
 import java.util.function.Function;
-import reve.core.space.Box;
 
 /**
  * How bodies that have a shape are to each other, by the boxes around them as the last DERIVE left
@@ -16,6 +18,7 @@ import reve.core.space.Box;
  *
  * <p>What is small is told from the boxes: the size of two bodies is the smaller of their boxes'
  * diagonals, and the tolerance a hundredth of it.
+ *
  * <ul>
  *   <li>{@code near}: the gap between the boxes is at most the size
  *   <li>{@code touching}: the gap is at most the tolerance
@@ -27,6 +30,7 @@ import reve.core.space.Box;
 public final class Relations {
     /** All of them. */
     public static final Set<String> NAMES = Set.of("near", "on", "inside", "touching");
+
     /** Most items that are told for one item and relation. */
     public static final int MAX_ITEMS = 32;
 
@@ -37,7 +41,9 @@ public final class Relations {
     private final Function<ItemId, String> nameOf;
     private long compared;
 
-    /** @param nameOf names of items in the table */
+    /**
+     * @param nameOf names of items in the table
+     */
     Relations(TableView bodies, Space space, Function<ItemId, String> nameOf) {
         this.bodies = bodies;
         this.space = space;
@@ -81,8 +87,10 @@ public final class Relations {
         double gap() {
             double sum = 0;
             for (int axis = 0; axis < 3; axis++) {
-                double along = Math.max(0, Math.max(otherLow[axis] - high[axis],
-                        low[axis] - otherHigh[axis]));
+                double along =
+                        Math.max(
+                                0,
+                                Math.max(otherLow[axis] - high[axis], low[axis] - otherHigh[axis]));
                 sum += along * along;
             }
             return Math.sqrt(sum);
@@ -90,14 +98,16 @@ public final class Relations {
 
         boolean isOn() {
             return Math.abs(low[1] - otherHigh[1]) <= TOLERANCE * size()
-                    && overlaps(0) && overlaps(2);
+                    && overlaps(0)
+                    && overlaps(2);
         }
 
         boolean isInside() {
             boolean within = diagonal < otherDiagonal;
             for (int axis = 0; axis < 3; axis++) {
-                within &= low[axis] >= otherLow[axis] - TOLERANCE * size()
-                        && high[axis] <= otherHigh[axis] + TOLERANCE * size();
+                within &=
+                        low[axis] >= otherLow[axis] - TOLERANCE * size()
+                                && high[axis] <= otherHigh[axis] + TOLERANCE * size();
             }
             return within;
         }
@@ -114,8 +124,13 @@ public final class Relations {
         /** A box that everything meets to which the relation may hold. */
         Box reach(String relation) {
             double by = diagonal * (relation.equals("near") ? 1 : TOLERANCE);
-            return new Box(low[0] - by, low[1] - by, low[2] - by,
-                    high[0] + by, high[1] + by, high[2] + by);
+            return new Box(
+                    low[0] - by,
+                    low[1] - by,
+                    low[2] - by,
+                    high[0] + by,
+                    high[1] + by,
+                    high[2] + by);
         }
 
         private boolean overlaps(int axis) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
 import java.util.Optional;
@@ -11,10 +12,9 @@ public enum ScalarType {
     /** The {@link ItemId} of another item; 0 means none. */
     REF(Long.BYTES);
 
-    /**
-     * Bounds of magnitudes that files, actions and edits may set, in the unit of the property.
-     */
+    /** Bounds of magnitudes that files, actions and edits may set, in the unit of the property. */
     public static final double MAX_F64 = 1e100;
+
     public static final double MIN_F64 = 1e-100;
     private static final double MAX_F32 = 1e30;
     private static final double MIN_F32 = 1e-35;
@@ -48,9 +48,10 @@ public enum ScalarType {
 
     private static Optional<String> outside(double value, double least, double most) {
         double magnitude = Math.abs(value);
-        return magnitude == 0 || magnitude >= least && magnitude <= most ? Optional.empty()
-                : Optional.of("an action or an edit sets 0 or a magnitude from " + least + " to "
-                        + most);
+        return magnitude == 0 || magnitude >= least && magnitude <= most
+                ? Optional.empty()
+                : Optional.of(
+                        "an action or an edit sets 0 or a magnitude from " + least + " to " + most);
     }
 
     /** Whether a column of this type can hold the number; reals may be rounded, not overflow. */

@@ -1,11 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
+
+import org.jspecify.annotations.Nullable;
+import org.pcollections.PMap;
 
 import java.util.List;
 import java.util.Map;
 import java.util.Objects;
 import java.util.Optional;
-import org.jspecify.annotations.Nullable;
-import org.pcollections.PMap;
 
 /** What agents perceive of an item: symbols with text, truth or a number. World's thread only. */
 public final class SemanticAspect {
@@ -45,11 +47,11 @@ public final class SemanticAspect {
      * @return the value as {@link #set} keeps it: text, truth, a Double or a list of such
      * @throws IllegalArgumentException as {@link #set}
      */
-    public static Object requireSettable(WorldPrototype prototype, String item, String symbol,
-            Object value) {
+    public static Object requireSettable(
+            WorldPrototype prototype, String item, String symbol, Object value) {
         if (symbol.equals(ItemSymbols.CLASS) && !(value instanceof String)) {
-            throw new IllegalArgumentException("item " + item + ": class is " + value
-                    + ", expected a text such as \"toy\"");
+            throw new IllegalArgumentException(
+                    "item " + item + ": class is " + value + ", expected a text such as \"toy\"");
         }
         return Values.requireSymbol(prototype, item, symbol, value);
     }
@@ -64,8 +66,7 @@ public final class SemanticAspect {
      */
     public void set(String symbol, Object value) {
         item.checkedRow();
-        Object checked = requireSettable(item.world().prototype(), item.name(), symbol,
-                value);
+        Object checked = requireSettable(item.world().prototype(), item.name(), symbol, value);
         change(symbol, checked, item.symbols().with(symbol, checked));
     }
 
@@ -88,11 +89,19 @@ public final class SemanticAspect {
     public void derive(String symbol, @Nullable Object value) {
         item.checkedRow();
         PMap<String, Object> before = item.symbols().derived();
-        Object checked = value == null ? null
-                : requireSettable(item.world().prototype(), item.name(), symbol, value);
+        Object checked =
+                value == null
+                        ? null
+                        : requireSettable(item.world().prototype(), item.name(), symbol, value);
         if (!Objects.equals(before.get(symbol), checked)) {
-            item.world().setSymbols(item, item.symbols().withDerived(
-                    checked == null ? before.minus(symbol) : before.plus(symbol, checked)));
+            item.world()
+                    .setSymbols(
+                            item,
+                            item.symbols()
+                                    .withDerived(
+                                            checked == null
+                                                    ? before.minus(symbol)
+                                                    : before.plus(symbol, checked)));
         }
     }
 
@@ -108,7 +117,9 @@ public final class SemanticAspect {
     private void change(String symbol, @Nullable Object to, ItemSymbols changed) {
         Object from = item.symbols().given().get(symbol);
         item.world().setSymbols(item, changed);
-        item.world().note(
-                new WorldChange.Edited(item.id(), WorldChange.Aspect.SEMANTIC, symbol, from, to));
+        item.world()
+                .note(
+                        new WorldChange.Edited(
+                                item.id(), WorldChange.Aspect.SEMANTIC, symbol, from, to));
     }
 }

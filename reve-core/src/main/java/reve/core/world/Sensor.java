@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
 import java.util.EnumSet;
@@ -24,11 +25,19 @@ import java.util.TreeSet;
  * @param aspects what it perceives of an item beside its name
  * @param camera what its pictures are like, if it is a camera
  */
-public record Sensor(String name, boolean touch, double range, double fieldOfView,
-        boolean lineOfSight, int every, Optional<SortedSet<String>> symbols, Set<Aspect> aspects,
+public record Sensor(
+        String name,
+        boolean touch,
+        double range,
+        double fieldOfView,
+        boolean lineOfSight,
+        int every,
+        Optional<SortedSet<String>> symbols,
+        Set<Aspect> aspects,
         Optional<Camera> camera) {
 
     public static final double ALL_ROUND = 2 * Math.PI;
+
     /** The gap at which boxes count as touching, unless a sensor says otherwise [m]. */
     public static final double TOUCH_RANGE = 0.01;
 
@@ -46,12 +55,19 @@ public record Sensor(String name, boolean touch, double range, double fieldOfVie
         /** Most pixels of a picture. */
         public static final int MAX_PIXELS = 1 << 16;
 
-        /** @throws IllegalArgumentException if the size is out of its bounds */
+        /**
+         * @throws IllegalArgumentException if the size is out of its bounds
+         */
         public Camera {
             if (width < 1 || height < 1 || (long) width * height > MAX_PIXELS) {
-                throw new IllegalArgumentException("camera: " + width + " x " + height
-                        + " pixels, expected 1 or more a side and at most " + MAX_PIXELS
-                        + " in all");
+                throw new IllegalArgumentException(
+                        "camera: "
+                                + width
+                                + " x "
+                                + height
+                                + " pixels, expected 1 or more a side and at most "
+                                + MAX_PIXELS
+                                + " in all");
             }
             layers = EnumSet.copyOf(layers);
         }
@@ -82,7 +98,9 @@ public record Sensor(String name, boolean touch, double range, double fieldOfVie
         ACCESS
     }
 
-    /** @throws IllegalArgumentException if range, field of view or every is out of its bounds */
+    /**
+     * @throws IllegalArgumentException if range, field of view or every is out of its bounds
+     */
     public Sensor {
         if (!(range > 0)) {
             throw new IllegalArgumentException("range: " + range + " m is not more than 0");
@@ -92,8 +110,10 @@ public record Sensor(String name, boolean touch, double range, double fieldOfVie
                     "fieldOfView: " + fieldOfView + " rad is not between 0 and 360 deg");
         }
         if (camera.isPresent() && fieldOfView > WIDEST_CAMERA) {
-            throw new IllegalArgumentException("fieldOfView: a camera sees 170 deg at most, found "
-                    + Math.toDegrees(fieldOfView) + " deg");
+            throw new IllegalArgumentException(
+                    "fieldOfView: a camera sees 170 deg at most, found "
+                            + Math.toDegrees(fieldOfView)
+                            + " deg");
         }
         if (every < 1) {
             throw new IllegalArgumentException("every: " + every + " frames, expected 1 or more");
@@ -104,31 +124,55 @@ public record Sensor(String name, boolean touch, double range, double fieldOfVie
 
     /** Sees everything all round, as far as it reaches. */
     public static Sensor sight(String name, double range) {
-        return new Sensor(name, false, range, ALL_ROUND, false, 1, Optional.empty(),
-                EnumSet.allOf(Aspect.class), Optional.empty());
+        return new Sensor(
+                name,
+                false,
+                range,
+                ALL_ROUND,
+                false,
+                1,
+                Optional.empty(),
+                EnumSet.allOf(Aspect.class),
+                Optional.empty());
     }
 
     /** Feels everything that the body touches. */
     public static Sensor touch(String name) {
-        return new Sensor(name, true, TOUCH_RANGE, ALL_ROUND, false, 1, Optional.empty(),
-                EnumSet.allOf(Aspect.class), Optional.empty());
+        return new Sensor(
+                name,
+                true,
+                TOUCH_RANGE,
+                ALL_ROUND,
+                false,
+                1,
+                Optional.empty(),
+                EnumSet.allOf(Aspect.class),
+                Optional.empty());
     }
 
     /** Takes pictures. @param fieldOfView vertical angle of them [rad] */
     public static Sensor camera(String name, double fieldOfView, Camera pictures) {
-        return new Sensor(name, false, Double.POSITIVE_INFINITY, fieldOfView, false, 1,
-                Optional.empty(), Set.of(), Optional.of(pictures));
+        return new Sensor(
+                name,
+                false,
+                Double.POSITIVE_INFINITY,
+                fieldOfView,
+                false,
+                1,
+                Optional.empty(),
+                Set.of(),
+                Optional.of(pictures));
     }
 
     /** The same, as far as that [m]. */
     public Sensor withRange(double metres) {
-        return new Sensor(name, touch, metres, fieldOfView, lineOfSight, every, symbols, aspects,
-                camera);
+        return new Sensor(
+                name, touch, metres, fieldOfView, lineOfSight, every, symbols, aspects, camera);
     }
 
     public Sensor withFieldOfView(double radians) {
-        return new Sensor(name, touch, range, radians, lineOfSight, every, symbols, aspects,
-                camera);
+        return new Sensor(
+                name, touch, range, radians, lineOfSight, every, symbols, aspects, camera);
     }
 
     public Sensor withLineOfSight() {
@@ -136,18 +180,26 @@ public record Sensor(String name, boolean touch, double range, double fieldOfVie
     }
 
     public Sensor withEvery(int frames) {
-        return new Sensor(name, touch, range, fieldOfView, lineOfSight, frames, symbols, aspects,
-                camera);
+        return new Sensor(
+                name, touch, range, fieldOfView, lineOfSight, frames, symbols, aspects, camera);
     }
 
     public Sensor withSymbols(Set<String> names) {
-        return new Sensor(name, touch, range, fieldOfView, lineOfSight, every,
-                Optional.of(new TreeSet<>(names)), aspects, camera);
+        return new Sensor(
+                name,
+                touch,
+                range,
+                fieldOfView,
+                lineOfSight,
+                every,
+                Optional.of(new TreeSet<>(names)),
+                aspects,
+                camera);
     }
 
     public Sensor withAspects(Set<Aspect> some) {
-        return new Sensor(name, touch, range, fieldOfView, lineOfSight, every, symbols, some,
-                camera);
+        return new Sensor(
+                name, touch, range, fieldOfView, lineOfSight, every, symbols, some, camera);
     }
 
     /** True if it takes pictures, and senses no items. */
@@ -157,7 +209,10 @@ public record Sensor(String name, boolean touch, double range, double fieldOfVie
 
     /** True if it also senses what has no place, such as a spring. */
     public boolean isUnlimited() {
-        return !isCamera() && !touch && range == Double.POSITIVE_INFINITY
-                && fieldOfView == ALL_ROUND && !lineOfSight;
+        return !isCamera()
+                && !touch
+                && range == Double.POSITIVE_INFINITY
+                && fieldOfView == ALL_ROUND
+                && !lineOfSight;
     }
 }

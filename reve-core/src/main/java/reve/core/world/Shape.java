@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
 /** The form of a body around its origin, in metres along its own axes. Immutable. */

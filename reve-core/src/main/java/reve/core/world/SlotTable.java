@@ -1,10 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
+
+import org.jspecify.annotations.Nullable;
 
 import java.lang.foreign.MemorySegment;
 import java.lang.foreign.ValueLayout;
 import java.util.Arrays;
 import java.util.List;
-import org.jspecify.annotations.Nullable;
 
 /**
  * The rows of one table in one slot of a {@link SnapshotRing}: written by the world's thread, read
@@ -21,7 +23,9 @@ final class SlotTable {
     private int rowCount;
     private int physicsRowCount;
 
-    /** @param memory for each column, of all slots together */
+    /**
+     * @param memory for each column, of all slots together
+     */
     SlotTable(Table table, List<ColumnBuffers> memory, Zeros zeros) {
         this.kind = table.kind();
         this.properties = table.allColumns().stream().map(Column::descriptor).toList();
@@ -40,7 +44,8 @@ final class SlotTable {
             letGo(i);
             MemorySegment source = sources.get(i).memory();
             long bytes = (long) rowCount * properties.get(i).rowBytes();
-            if (before != null && before.rowCount == rowCount
+            if (before != null
+                    && before.rowCount == rowCount
                     && isSame(source, before.buffers[i].memory(), bytes)) {
                 buffers[i] = memory.get(i).share(before.buffers[i]);
             } else if (isZero(source, bytes)) {
@@ -67,8 +72,9 @@ final class SlotTable {
 
     /** Whether the first byte is 0, and each the same as the one before it. */
     private static boolean isZero(MemorySegment memory, long bytes) {
-        return bytes == 0 || memory.get(ValueLayout.JAVA_BYTE, 0) == 0
-                && MemorySegment.mismatch(memory, 0, bytes - 1, memory, 1, bytes) < 0;
+        return bytes == 0
+                || memory.get(ValueLayout.JAVA_BYTE, 0) == 0
+                        && MemorySegment.mismatch(memory, 0, bytes - 1, memory, 1, bytes) < 0;
     }
 
     private static boolean isSame(MemorySegment a, MemorySegment b, long bytes) {

@@ -1,9 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
+
+import org.jspecify.annotations.Nullable;
 
 import java.util.ArrayList;
 import java.util.List;
 import java.util.Optional;
-import org.jspecify.annotations.Nullable;
 
 /**
  * A fixed number of slots that hold the last published frames of a world for any number of readers.
@@ -14,14 +16,18 @@ import org.jspecify.annotations.Nullable;
 public final class SnapshotRing {
 
     private final World world;
+
     /** All slots but the latest, oldest first. */
     private final List<SnapshotSlot> older;
+
     private final SnapshotSlot.Memory memory;
     private final int slots;
     private int used;
     private volatile @Nullable SnapshotSlot latest;
 
-    /** @param slots at least 2: one to read, one to write */
+    /**
+     * @param slots at least 2: one to read, one to write
+     */
     public SnapshotRing(World world, int slots) {
         if (slots < 2) {
             throw new IllegalArgumentException(

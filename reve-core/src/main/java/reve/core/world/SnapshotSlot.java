@@ -1,4 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
+
+import org.jspecify.annotations.Nullable;
+import org.pcollections.PMap;
+import org.pcollections.TreePMap;
 
 import java.lang.invoke.VarHandle;
 import java.util.ArrayList;
@@ -6,9 +11,6 @@ import java.util.List;
 import java.util.Optional;
 import java.util.concurrent.atomic.AtomicInteger;
 import java.util.concurrent.atomic.AtomicLong;
-import org.jspecify.annotations.Nullable;
-import org.pcollections.PMap;
-import org.pcollections.TreePMap;
 
 /**
  * Room for one snapshot, guarded by a stamp (a sequence lock): odd from when the world's thread
@@ -22,8 +24,14 @@ final class SnapshotSlot {
         private final Zeros zeros = new Zeros();
 
         Memory(World world) {
-            columns = world.tables().stream().map(table -> table.allColumns().stream()
-                    .map(column -> new ColumnBuffers()).toList()).toList();
+            columns =
+                    world.tables().stream()
+                            .map(
+                                    table ->
+                                            table.allColumns().stream()
+                                                    .map(column -> new ColumnBuffers())
+                                                    .toList())
+                            .toList();
         }
     }
 
@@ -35,13 +43,14 @@ final class SnapshotSlot {
     private PMap<ItemId, ItemSymbols> symbols = TreePMap.empty();
     private List<WorldEvent> events = List.of();
 
-    /** @param memory of all slots of the ring */
+    /**
+     * @param memory of all slots of the ring
+     */
     SnapshotSlot(World world, Memory memory) {
         for (int i = 0; i < memory.columns.size(); i++) {
             tables.add(new SlotTable(world.tables().get(i), memory.columns.get(i), memory.zeros));
         }
     }
-
 
     boolean isFree() {
         return readers.get() == 0;
@@ -62,8 +71,8 @@ final class SnapshotSlot {
         symbols = world.symbols();
         events = world.events();
         for (int i = 0; i < tables.size(); i++) {
-            tables.get(i).copyFrom(world.tables().get(i),
-                    before == null ? null : before.tables.get(i));
+            tables.get(i)
+                    .copyFrom(world.tables().get(i), before == null ? null : before.tables.get(i));
         }
         stamp.setRelease(writing + 1);
     }
@@ -76,8 +85,7 @@ final class SnapshotSlot {
         for (SlotTable table : tables) {
             views.add(table.view());
         }
-        var snapshot =
-                new WorldSnapshot(this, before, frame, timeSeconds, views, symbols, events);
+        var snapshot = new WorldSnapshot(this, before, frame, timeSeconds, views, symbols, events);
         if (before % 2 == 1 || snapshot.lost()) {
             snapshot.close();
             return Optional.empty();

@@ -1,12 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
+
+import reve.core.space.Box;
+import reve.core.space.BoxIndex;
+import reve.core.space.Found;
 
 import java.util.ArrayList;
 import java.util.List;
 import java.util.function.LongPredicate;
 import java.util.function.LongSupplier;
-import reve.core.space.Box;
-import reve.core.space.BoxIndex;
-import reve.core.space.Found;
 
 /**
  * Which bodies are where, by the boxes around them ({@code boundsMin}, {@code boundsMax}) as the
@@ -32,7 +34,11 @@ public final class Space {
      * @param version raised when the boxes were worked out anew; 0 or more
      * @param isThere whether the body with an id is still there
      */
-    Space(ColumnView ids, ColumnView lows, ColumnView highs, LongSupplier version,
+    Space(
+            ColumnView ids,
+            ColumnView lows,
+            ColumnView highs,
+            LongSupplier version,
             LongPredicate isThere) {
         this.ids = ids;
         this.lows = lows;
@@ -73,8 +79,16 @@ public final class Space {
      */
     public List<ItemId> nearest(double x, double y, double z, int most) {
         if (most < 0 || Double.isNaN(x + y + z)) {
-            throw new IllegalArgumentException("nearest " + most + " bodies to " + x + ", " + y
-                    + ", " + z + ": expected 0 or more, and numbers");
+            throw new IllegalArgumentException(
+                    "nearest "
+                            + most
+                            + " bodies to "
+                            + x
+                            + ", "
+                            + y
+                            + ", "
+                            + z
+                            + ": expected 0 or more, and numbers");
         }
         update();
         int asked = most;

@@ -1,4 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
+
+import org.jspecify.annotations.Nullable;
 
 import java.util.Comparator;
 import java.util.HashMap;
@@ -6,7 +9,6 @@ import java.util.List;
 import java.util.Map;
 import java.util.TreeSet;
 import java.util.function.Supplier;
-import org.jspecify.annotations.Nullable;
 
 /**
  * Which items have which value of a symbol. A symbol is indexed from the first time it is asked
@@ -46,29 +48,41 @@ final class SymbolIndex {
      * @param to null if it is gone
      */
     void follow(Item item, @Nullable ItemSymbols from, @Nullable ItemSymbols to) {
-        byValue.forEach((symbol, index) -> {
-            if (from != null) {
-                remove(index, symbol, item, from);
-            }
-            if (to != null) {
-                add(index, symbol, item, to);
-            }
-        });
+        byValue.forEach(
+                (symbol, index) -> {
+                    if (from != null) {
+                        remove(index, symbol, item, from);
+                    }
+                    if (to != null) {
+                        add(index, symbol, item, to);
+                    }
+                });
     }
 
-    private static void add(Map<Object, TreeSet<Item>> index, String symbol, Item item,
-            ItemSymbols symbols) {
-        symbols.get(symbol).ifPresent(value -> index
-                .computeIfAbsent(key(value), none -> new TreeSet<>(Comparator.comparing(Item::id)))
-                .add(item));
+    private static void add(
+            Map<Object, TreeSet<Item>> index, String symbol, Item item, ItemSymbols symbols) {
+        symbols.get(symbol)
+                .ifPresent(
+                        value ->
+                                index.computeIfAbsent(
+                                                key(value),
+                                                none ->
+                                                        new TreeSet<>(
+                                                                Comparator.comparing(Item::id)))
+                                        .add(item));
     }
 
-    private static void remove(Map<Object, TreeSet<Item>> index, String symbol, Item item,
-            ItemSymbols symbols) {
-        symbols.get(symbol).ifPresent(value -> index.computeIfPresent(key(value), (same, items) -> {
-            items.remove(item);
-            return items.isEmpty() ? null : items;
-        }));
+    private static void remove(
+            Map<Object, TreeSet<Item>> index, String symbol, Item item, ItemSymbols symbols) {
+        symbols.get(symbol)
+                .ifPresent(
+                        value ->
+                                index.computeIfPresent(
+                                        key(value),
+                                        (same, items) -> {
+                                            items.remove(item);
+                                            return items.isEmpty() ? null : items;
+                                        }));
     }
 
     /** Numbers are equal whatever their type and the sign of their zero. */

@@ -1,4 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
+
+import reve.core.unit.Unit;
 
 import java.lang.foreign.MemorySegment;
 import java.util.Arrays;
@@ -8,7 +11,6 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.function.LongFunction;
 import java.util.stream.Stream;
-import reve.core.unit.Unit;
 
 /**
  * The live rows of one kind. World's thread only; rows come and go through {@link World}. Memory
@@ -36,8 +38,16 @@ public final class Table implements TableView {
         this.kind = kind;
         this.layout = layout;
         items = new Item[kind.equals(WorldPrototype.WORLD) ? 1 : INITIAL_CAPACITY];
-        ids = create(new PropertyDescriptor("id", kind, ScalarType.REF, 1, Unit.parse("1"),
-                Optional.of(kind), "The item in each row."));
+        ids =
+                create(
+                        new PropertyDescriptor(
+                                "id",
+                                kind,
+                                ScalarType.REF,
+                                1,
+                                Unit.parse("1"),
+                                Optional.of(kind),
+                                "The item in each row."));
         for (PropertyDescriptor property : world.prototype().physicalProperties()) {
             if (property.kind().equals(kind)) {
                 byName.put(property.name(), create(property));

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
 import java.lang.foreign.MemorySegment;
@@ -15,7 +16,9 @@ public final class TableCopy {
     private int rowCount;
     private int physicsRowCount;
 
-    /** @param allocate gives memory for that many bytes; what is outgrown is left to its owner */
+    /**
+     * @param allocate gives memory for that many bytes; what is outgrown is left to its owner
+     */
     TableCopy(Table table, LongFunction<MemorySegment> allocate) {
         this.kind = table.kind();
         this.properties = table.allColumns().stream().map(Column::descriptor).toList();
@@ -59,8 +62,14 @@ public final class TableCopy {
     /** Makes room for rows whose values the caller writes next; the old values are gone. */
     public void resize(int rows, int physicsRows) {
         if (rows < 0 || physicsRows < 0 || physicsRows > rows) {
-            throw new IllegalArgumentException("table " + kind + " of " + rows + " rows, of which "
-                    + physicsRows + " are physical");
+            throw new IllegalArgumentException(
+                    "table "
+                            + kind
+                            + " of "
+                            + rows
+                            + " rows, of which "
+                            + physicsRows
+                            + " are physical");
         }
         for (int i = 0; i < memories.length; i++) {
             makeRoom(i, bytes(i, rows), bytes(i, rows));
@@ -82,14 +91,23 @@ public final class TableCopy {
         }
     }
 
-    /** @throws IllegalArgumentException naming what differs if the copy is of no such table */
+    /**
+     * @throws IllegalArgumentException naming what differs if the copy is of no such table
+     */
     void requireOf(Table table) {
         List<PropertyDescriptor> expected =
                 table.allColumns().stream().map(Column::descriptor).toList();
         if (!table.kind().equals(kind) || !expected.equals(properties)) {
-            throw new IllegalArgumentException("the image is of a world with another prototype: "
-                    + "kind " + kind + " has the properties " + names(properties)
-                    + ", expected kind " + table.kind() + " with " + names(expected));
+            throw new IllegalArgumentException(
+                    "the image is of a world with another prototype: "
+                            + "kind "
+                            + kind
+                            + " has the properties "
+                            + names(properties)
+                            + ", expected kind "
+                            + table.kind()
+                            + " with "
+                            + names(expected));
         }
     }
 

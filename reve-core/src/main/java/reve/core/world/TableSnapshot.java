@@ -1,11 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
+
+import org.jspecify.annotations.Nullable;
 
 import java.lang.foreign.MemorySegment;
 import java.util.ArrayList;
 import java.util.HashMap;
 import java.util.List;
 import java.util.Map;
-import org.jspecify.annotations.Nullable;
 
 /** A table as it was when a frame was published. One reading thread, read only. */
 public final class TableSnapshot implements TableView {
@@ -13,15 +15,23 @@ public final class TableSnapshot implements TableView {
     private final String kind;
     private final int rowCount;
     private final int physicsRowCount;
+
     /** The ids, then the columns. */
     private final List<PropertyDescriptor> properties;
+
     private final ColumnBuffers.Buffer[] buffers;
+
     /** Made when they are asked for: few readers want all. */
     private final @Nullable ColumnSnapshot[] made;
+
     private final Map<Long, Integer> rowById = new HashMap<>();
 
-    TableSnapshot(String kind, int rowCount, int physicsRowCount,
-            List<PropertyDescriptor> properties, ColumnBuffers.Buffer[] buffers) {
+    TableSnapshot(
+            String kind,
+            int rowCount,
+            int physicsRowCount,
+            List<PropertyDescriptor> properties,
+            ColumnBuffers.Buffer[] buffers) {
         this.kind = kind;
         this.rowCount = rowCount;
         this.physicsRowCount = physicsRowCount;
@@ -50,7 +60,9 @@ public final class TableSnapshot implements TableView {
         return column(0);
     }
 
-    /** @throws IllegalArgumentException at times when the snapshot was lost */
+    /**
+     * @throws IllegalArgumentException at times when the snapshot was lost
+     */
     @Override
     public ItemId idAt(int row) {
         return new ItemId(ids().getReference(row, 0));
@@ -75,8 +87,13 @@ public final class TableSnapshot implements TableView {
                 return column(i);
             }
         }
-        throw new IllegalArgumentException("kind " + kind + " has no property " + name
-                + "; it has " + columns().stream().map(ColumnView::name).toList());
+        throw new IllegalArgumentException(
+                "kind "
+                        + kind
+                        + " has no property "
+                        + name
+                        + "; it has "
+                        + columns().stream().map(ColumnView::name).toList());
     }
 
     @Override

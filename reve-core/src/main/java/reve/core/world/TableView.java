@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
 import java.util.List;
@@ -21,7 +22,9 @@ public sealed interface TableView permits Table, TableSnapshot {
     /** The row of an item, -1 if it is not in this table. */
     int rowOf(ItemId id);
 
-    /** @throws IllegalArgumentException if the kind has no such property */
+    /**
+     * @throws IllegalArgumentException if the kind has no such property
+     */
     ColumnView column(String name);
 
     /** In a fixed order. */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
 import java.nio.ByteBuffer;
@@ -11,6 +12,7 @@ public final class Texture {
 
     /** Most pixels of one texture. */
     public static final int MAX_PIXELS = 1 << 24;
+
     /** Most pixels a side, which any graphics library takes. */
     public static final int MAX_SIDE = 8192;
 
@@ -29,12 +31,26 @@ public final class Texture {
      */
     public Texture(int width, int height, byte[] rgba, Optional<String> file) {
         if (!fits(width, height)) {
-            throw new IllegalArgumentException("texture of " + width + " x " + height
-                    + " pixels, expected 1 to " + MAX_SIDE + " a side and at most " + MAX_PIXELS);
+            throw new IllegalArgumentException(
+                    "texture of "
+                            + width
+                            + " x "
+                            + height
+                            + " pixels, expected 1 to "
+                            + MAX_SIDE
+                            + " a side and at most "
+                            + MAX_PIXELS);
         }
         if (rgba.length != 4 * width * height) {
-            throw new IllegalArgumentException("texture of " + width + " x " + height
-                    + " pixels has " + rgba.length + " bytes, expected " + 4 * width * height);
+            throw new IllegalArgumentException(
+                    "texture of "
+                            + width
+                            + " x "
+                            + height
+                            + " pixels has "
+                            + rgba.length
+                            + " bytes, expected "
+                            + 4 * width * height);
         }
         this.width = width;
         this.height = height;
@@ -44,7 +60,10 @@ public final class Texture {
 
     /** Whether a texture may have that many pixels. */
     public static boolean fits(int width, int height) {
-        return width >= 1 && height >= 1 && width <= MAX_SIDE && height <= MAX_SIDE
+        return width >= 1
+                && height >= 1
+                && width <= MAX_SIDE
+                && height <= MAX_SIDE
                 && width * height <= MAX_PIXELS;
     }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
 import java.util.Arrays;
@@ -38,19 +39,29 @@ final class Values {
                     at(item, name) + "is a reference to another item, not a number");
         }
         if (values.length != property.components()) {
-            throw new IllegalArgumentException(at(item, name) + "has " + values.length
-                    + " components, expected " + property.components() + " ["
-                    + property.unit().symbol() + "]");
+            throw new IllegalArgumentException(
+                    at(item, name)
+                            + "has "
+                            + values.length
+                            + " components, expected "
+                            + property.components()
+                            + " ["
+                            + property.unit().symbol()
+                            + "]");
         }
         requireFinite(item, name, values);
         for (double value : values) {
             if (!property.type().holds(value)) {
-                throw new IllegalArgumentException(at(item, name) + "is " + text(values)
-                        + ", which does not fit type " + property.type());
+                throw new IllegalArgumentException(
+                        at(item, name)
+                                + "is "
+                                + text(values)
+                                + ", which does not fit type "
+                                + property.type());
             }
             if (value < property.minimum()) {
-                throw new IllegalArgumentException(at(item, name) + "is " + text(values)
-                        + ", expected " + property.allowed());
+                throw new IllegalArgumentException(
+                        at(item, name) + "is " + text(values) + ", expected " + property.allowed());
             }
         }
     }
@@ -68,8 +79,9 @@ final class Values {
             largest = Math.max(largest, Math.abs(value));
         }
         if (largest == 0) {
-            throw new IllegalArgumentException(at(item, "orientation")
-                    + "is the zero quaternion, expected a rotation such as 0 0 0 1");
+            throw new IllegalArgumentException(
+                    at(item, "orientation")
+                            + "is the zero quaternion, expected a rotation such as 0 0 0 1");
         }
         double sum = 0;
         for (double value : xyzw) {
@@ -86,15 +98,22 @@ final class Values {
     }
 
     /** Text, truth, a finite number (as Double), or a list of such; of the type declared for it. */
-    static Object requireSymbol(WorldPrototype prototype, String item, String symbol,
-            Object value) {
+    static Object requireSymbol(
+            WorldPrototype prototype, String item, String symbol, Object value) {
         Object checked = requireSymbol(item, symbol, value);
-        prototype.symbol(symbol).ifPresent(declared -> {
-            if (typeOf(checked) != declared.type()) {
-                throw new IllegalArgumentException(at(item, symbol) + "is " + words(typeOf(checked))
-                        + ", declared as " + words(declared.type()));
-            }
-        });
+        prototype
+                .symbol(symbol)
+                .ifPresent(
+                        declared -> {
+                            if (typeOf(checked) != declared.type()) {
+                                throw new IllegalArgumentException(
+                                        at(item, symbol)
+                                                + "is "
+                                                + words(typeOf(checked))
+                                                + ", declared as "
+                                                + words(declared.type()));
+                            }
+                        });
         return checked;
     }
 
@@ -102,15 +121,20 @@ final class Values {
     static Object requireSymbol(String item, String symbol, Object value) {
         Names.require("symbol name of item " + item, symbol);
         if (ItemSymbols.DERIVED.contains(symbol)) {
-            throw new IllegalArgumentException(at(item, symbol)
-                    + "is a symbol that the world derives; it cannot be set");
+            throw new IllegalArgumentException(
+                    at(item, symbol) + "is a symbol that the world derives; it cannot be set");
         }
         if (!(value instanceof List<?> list)) {
             return requireSimple(item, symbol, value);
         }
         if (list.size() > SymbolDescriptor.MAX_ELEMENTS) {
-            throw new IllegalArgumentException(at(item, symbol) + "has " + list.size()
-                    + " elements, at most " + SymbolDescriptor.MAX_ELEMENTS + " are allowed");
+            throw new IllegalArgumentException(
+                    at(item, symbol)
+                            + "has "
+                            + list.size()
+                            + " elements, at most "
+                            + SymbolDescriptor.MAX_ELEMENTS
+                            + " are allowed");
         }
         return list.stream().map(element -> requireSimple(item, symbol, element)).toList();
     }
@@ -118,20 +142,28 @@ final class Values {
     private static Object requireSimple(String item, String symbol, Object value) {
         return switch (value) {
             case String text when text.length() > MAX_TEXT ->
-                throw new IllegalArgumentException(at(item, symbol) + "has " + text.length()
-                        + " characters, at most " + MAX_TEXT + " are allowed");
+                    throw new IllegalArgumentException(
+                            at(item, symbol)
+                                    + "has "
+                                    + text.length()
+                                    + " characters, at most "
+                                    + MAX_TEXT
+                                    + " are allowed");
             case String text when !Names.isUnicode(text) ->
-                throw new IllegalArgumentException(
-                        at(item, symbol) + "is no Unicode: it holds half of a surrogate pair");
+                    throw new IllegalArgumentException(
+                            at(item, symbol) + "is no Unicode: it holds half of a surrogate pair");
             case String text -> text;
             case Boolean truth -> truth;
             case Number number -> {
                 requireFinite(item, symbol, number.doubleValue());
                 yield number.doubleValue();
             }
-            default -> throw new IllegalArgumentException(at(item, symbol) + "is a "
-                    + value.getClass().getSimpleName()
-                    + ", expected text, truth, a number or a list of these");
+            default ->
+                    throw new IllegalArgumentException(
+                            at(item, symbol)
+                                    + "is a "
+                                    + value.getClass().getSimpleName()
+                                    + ", expected text, truth, a number or a list of these");
         };
     }
 

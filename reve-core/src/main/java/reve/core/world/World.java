@@ -1,4 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
+
+import org.jspecify.annotations.Nullable;
+import org.pcollections.PMap;
 
 import java.util.ArrayList;
 import java.util.HashMap;
@@ -6,8 +10,6 @@ import java.util.List;
 import java.util.Map;
 import java.util.Objects;
 import java.util.Optional;
-import org.jspecify.annotations.Nullable;
-import org.pcollections.PMap;
 
 /**
  * The virtual world store: one {@link Table} of columns per kind for numbers, one immutable map for
@@ -139,8 +141,8 @@ public final class World {
         }
         hierarchy.placeNew(added);
         if (!added.isEmpty()) {
-            record.note(new WorldChange.Added(added.getFirst().id(), List.copyOf(definitions),
-                    maker));
+            record.note(
+                    new WorldChange.Added(added.getFirst().id(), List.copyOf(definitions), maker));
         }
         return List.copyOf(added);
     }
@@ -168,9 +170,12 @@ public final class World {
         Item item = item(id);
         requireNotConstants(item, "it stays");
         if (item.referrers > 0 || item.children != null) {
-            throw new IllegalArgumentException(item + " cannot be removed: "
-                    + references.describeReferrers(item) + " refers to it or is attached to it; "
-                    + "remove that first, or remove in cascade");
+            throw new IllegalArgumentException(
+                    item
+                            + " cannot be removed: "
+                            + references.describeReferrers(item)
+                            + " refers to it or is attached to it; "
+                            + "remove that first, or remove in cascade");
         }
     }
 
@@ -182,8 +187,7 @@ public final class World {
         Item item = removable(id);
         List<Item> order = references.withReferrers(item).reversed();
         order.forEach(this::delete);
-        List<ItemId> cascade = order.stream().filter(other -> other != item).map(Item::id)
-                .toList();
+        List<ItemId> cascade = order.stream().filter(other -> other != item).map(Item::id).toList();
         record.note(new WorldChange.Removed(id, item.name(), cascade));
     }
 
@@ -210,8 +214,8 @@ public final class World {
             return;
         }
         requireNotConstants(item, "its name is fixed");
-        DefinitionCheck.requireFree(Names.require("new name of " + item, newName),
-                register.find(newName) != null);
+        DefinitionCheck.requireFree(
+                Names.require("new name of " + item, newName), register.find(newName) != null);
         setSymbols(item, item.symbols().renamed(newName));
         record.note(new WorldChange.Renamed(id, oldName, newName));
     }
@@ -287,11 +291,15 @@ public final class World {
     }
 
     private Space spaceOf(Table bodies) {
-        return new Space(bodies.ids(), bodies.column("boundsMin"), bodies.column("boundsMax"),
+        return new Space(
+                bodies.ids(),
+                bodies.column("boundsMin"),
+                bodies.column("boundsMax"),
                 () -> {
                     guard.checkOwner();
                     return boundsVersion;
-                }, id -> register.find(new ItemId(id)) != null);
+                },
+                id -> register.find(new ItemId(id)) != null);
     }
 
     /** Puts what is attached where its parents are; in DERIVE, before anything looks. */
@@ -336,7 +344,9 @@ public final class World {
         return Optional.ofNullable(register.find(id));
     }
 
-    /** @throws IllegalArgumentException if there is no such item (any more) */
+    /**
+     * @throws IllegalArgumentException if there is no such item (any more)
+     */
     public Item item(ItemId id) {
         guard.checkOwner();
         Item item = register.find(id);
@@ -364,7 +374,9 @@ public final class World {
         return register.items();
     }
 
-    /** @throws IllegalArgumentException if the prototype has no such kind */
+    /**
+     * @throws IllegalArgumentException if the prototype has no such kind
+     */
     public Table table(String kind) {
         Table table = tableByKind.get(kind);
         if (table == null) {
@@ -512,8 +524,11 @@ public final class World {
         guard.requireUnlocked("give " + item + " its first physics property");
         List<Column> needed = item.table().references();
         if (!needed.isEmpty()) {
-            throw new IllegalArgumentException(item + " is scenery without "
-                    + needed.getFirst().name() + ": add it with its references instead");
+            throw new IllegalArgumentException(
+                    item
+                            + " is scenery without "
+                            + needed.getFirst().name()
+                            + ": add it with its references instead");
         }
         item.table().promote(item);
     }
@@ -522,8 +537,11 @@ public final class World {
         guard.requireUnlocked("take " + item + " out of physics");
         requireNotConstants(item, "laws need them");
         if (item.referrers > 0) {
-            throw new IllegalArgumentException(item + " cannot become scenery: "
-                    + references.describeReferrers(item) + " refers to it");
+            throw new IllegalArgumentException(
+                    item
+                            + " cannot become scenery: "
+                            + references.describeReferrers(item)
+                            + " refers to it");
         }
         references.release(item);
         item.table().demote(item);
@@ -554,8 +572,8 @@ public final class World {
         }
         List<String> properties = definition.physicsProperties();
         for (int i = 0; i < properties.size(); i++) {
-            table.physicsColumn(properties.get(i)).write(item.row,
-                    definition.physicsValues().get(i));
+            table.physicsColumn(properties.get(i))
+                    .write(item.row, definition.physicsValues().get(i));
         }
         return item;
     }
@@ -563,9 +581,15 @@ public final class World {
     /** Points an added item at those it refers to and moves with, which may be added with it. */
     private void link(Item item, ItemDefinition definition) {
         references.resolve(item, definition);
-        definition.parent().ifPresent(parent -> setAttachment(item,
-                Objects.requireNonNull(register.find(parent)),
-                Pose.exactly(definition.location(), definition.orientation())));
+        definition
+                .parent()
+                .ifPresent(
+                        parent ->
+                                setAttachment(
+                                        item,
+                                        Objects.requireNonNull(register.find(parent)),
+                                        Pose.exactly(
+                                                definition.location(), definition.orientation())));
     }
 
     private void setAttachment(Item child, Item parent, Pose pose) {
@@ -586,8 +610,7 @@ public final class World {
 
     private static void requireNotConstants(Item item, String therefore) {
         if (item.kind().equals(WorldPrototype.WORLD)) {
-            throw new IllegalArgumentException(
-                    item + " holds the world's constants; " + therefore);
+            throw new IllegalArgumentException(item + " holds the world's constants; " + therefore);
         }
     }
 

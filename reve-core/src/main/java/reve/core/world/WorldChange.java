@@ -1,18 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
-import java.util.List;
 import org.jspecify.annotations.Nullable;
 
+import java.util.List;
+
 /**
- * Something in a world that became different because somebody said so: not by a law, and not
- * worked out in DERIVE. {@link World#changes()} has those of a frame, in an order that makes an
- * equal world of an equal one. Immutable.
+ * Something in a world that became different because somebody said so: not by a law, and not worked
+ * out in DERIVE. {@link World#changes()} has those of a frame, in an order that makes an equal
+ * world of an equal one. Immutable.
  */
 public sealed interface WorldChange {
 
     /** The part of an item that an edit changed. */
     enum Aspect {
-        PHYSICAL, SEMANTIC, ACCESS, PHYSICS
+        PHYSICAL,
+        SEMANTIC,
+        ACCESS,
+        PHYSICS
     }
 
     /**
@@ -61,8 +66,9 @@ public sealed interface WorldChange {
      * @param from null if the item had none: scenery no physics property, an item no such symbol
      * @param to null if the item has none from now on
      */
-    record Edited(ItemId item, Aspect aspect, String property, @Nullable Object from,
-            @Nullable Object to) implements WorldChange {}
+    record Edited(
+            ItemId item, Aspect aspect, String property, @Nullable Object from, @Nullable Object to)
+            implements WorldChange {}
 
     /** A force acts on an item from now on, for some frames. */
     record Pushed(Forces.Force force) implements WorldChange {}

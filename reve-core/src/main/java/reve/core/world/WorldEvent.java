@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
 import java.nio.charset.StandardCharsets;
@@ -16,12 +17,19 @@ public record WorldEvent(long frame, String type, Map<String, Object> fields) {
     public WorldEvent {
         Names.require("event type", type);
         fields = Collections.unmodifiableMap(new LinkedHashMap<>(fields));
-        fields.forEach((name, value) -> {
-            if (!(value instanceof String || value instanceof Number || value instanceof Boolean)) {
-                throw new IllegalArgumentException("event field " + name + " is " + value
-                        + ", expected text, a number or truth");
-            }
-        });
+        fields.forEach(
+                (name, value) -> {
+                    if (!(value instanceof String
+                            || value instanceof Number
+                            || value instanceof Boolean)) {
+                        throw new IllegalArgumentException(
+                                "event field "
+                                        + name
+                                        + " is "
+                                        + value
+                                        + ", expected text, a number or truth");
+                    }
+                });
     }
 
     /** Its size: of the type, names and texts in UTF-8, and 8 of each number or truth value. */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
 import org.jspecify.annotations.Nullable;
@@ -5,9 +6,9 @@ import org.jspecify.annotations.Nullable;
 /**
  * Who may use a world, and what may be changed of it now.
  *
- * <p>One thread owns a world: at first the one that made it, then the one that last called
- * {@link #claim()}; {@code FrameLoop} claims for whoever runs it. With
- * {@code -Dreve.check.thread=true} every use by another thread is refused.
+ * <p>One thread owns a world: at first the one that made it, then the one that last called {@link
+ * #claim()}; {@code FrameLoop} claims for whoever runs it. With {@code -Dreve.check.thread=true}
+ * every use by another thread is refused.
  */
 public final class WorldGuard {
 
@@ -23,7 +24,9 @@ public final class WorldGuard {
         T look() throws E;
     }
 
-    /** @param world its name, for messages */
+    /**
+     * @param world its name, for messages
+     */
     WorldGuard(String world) {
         this.world = world;
     }
@@ -63,9 +66,15 @@ public final class WorldGuard {
 
     void checkOwner() {
         if (CHECK_THREAD && Thread.currentThread() != owner) {
-            throw new IllegalStateException("world " + world + " belongs to thread "
-                    + owner.getName() + ", but " + Thread.currentThread().getName()
-                    + " used it: read a snapshot, or claim() it when the owner has stopped");
+            throw new IllegalStateException(
+                    "world "
+                            + world
+                            + " belongs to thread "
+                            + owner.getName()
+                            + ", but "
+                            + Thread.currentThread().getName()
+                            + " used it: read a snapshot, or claim() it when the owner has"
+                            + " stopped");
         }
     }
 
@@ -73,8 +82,8 @@ public final class WorldGuard {
     void requireEditable() {
         checkOwner();
         if (inspectedBy != null) {
-            throw new IllegalStateException(inspectedBy + " may look at world " + world
-                    + ", but not change it");
+            throw new IllegalStateException(
+                    inspectedBy + " may look at world " + world + ", but not change it");
         }
     }
 
@@ -82,8 +91,14 @@ public final class WorldGuard {
     void requireUnlocked(String what) {
         requireEditable();
         if (lockedBy != null) {
-            throw new IllegalStateException("cannot " + what + " of world " + world + " in phase "
-                    + lockedBy + ": the structure changes in INTAKE, ACT or between frames only");
+            throw new IllegalStateException(
+                    "cannot "
+                            + what
+                            + " of world "
+                            + world
+                            + " in phase "
+                            + lockedBy
+                            + ": the structure changes in INTAKE, ACT or between frames only");
         }
     }
 }

@@ -1,10 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
+
+import org.pcollections.PMap;
+import org.pcollections.TreePMap;
 
 import java.lang.foreign.Arena;
 import java.lang.foreign.MemorySegment;
 import java.util.List;
-import org.pcollections.PMap;
-import org.pcollections.TreePMap;
 
 /**
  * Everything a world is at the end of a frame: all columns, which item is in which row, what is
@@ -26,8 +28,8 @@ public final class WorldImage implements AutoCloseable {
 
     /** Room for a world of a prototype; nothing in it yet. World's thread. */
     public WorldImage(World world) {
-        tables = world.tables().stream().map(table -> new TableCopy(table, this::allocate))
-                .toList();
+        tables =
+                world.tables().stream().map(table -> new TableCopy(table, this::allocate)).toList();
     }
 
     /** Copies a world of the same prototype. World's thread, between frames or in PUBLISH. */
@@ -42,8 +44,7 @@ public final class WorldImage implements AutoCloseable {
     }
 
     /** What is no column; for whoever fills the tables from elsewhere. */
-    public void setSymbolic(long atFrame, long lastItemId,
-            PMap<ItemId, ItemSymbols> itemSymbols) {
+    public void setSymbolic(long atFrame, long lastItemId, PMap<ItemId, ItemSymbols> itemSymbols) {
         frame = atFrame;
         lastId = lastItemId;
         symbols = itemSymbols;

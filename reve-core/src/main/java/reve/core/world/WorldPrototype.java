@@ -1,9 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
 import static reve.core.world.ScalarType.F64;
 import static reve.core.world.ScalarType.I32;
 import static reve.core.world.ScalarType.REF;
 import static reve.core.world.ScalarType.U32;
+
+import reve.core.unit.Unit;
 
 import java.util.ArrayList;
 import java.util.Collections;
@@ -12,7 +15,6 @@ import java.util.LinkedHashSet;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
-import reve.core.unit.Unit;
 
 /**
  * Which properties the items of a world have: the contract between a world, its designers and the
@@ -26,6 +28,7 @@ public final class WorldPrototype {
     public static final String BODY = "body";
     public static final String SPRING = "spring";
     public static final String SURFACE = "surface";
+
     /** The kind with exactly one row, for constants of the world. */
     public static final String WORLD = "world";
 
@@ -37,10 +40,14 @@ public final class WorldPrototype {
     private final List<String> kinds;
     private final Map<String, PropertyDescriptor> byName = new HashMap<>();
     private final Map<String, SymbolDescriptor> symbolsByName = new HashMap<>();
+
     /** What items of a kind refer to others with, by kind; a key for each kind. */
     private final Map<String, List<PropertyDescriptor>> references = new HashMap<>();
 
-    private WorldPrototype(String name, ScalarType realType, List<PropertyDescriptor> properties,
+    private WorldPrototype(
+            String name,
+            ScalarType realType,
+            List<PropertyDescriptor> properties,
             List<SymbolDescriptor> symbols) {
         this.name = name;
         this.realType = realType;
@@ -73,12 +80,14 @@ public final class WorldPrototype {
      * @throws IllegalArgumentException for any other name
      */
     public static WorldPrototype standard(String name) {
-        ScalarType real = switch (name) {
-            case "si-f64" -> ScalarType.F64;
-            case "si-f32" -> ScalarType.F32;
-            default -> throw new IllegalArgumentException(
-                    "prototype \"" + name + "\": expected si-f64 or si-f32");
-        };
+        ScalarType real =
+                switch (name) {
+                    case "si-f64" -> ScalarType.F64;
+                    case "si-f32" -> ScalarType.F32;
+                    default ->
+                            throw new IllegalArgumentException(
+                                    "prototype \"" + name + "\": expected si-f64 or si-f32");
+                };
         return new WorldPrototype(name, real, standardPhysics(real), List.of());
     }
 
@@ -94,11 +103,18 @@ public final class WorldPrototype {
         all.addAll(more);
         var extended = new WorldPrototype(name, realType, all, symbols);
         for (PropertyDescriptor property : more) {
-            property.refersTo().filter(kind -> !extended.kinds.contains(kind)).ifPresent(kind -> {
-                throw new IllegalArgumentException("property " + property.name()
-                        + " refers to kind " + kind + ", which does not exist; kinds are "
-                        + extended.kinds);
-            });
+            property.refersTo()
+                    .filter(kind -> !extended.kinds.contains(kind))
+                    .ifPresent(
+                            kind -> {
+                                throw new IllegalArgumentException(
+                                        "property "
+                                                + property.name()
+                                                + " refers to kind "
+                                                + kind
+                                                + ", which does not exist; kinds are "
+                                                + extended.kinds);
+                            });
         }
         return extended;
     }
@@ -175,9 +191,13 @@ public final class WorldPrototype {
     private void addUnique(PropertyDescriptor property) {
         PropertyDescriptor other = byName.putIfAbsent(property.name(), property);
         if (other != null) {
-            throw new IllegalArgumentException("property " + property.name() + " of kind "
-                    + property.kind() + ": the name is already taken by a property of kind "
-                    + other.kind());
+            throw new IllegalArgumentException(
+                    "property "
+                            + property.name()
+                            + " of kind "
+                            + property.kind()
+                            + ": the name is already taken by a property of kind "
+                            + other.kind());
         }
     }
 
@@ -188,32 +208,66 @@ public final class WorldPrototype {
                 number(BODY, "velocity", real, 3, "m/s", "Velocity of the centre."),
                 number(BODY, "acceleration", real, 3, "m/s^2", "Acceleration in the last step."),
                 number(BODY, "externalForce", real, 3, "N", "Sum of the forces that laws applied."),
-                number(BODY, "appliedForce", real, 3, "N",
+                number(
+                        BODY,
+                        "appliedForce",
+                        real,
+                        3,
+                        "N",
                         "Force given from outside, added to the laws' sum."),
                 notNegative(BODY, "radius", real, 1, "m", "Radius that laws of contact use."),
-                number(BODY, "angularVelocity", real, 3, "rad/s",
-                        "Angular velocity."),
+                number(BODY, "angularVelocity", real, 3, "rad/s", "Angular velocity."),
                 notNegative(BODY, "inertia", real, 3, "kg*m^2", "Principal moments of inertia."),
                 number(BODY, "torque", real, 3, "N*m", "Sum of the torques that laws applied."),
-                number(BODY, "dragCoefficient", real, 1, "kg/m",
+                number(
+                        BODY,
+                        "dragCoefficient",
+                        real,
+                        1,
+                        "kg/m",
                         "Quadratic drag: force per squared speed."),
-                number(BODY, "linearDragCoefficient", real, 1, "kg/s",
+                number(
+                        BODY,
+                        "linearDragCoefficient",
+                        real,
+                        1,
+                        "kg/s",
                         "Linear drag: force per speed."),
                 number(SPRING, "springConstant", real, 1, "N/m", "Hooke's constant."),
                 notNegative(SPRING, "length", real, 1, "m", "Rest length."),
-                number(SPRING, "dampingConstant", real, 1, "N*s/m",
+                number(
+                        SPRING,
+                        "dampingConstant",
+                        real,
+                        1,
+                        "N*s/m",
                         "Viscous damping along the spring."),
                 reference(SPRING, "end1", 1, "The body at one end."),
                 reference(SPRING, "end2", 1, "The body at the other end."),
                 reference(SURFACE, "vertices", 3, "The bodies at the corners."),
                 notNegative(SURFACE, "hardness", real, 1, "N/m", "Stiffness against penetration."),
-                notNegative(SURFACE, "surfaceDamping", real, 1, "N*s/m",
+                notNegative(
+                        SURFACE,
+                        "surfaceDamping",
+                        real,
+                        1,
+                        "N*s/m",
                         "Damping against penetration."),
                 notNegative(SURFACE, "frictionCoefficient", real, 1, "1", "Coulomb friction."),
-                number(WORLD, "gravitationalConstant", real, 1, "m^3/(kg*s^2)",
+                number(
+                        WORLD,
+                        "gravitationalConstant",
+                        real,
+                        1,
+                        "m^3/(kg*s^2)",
                         "Newton's constant."),
                 number(WORLD, "gravity", real, 3, "m/s^2", "Uniform gravity."),
-                notNegative(WORLD, "softening", real, 1, "m",
+                notNegative(
+                        WORLD,
+                        "softening",
+                        real,
+                        1,
+                        "m",
                         "Length below which gravitation is softened."),
                 number(WORLD, "coulombConstant", real, 1, "N*m^2/C^2", "Coulomb's constant."),
                 number(WORLD, "electricField", real, 3, "V/m", "Uniform electric field."),
@@ -222,34 +276,49 @@ public final class WorldPrototype {
 
     private static List<PropertyDescriptor> standardPhysical(ScalarType real) {
         return List.of(
-                number(BODY, "position", real, 3, "m",
+                number(
+                        BODY,
+                        "position",
+                        real,
+                        3,
+                        "m",
                         "Place of the item's origin in the world frame."),
                 number(BODY, "orientation", real, 4, "1", "Rotation as a unit quaternion xyzw."),
                 number(BODY, "size", F64, 3, "m", "Extent of the shape along the item's own axes."),
                 number(BODY, "shape", I32, 1, "1", "Code of the shape, see Shape.code()."),
                 number(BODY, "colour", U32, 1, "1", "Colour, see Colour.rgba()."),
-                number(BODY, "boundsMin", F64, 3, "m",
+                number(
+                        BODY,
+                        "boundsMin",
+                        F64,
+                        3,
+                        "m",
                         "Lower corner of the box around the item; derived."),
-                number(BODY, "boundsMax", F64, 3, "m",
+                number(
+                        BODY,
+                        "boundsMax",
+                        F64,
+                        3,
+                        "m",
                         "Upper corner of the box around the item; derived."));
     }
 
-    private static PropertyDescriptor number(String kind, String name, ScalarType type,
-            int components, String unit, String doc) {
-        return new PropertyDescriptor(name, kind, type, components, Unit.parse(unit),
-                Optional.empty(), doc);
+    private static PropertyDescriptor number(
+            String kind, String name, ScalarType type, int components, String unit, String doc) {
+        return new PropertyDescriptor(
+                name, kind, type, components, Unit.parse(unit), Optional.empty(), doc);
     }
 
     /** What has no meaning below 0. */
-    private static PropertyDescriptor notNegative(String kind, String name, ScalarType type,
-            int components, String unit, String doc) {
-        return new PropertyDescriptor(name, kind, type, components, Unit.parse(unit),
-                Optional.empty(), 0, doc);
+    private static PropertyDescriptor notNegative(
+            String kind, String name, ScalarType type, int components, String unit, String doc) {
+        return new PropertyDescriptor(
+                name, kind, type, components, Unit.parse(unit), Optional.empty(), 0, doc);
     }
 
-    private static PropertyDescriptor reference(String kind, String name, int components,
-            String doc) {
-        return new PropertyDescriptor(name, kind, REF, components, Unit.parse("1"),
-                Optional.of(BODY), doc);
+    private static PropertyDescriptor reference(
+            String kind, String name, int components, String doc) {
+        return new PropertyDescriptor(
+                name, kind, REF, components, Unit.parse("1"), Optional.of(BODY), doc);
     }
 }

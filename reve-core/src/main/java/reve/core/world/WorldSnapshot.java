@@ -1,14 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
-import java.util.List;
-import java.util.concurrent.atomic.AtomicBoolean;
 import org.jspecify.annotations.Nullable;
 import org.pcollections.PMap;
 
+import java.util.List;
+import java.util.concurrent.atomic.AtomicBoolean;
+
 /**
- * A world as it was at the end of one frame, for one reading thread. It shares a slot of a
- * {@link SnapshotRing}: a reader that keeps it too long loses it, after which numbers read from it
- * are nonsense (never unsafe). So: read, then ask {@link #lost()}, then believe.
+ * A world as it was at the end of one frame, for one reading thread. It shares a slot of a {@link
+ * SnapshotRing}: a reader that keeps it too long loses it, after which numbers read from it are
+ * nonsense (never unsafe). So: read, then ask {@link #lost()}, then believe.
  */
 public final class WorldSnapshot implements AutoCloseable {
 
@@ -22,8 +24,13 @@ public final class WorldSnapshot implements AutoCloseable {
     private @Nullable Space space;
     private final AtomicBoolean closed = new AtomicBoolean();
 
-    WorldSnapshot(SnapshotSlot slot, long stamp, long frame, double timeSeconds,
-            List<TableSnapshot> tables, PMap<ItemId, ItemSymbols> symbols,
+    WorldSnapshot(
+            SnapshotSlot slot,
+            long stamp,
+            long frame,
+            double timeSeconds,
+            List<TableSnapshot> tables,
+            PMap<ItemId, ItemSymbols> symbols,
             List<WorldEvent> events) {
         this.slot = slot;
         this.stamp = stamp;
@@ -53,8 +60,11 @@ public final class WorldSnapshot implements AutoCloseable {
                 return table;
             }
         }
-        throw new IllegalArgumentException("kind \"" + kind + "\" does not exist; kinds are "
-                + tables.stream().map(TableSnapshot::kind).toList());
+        throw new IllegalArgumentException(
+                "kind \""
+                        + kind
+                        + "\" does not exist; kinds are "
+                        + tables.stream().map(TableSnapshot::kind).toList());
     }
 
     /** In the order of {@link WorldPrototype#kinds()}; throws after {@link #close()}. */
@@ -66,14 +76,19 @@ public final class WorldSnapshot implements AutoCloseable {
     }
 
     /**
-     * Which bodies were where. The first call builds a tree of all boxes, in a millisecond per
-     * ten thousand bodies or so; throws after {@link #close()}.
+     * Which bodies were where. The first call builds a tree of all boxes, in a millisecond per ten
+     * thousand bodies or so; throws after {@link #close()}.
      */
     public Space space() {
         TableSnapshot bodies = table(WorldPrototype.BODY);
         if (space == null) {
-            space = new Space(bodies.ids(), bodies.column("boundsMin"),
-                    bodies.column("boundsMax"), () -> 0, id -> true);
+            space =
+                    new Space(
+                            bodies.ids(),
+                            bodies.column("boundsMin"),
+                            bodies.column("boundsMax"),
+                            () -> 0,
+                            id -> true);
         }
         return space;
     }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
 /** Memory that is zero and stays so, for all columns of a ring that are. World's thread only. */

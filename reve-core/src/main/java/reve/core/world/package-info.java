@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /** The virtual world store: items, their aspects, and the columns their numbers live in. */
 @NullMarked
 package reve.core.world;

@@ -1,17 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.access;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.catchThrowableOfType;
 import static org.assertj.core.api.Assertions.within;
 
-import java.nio.charset.StandardCharsets;
-import java.util.List;
-import java.util.Map;
-import java.util.Optional;
 import org.junit.jupiter.api.AfterEach;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.params.ParameterizedTest;
 import org.junit.jupiter.params.provider.ValueSource;
+
 import reve.core.file.ItemWriter;
 import reve.core.file.WorldFile;
 import reve.core.frame.FrameBus;
@@ -27,9 +25,15 @@ import reve.core.world.Item;
 import reve.core.world.OffHeapArena;
 import reve.core.world.World;
 
+import java.nio.charset.StandardCharsets;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+
 /** What actions of world files do, and when they refuse. */
 class ActionsTest {
-    private static final String WORLD = """
+    private static final String WORLD =
+            """
             reve: 1
             name: kitchen
             properties: [{name: temperature, kind: body, unit: K}]
@@ -113,16 +117,21 @@ class ActionsTest {
     private void act(String actor, String item, String action, Map<String, ?> arguments)
             throws ActionRefused {
         Action found = item(item).access().find(action).orElseThrow();
-        found.perform(new ActionCall(world, 1, item(item), world.find(actor),
-                Arguments.check(found, arguments)));
+        found.perform(
+                new ActionCall(
+                        world,
+                        1,
+                        item(item),
+                        world.find(actor),
+                        Arguments.check(found, arguments)));
     }
 
     /** The refusal, of which the world must be as before. */
     private ActionRefused refusal(String actor, String item, String action, Map<String, ?> given) {
         String before = state();
         int events = world.events().size();
-        var refused = catchThrowableOfType(ActionRefused.class,
-                () -> act(actor, item, action, given));
+        var refused =
+                catchThrowableOfType(ActionRefused.class, () -> act(actor, item, action, given));
         assertThat(refused).isNotNull();
         assertThat(state()).isEqualTo(before);
         assertThat(world.events()).hasSize(events);
@@ -132,7 +141,8 @@ class ActionsTest {
     private String state() {
         var writer = new ItemWriter(world.prototype());
         var state = new StringBuilder(world.forces().active().toString());
-        world.items().stream().filter(item -> !item.name().equals("world"))
+        world.items().stream()
+                .filter(item -> !item.name().equals("world"))
                 .forEach(item -> state.append(writer.write(item.definition())));
         return state.toString();
     }
@@ -145,9 +155,15 @@ class ActionsTest {
         assertThat(item("pot").semantic().get("heatedBy")).contains("cook");
         assertThat((double) item("pot").semantic().get("limit").orElseThrow())
                 .isCloseTo(18, within(1e-12));
-        assertThat(world.events()).singleElement().satisfies(event -> assertThat(event.fields())
-                .containsExactlyInAnyOrderEntriesOf(Map.of("item", "pot", "action", "heat",
-                        "actor", "cook", "kelvin", 350.0, "hard", true)));
+        assertThat(world.events())
+                .singleElement()
+                .satisfies(
+                        event ->
+                                assertThat(event.fields())
+                                        .containsExactlyInAnyOrderEntriesOf(
+                                                Map.of(
+                                                        "item", "pot", "action", "heat", "actor",
+                                                        "cook", "kelvin", 350.0, "hard", true)));
 
         act("cook", "pot", "slow", Map.of());
         assertThat(item("pot").physics().vector("velocity")).containsExactly(0.5, 0, 0);
@@ -162,21 +178,26 @@ class ActionsTest {
     @Test
     void conditionThatDoesNotHoldIsNamedWithWhatWasFound() {
         assertThat(refusal("cook", "pot", "heat", Map.of("by", 150)))
-                .hasMessage("`physics.temperature + by < 400` does not hold: by is 150.0, "
-                        + "physics.temperature is 300.0")
-                .extracting(ActionRefused::code).isEqualTo("condition-failed");
+                .hasMessage(
+                        "`physics.temperature + by < 400` does not hold: by is 150.0, "
+                                + "physics.temperature is 300.0")
+                .extracting(ActionRefused::code)
+                .isEqualTo("condition-failed");
         item("cook").physical().setLocation(9, 9, 9);
-        assertThat(refusal("cook", "pot", "heat", Map.of("by", 1))).hasMessageContaining(
-                "does not hold: actor.physical.location is [9.0, 9.0, 9.0], "
-                        + "physical.location is [1.0, 0.0, 0.0]");
+        assertThat(refusal("cook", "pot", "heat", Map.of("by", 1)))
+                .hasMessageContaining(
+                        "does not hold: actor.physical.location is [9.0, 9.0, 9.0], "
+                                + "physical.location is [1.0, 0.0, 0.0]");
     }
 
     @Test
     void forcesWhoseSumCouldBeInfiniteAreRefused() {
         assertThat(refusal("cook", "pot", "blow", Map.of("f", List.of(1e200, 0, 0))))
-                .hasMessage("found 1.0E203; an action or an edit sets 0 or a magnitude from "
-                        + "1.0E-100 to 1.0E100")
-                .extracting(ActionRefused::code).isEqualTo("out-of-range");
+                .hasMessage(
+                        "found 1.0E203; an action or an edit sets 0 or a magnitude from "
+                                + "1.0E-100 to 1.0E100")
+                .extracting(ActionRefused::code)
+                .isEqualTo("out-of-range");
     }
 
     @ParameterizedTest
@@ -198,10 +219,12 @@ class ActionsTest {
     @ValueSource(strings = {"mould", "spill"})
     void inertiaThatNoBodyHasIsRefused(String action) throws ActionRefused {
         assertThat(refusal("cook", "pot", action, Map.of("m", List.of(1, 1, 3))))
-                .hasMessageStartingWith("inertia of ").hasMessageEndingWith(" cannot become "
-                        + "[1.0, 1.0, 3.0]: no body has moments of 1.0, 1.0 and 3.0 kg*m^2; "
-                        + "expected none larger than the sum of the two others")
-                .extracting(ActionRefused::code).isEqualTo("out-of-range");
+                .hasMessageStartingWith("inertia of ")
+                .hasMessageEndingWith(
+                        " cannot become [1.0, 1.0, 3.0]: no body has moments of 1.0, 1.0 and 3.0"
+                                + " kg*m^2; expected none larger than the sum of the two others")
+                .extracting(ActionRefused::code)
+                .isEqualTo("out-of-range");
         assertThat(refusal("cook", "pot", action, Map.of("m", List.of(1, 1e-160, 1))).code())
                 .isEqualTo("out-of-range");
         act("cook", "pot", action, Map.of("m", List.of(1, 1, 2)));
@@ -218,14 +241,16 @@ class ActionsTest {
     void argumentOutOfRangeIsRefused() {
         assertThat(refusal("cook", "pot", "heat", Map.of("by", 201)))
                 .hasMessage("`by` of action heat takes a number in K from 0.0 to 200.0, found 201")
-                .extracting(ActionRefused::code).isEqualTo("out-of-range");
+                .extracting(ActionRefused::code)
+                .isEqualTo("out-of-range");
     }
 
     @Test
     void whoLacksACapabilityIsRefusedByName() {
         assertThat(refusal("mouse", "cup", "take", Map.of()))
                 .hasMessage("action take of cup needs the capability `grip`; mouse has none")
-                .extracting(ActionRefused::code).isEqualTo("not-capable");
+                .extracting(ActionRefused::code)
+                .isEqualTo("not-capable");
         assertThat(refusal("nobody", "cup", "take", Map.of()).code()).isEqualTo("no-actor");
         assertThat(refusal("nobody", "pot", "thank", Map.of()).code()).isEqualTo("no-actor");
     }
@@ -234,7 +259,8 @@ class ActionsTest {
     void valueThatDoesNotExistRefusesTheWholeAction() {
         assertThat(refusal("cook", "pot", "hopeless", Map.of()))
                 .hasMessageContaining("semantic.missing")
-                .extracting(ActionRefused::code).isEqualTo("no-value");
+                .extracting(ActionRefused::code)
+                .isEqualTo("no-value");
     }
 
     @Test
@@ -295,8 +321,10 @@ class ActionsTest {
         var bus = new FrameBus();
         var loop = new FrameLoop(world, bus, new Timing(10, 1), Pacing.FAST);
         double[][] seen = new double[5][];
-        bus.subscribe(FramePhase.PHYSICS, "physics", event -> seen[(int) event.frame()] =
-                item("pot").physics().vector("appliedForce"));
+        bus.subscribe(
+                FramePhase.PHYSICS,
+                "physics",
+                event -> seen[(int) event.frame()] = item("pot").physics().vector("appliedForce"));
         act("cook", "pot", "blow", Map.of("f", List.of(0.003, 0, 0)));
         act("cook", "pot", "kick", Map.of());
         for (int frame = 1; frame <= 4; frame++) {
@@ -323,8 +351,20 @@ class ActionsTest {
     }
 
     @ParameterizedTest
-    @ValueSource(strings = {"throw", "recurse", "symbol", "physics", "remove", "event", "numbers",
-        "infinite", "unit", "twice", "property"})
+    @ValueSource(
+            strings = {
+                "throw",
+                "recurse",
+                "symbol",
+                "physics",
+                "remove",
+                "event",
+                "numbers",
+                "infinite",
+                "unit",
+                "twice",
+                "property"
+            })
     void actionInJavaThatBreaksIsRefusedAndHarmsNothing(String how) {
         ActionRefused refused = refusal("cook", "pot", "break", Map.of("how", how));
 

@@ -1,13 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.access;
 
 import static org.assertj.core.api.Assertions.assertThat;
 
-import java.nio.charset.StandardCharsets;
-import java.util.Map;
-import java.util.Optional;
 import org.junit.jupiter.api.AfterEach;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.Timeout;
+
 import reve.core.file.WorldDescription;
 import reve.core.file.WorldFile;
 import reve.core.frame.FrameBus;
@@ -22,10 +21,15 @@ import reve.core.world.Item;
 import reve.core.world.OffHeapArena;
 import reve.core.world.World;
 
+import java.nio.charset.StandardCharsets;
+import java.util.Map;
+import java.util.Optional;
+
 /** What another thread sees of the work of the world's thread. */
 @Timeout(20)
 class ActivityTest {
-    private static final String FILE = """
+    private static final String FILE =
+            """
             reve: 1
             name: kitchen
             rules: {crowded: "semantic.near.all(n, n != 'x') && physics.mass > 1"}
@@ -59,11 +63,16 @@ class ActivityTest {
 
     /** Does the work until another thread has seen that text. */
     private void assertSeen(String text, Runnable work) throws InterruptedException {
-        Thread observer = Thread.ofPlatform().daemon().start(() -> {
-            while (!text.equals(String.valueOf(loop.activity().current()))) {
-                Thread.onSpinWait();
-            }
-        });
+        Thread observer =
+                Thread.ofPlatform()
+                        .daemon()
+                        .start(
+                                () -> {
+                                    while (!text.equals(
+                                            String.valueOf(loop.activity().current()))) {
+                                        Thread.onSpinWait();
+                                    }
+                                });
         while (observer.isAlive()) {
             work.run();
         }
@@ -74,8 +83,9 @@ class ActivityTest {
         Item pot = world.find("pot").orElseThrow();
         try {
             Action of = pot.access().find(action).orElseThrow();
-            of.perform(new ActionCall(world, 1, pot, Optional.empty(),
-                    Arguments.check(of, arguments)));
+            of.perform(
+                    new ActionCall(
+                            world, 1, pot, Optional.empty(), Arguments.check(of, arguments)));
         } catch (Exception refused) {
             throw new IllegalStateException(refused);
         }
@@ -85,13 +95,15 @@ class ActivityTest {
     void otherThreadsSeeWhichRuleIsEvaluatedForWhichItem() throws Exception {
         Rules rules = new Rules(world, description.rules());
 
-        assertSeen("rule crowded of pot: `semantic.near.all(n, n != 'x') && physics.mass > 1`",
+        assertSeen(
+                "rule crowded of pot: `semantic.near.all(n, n != 'x') && physics.mass > 1`",
                 () -> rules.update(1));
     }
 
     @Test
     void otherThreadsSeeWhichConditionIsEvaluated() throws Exception {
-        assertSeen("condition `[1, 2, 3].all(n, n < 4)` of an action of pot",
+        assertSeen(
+                "condition `[1, 2, 3].all(n, n < 4)` of an action of pot",
                 () -> perform("heat", Map.of()));
     }
 

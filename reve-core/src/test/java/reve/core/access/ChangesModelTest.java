@@ -1,14 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.access;
 
 import static org.assertj.core.api.Assertions.assertThat;
 
-import java.util.ArrayList;
-import java.util.List;
-import java.util.Map;
-import java.util.Optional;
-import java.util.Random;
 import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.api.Test;
+
 import reve.core.Seed;
 import reve.core.file.ItemWriter;
 import reve.core.unit.Unit;
@@ -23,6 +20,12 @@ import reve.core.world.OffHeapArena;
 import reve.core.world.Parameter;
 import reve.core.world.World;
 import reve.core.world.WorldPrototype;
+
+import java.util.ArrayList;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.Random;
 
 /**
  * Random actions against a model that does the same one by one through the world's own methods, and
@@ -42,7 +45,8 @@ class ChangesModelTest {
         int done = 0;
         int rounds = 2000;
         for (int round = 0; round < rounds; round++) {
-            try (var arena = new OffHeapArena(); var modelArena = new OffHeapArena()) {
+            try (var arena = new OffHeapArena();
+                    var modelArena = new OffHeapArena()) {
                 long worldSeed = random.nextLong();
                 World world = world(worldSeed, arena);
                 World model = world(worldSeed, modelArena);
@@ -51,16 +55,21 @@ class ChangesModelTest {
                 String[] names = {name(random), name(random), name(random)};
                 boolean accepted = perform(world, effects, names);
                 if (accepted) {
-                    effects.stream().filter(Effect.Create.class::isInstance)
+                    effects.stream()
+                            .filter(Effect.Create.class::isInstance)
                             .forEach(effect -> apply(model, effect, names));
-                    effects.stream().filter(effect -> !(effect instanceof Effect.Create))
+                    effects.stream()
+                            .filter(effect -> !(effect instanceof Effect.Create))
                             .forEach(effect -> apply(model, effect, names));
-                    effects.stream().filter(Effect.Remove.class::isInstance).forEach(effect ->
-                            model.remove(item(model, effect.of(), names).id()));
+                    effects.stream()
+                            .filter(Effect.Remove.class::isInstance)
+                            .forEach(effect -> model.remove(item(model, effect.of(), names).id()));
                     done++;
                 }
-                assertThat(state(world)).as("seed %d, round %d: %s of %s, %s and %s", seed, round,
-                        effects, names[0], names[1], names[2])
+                assertThat(state(world))
+                        .as(
+                                "seed %d, round %d: %s of %s, %s and %s",
+                                seed, round, effects, names[0], names[1], names[2])
                         .isEqualTo(accepted ? state(model) : before);
             }
         }
@@ -80,14 +89,18 @@ class ChangesModelTest {
             switch (random.nextInt(3)) {
                 case 0 -> body.physics("mass", 1 + random.nextInt(3));
                 case 1 -> body.physics("mass", 0);
-                default -> { }
+                default -> {}
             }
             world.add(body.build());
         }
         try {
             world.attach(world.find("i1").orElseThrow().id(), world.find("i0").orElseThrow().id());
-            world.add(ItemDefinition.named("spring").kind("spring").reference("end1", "i2")
-                    .reference("end2", "i3").build());
+            world.add(
+                    ItemDefinition.named("spring")
+                            .kind("spring")
+                            .reference("end1", "i2")
+                            .reference("end2", "i3")
+                            .build());
         } catch (IllegalArgumentException impossible) {
             // some worlds have neither
         }
@@ -118,17 +131,23 @@ class ChangesModelTest {
             case 1 -> new Effect.Force(of, in(vector, "N"), random.nextInt(3));
             case 2 -> new Effect.SetProperty(of, "velocity", in(vector, "m/s"));
             case 3 -> new Effect.SetLocation(of, in(vector, "m"));
-            case 4 -> new Effect.SetColour(of,
-                    new Operand.Symbol(random.nextBoolean() ? "#102030" : "red"));
+            case 4 ->
+                    new Effect.SetColour(
+                            of, new Operand.Symbol(random.nextBoolean() ? "#102030" : "red"));
             case 5 -> new Effect.SetSymbol(of, "s" + random.nextInt(2), new Operand.Symbol("x"));
             case 6 -> new Effect.Attach(of, to);
             case 7 -> new Effect.Detach(of);
             case 8 -> new Effect.Remove(of);
-            default -> new Effect.Create(random.nextInt(4) == 0
-                    ? ItemDefinition.named("rope").kind("spring").reference("end1", "i4")
-                            .reference("end2", "i5").build()
-                    : ItemDefinition.named("new").at(1, 1, 1).build(),
-                    random.nextBoolean() ? Map.of() : Map.of("semantic.s", vector));
+            default ->
+                    new Effect.Create(
+                            random.nextInt(4) == 0
+                                    ? ItemDefinition.named("rope")
+                                            .kind("spring")
+                                            .reference("end1", "i4")
+                                            .reference("end2", "i5")
+                                            .build()
+                                    : ItemDefinition.named("new").at(1, 1, 1).build(),
+                            random.nextBoolean() ? Map.of() : Map.of("semantic.s", vector));
         };
     }
 
@@ -139,8 +158,13 @@ class ChangesModelTest {
     private static boolean perform(World world, List<Effect> effects, String[] names) {
         var action = new DeclaredAction("test", "", List.of(Parameter.item("other", "")), effects);
         try {
-            action.perform(new ActionCall(world, 1, world.find(names[0]).orElseThrow(),
-                    world.find(names[1]), Arguments.check(action, Map.of("other", names[2]))));
+            action.perform(
+                    new ActionCall(
+                            world,
+                            1,
+                            world.find(names[0]).orElseThrow(),
+                            world.find(names[1]),
+                            Arguments.check(action, Map.of("other", names[2]))));
             return true;
         } catch (ActionRefused refused) {
             return false;
@@ -161,28 +185,36 @@ class ChangesModelTest {
             }
             case Effect.Force force -> {
                 double[] n = ((Operand.Numbers) force.force()).values();
-                model.forces().add(new Forces.Force(item.id(), List.of(n[0], n[1], n[2]),
-                        Math.max(1, Math.round(force.seconds()))));
+                model.forces()
+                        .add(
+                                new Forces.Force(
+                                        item.id(),
+                                        List.of(n[0], n[1], n[2]),
+                                        Math.max(1, Math.round(force.seconds()))));
             }
-            case Effect.SetProperty set -> item.physics().set(set.property(),
-                    ((Operand.Numbers) set.to()).values());
+            case Effect.SetProperty set ->
+                    item.physics().set(set.property(), ((Operand.Numbers) set.to()).values());
             case Effect.SetLocation set -> {
                 double[] at = ((Operand.Numbers) set.to()).values();
                 item.physical().setLocation(at[0], at[1], at[2]);
             }
-            case Effect.SetColour set -> item.physical().setColour(
-                    Colour.parse((String) ((Operand.Symbol) set.to()).value()));
+            case Effect.SetColour set ->
+                    item.physical()
+                            .setColour(Colour.parse((String) ((Operand.Symbol) set.to()).value()));
             case Effect.SetSymbol set ->
-                item.semantic().set(set.symbol(), ((Operand.Symbol) set.to()).value());
+                    item.semantic().set(set.symbol(), ((Operand.Symbol) set.to()).value());
             case Effect.Attach attach ->
-                model.attach(item.id(), item(model, attach.to(), names).id());
+                    model.attach(item.id(), item(model, attach.to(), names).id());
             case Effect.Detach detach -> model.detach(item.id());
-            case Effect.Remove remove -> { } // last, see below
+            case Effect.Remove remove -> {} // last, see below
             case Effect.Create create -> {
-                var copy = create.definition().copy(
-                        create.definition().name() + "-" + (model.lastId() + 1));
-                create.with().forEach((name, value) -> copy.symbol("s",
-                        ((Operand.Numbers) value).values()[0]));
+                var copy =
+                        create.definition()
+                                .copy(create.definition().name() + "-" + (model.lastId() + 1));
+                create.with()
+                        .forEach(
+                                (name, value) ->
+                                        copy.symbol("s", ((Operand.Numbers) value).values()[0]));
                 model.add(copy.build());
             }
             default -> throw new IllegalStateException(effect.toString());

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.access;
 
 import static org.assertj.core.api.Assertions.assertThat;
@@ -5,11 +6,9 @@ import static org.assertj.core.api.Assertions.assertThatThrownBy;
 import static org.assertj.core.api.Assertions.catchThrowableOfType;
 import static org.assertj.core.api.Assertions.within;
 
-import java.util.List;
-import java.util.Map;
-import java.util.Optional;
 import org.junit.jupiter.api.AfterEach;
 import org.junit.jupiter.api.Test;
+
 import reve.core.unit.Unit;
 import reve.core.world.ActionCall;
 import reve.core.world.ActionRefused;
@@ -22,6 +21,10 @@ import reve.core.world.Parameter;
 import reve.core.world.World;
 import reve.core.world.WorldEvent;
 import reve.core.world.WorldPrototype;
+
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
 
 class DeclaredActionTest {
     private static final Parameter KICK = Parameter.number("kick", 3, Unit.parse("kN*s"), "");
@@ -36,32 +39,50 @@ class DeclaredActionTest {
 
     private World world(String prototype) {
         World world = new World("test", WorldPrototype.standard(prototype), arena);
-        world.add(ItemDefinition.named("ball").physics("mass", 2).physics("velocity", 1, 0, 0)
-                .build());
+        world.add(
+                ItemDefinition.named("ball")
+                        .physics("mass", 2)
+                        .physics("velocity", 1, 0, 0)
+                        .build());
         world.add(ItemDefinition.named("wall").physics("mass", 0).build());
         world.add(ItemDefinition.named("box").build());
         return world;
     }
 
-    private static void perform(World world, String item, List<Parameter> parameters,
-            Map<String, ?> given, Effect... effects) throws ActionRefused {
+    private static void perform(
+            World world,
+            String item,
+            List<Parameter> parameters,
+            Map<String, ?> given,
+            Effect... effects)
+            throws ActionRefused {
         var action = new DeclaredAction("test", "", parameters, List.of(effects));
         Item target = world.find(item).orElseThrow();
-        action.perform(new ActionCall(world, 7, target, world.find("wall"),
-                Arguments.check(action, given)));
+        action.perform(
+                new ActionCall(
+                        world, 7, target, world.find("wall"), Arguments.check(action, given)));
     }
 
-    private static String refusal(World world, String item, Map<String, ?> given,
-            List<Parameter> parameters, Effect... effects) {
-        return catchThrowableOfType(ActionRefused.class,
-                () -> perform(world, item, parameters, given, effects)).code();
+    private static String refusal(
+            World world,
+            String item,
+            Map<String, ?> given,
+            List<Parameter> parameters,
+            Effect... effects) {
+        return catchThrowableOfType(
+                        ActionRefused.class, () -> perform(world, item, parameters, given, effects))
+                .code();
     }
 
     @Test
     void impulseChangesVelocityByImpulseOverMass() throws ActionRefused {
         World world = world("si-f64");
 
-        perform(world, "ball", List.of(KICK), Map.of("kick", List.of(0.001, 0, -0.002)),
+        perform(
+                world,
+                "ball",
+                List.of(KICK),
+                Map.of("kick", List.of(0.001, 0, -0.002)),
                 new Effect.Impulse(new Operand.Argument(KICK)));
 
         assertThat(world.find("ball").orElseThrow().physics().vector("velocity"))
@@ -85,10 +106,14 @@ class DeclaredActionTest {
         World world = world("si-f64");
         Parameter grams = Parameter.number("m", 1, Unit.parse("g"), "");
 
-        perform(world, "ball", List.of(grams), Map.of("m", 500),
+        perform(
+                world,
+                "ball",
+                List.of(grams),
+                Map.of("m", 500),
                 new Effect.SetProperty("mass", new Operand.Argument(grams)),
-                new Effect.SetProperty("charge",
-                        new Operand.Numbers(new double[] {3}, Unit.parse("C"))));
+                new Effect.SetProperty(
+                        "charge", new Operand.Numbers(new double[] {3}, Unit.parse("C"))));
 
         assertThat(world.find("ball").orElseThrow().physics().scalar("mass")).isEqualTo(0.5);
         assertThat(world.find("ball").orElseThrow().physics().scalar("charge")).isEqualTo(3);
@@ -99,13 +124,23 @@ class DeclaredActionTest {
         World world = world("si-f32");
         Parameter mass = Parameter.number("m", 1, Unit.parse("kg"), "");
 
-        assertThat(refusal(world, "ball", Map.of("m", 1e300), List.of(mass),
-                new Effect.SetSymbol("heavy", new Operand.Symbol(true)),
-                new Effect.SetProperty("mass", new Operand.Argument(mass))))
+        assertThat(
+                        refusal(
+                                world,
+                                "ball",
+                                Map.of("m", 1e300),
+                                List.of(mass),
+                                new Effect.SetSymbol("heavy", new Operand.Symbol(true)),
+                                new Effect.SetProperty("mass", new Operand.Argument(mass))))
                 .isEqualTo("out-of-range");
-        assertThat(refusal(world, "ball", Map.of("m", -1), List.of(mass),
-                new Effect.SetSymbol("heavy", new Operand.Symbol(true)),
-                new Effect.SetProperty("mass", new Operand.Argument(mass))))
+        assertThat(
+                        refusal(
+                                world,
+                                "ball",
+                                Map.of("m", -1),
+                                List.of(mass),
+                                new Effect.SetSymbol("heavy", new Operand.Symbol(true)),
+                                new Effect.SetProperty("mass", new Operand.Argument(mass))))
                 .isEqualTo("out-of-range");
         assertThat(world.find("ball").orElseThrow().semantic().get("heavy")).isEmpty();
         assertThat(world.find("ball").orElseThrow().physics().scalar("mass")).isEqualTo(2);
@@ -130,7 +165,10 @@ class DeclaredActionTest {
         Parameter truth = Parameter.truth("on", "");
         Parameter number = Parameter.number("n", 1, Unit.parse("km"), "");
 
-        perform(world, "box", List.of(TEXT, truth, number),
+        perform(
+                world,
+                "box",
+                List.of(TEXT, truth, number),
                 Map.of("text", "hi", "on", false, "n", 3),
                 new Effect.SetSymbol("a", new Operand.Argument(TEXT)),
                 new Effect.SetSymbol("b", new Operand.Argument(truth)),
@@ -139,8 +177,11 @@ class DeclaredActionTest {
                 new Effect.SetSymbol("e", new Operand.Numbers(new double[] {2}, Unit.ONE)));
 
         assertThat(world.find("box").orElseThrow().semantic().symbols())
-                .containsEntry("a", "hi").containsEntry("b", false).containsEntry("c", 3.0)
-                .containsEntry("d", "const").containsEntry("e", 2.0);
+                .containsEntry("a", "hi")
+                .containsEntry("b", false)
+                .containsEntry("c", 3.0)
+                .containsEntry("d", "const")
+                .containsEntry("e", 2.0);
     }
 
     @Test
@@ -148,11 +189,23 @@ class DeclaredActionTest {
         World world = world("si-f64");
         var light = new Effect.SetSymbol("lit", new Operand.Symbol(true));
 
-        assertThat(refusal(world, "box", Map.of(), List.of(), light,
-                new Effect.SetSymbol("note", new Operand.Symbol("x".repeat(5000)))))
+        assertThat(
+                        refusal(
+                                world,
+                                "box",
+                                Map.of(),
+                                List.of(),
+                                light,
+                                new Effect.SetSymbol("note", new Operand.Symbol("x".repeat(5000)))))
                 .isEqualTo("not-a-symbol");
-        assertThat(refusal(world, "box", Map.of(), List.of(), light,
-                new Effect.SetSymbol("name", new Operand.Symbol("ball"))))
+        assertThat(
+                        refusal(
+                                world,
+                                "box",
+                                Map.of(),
+                                List.of(),
+                                light,
+                                new Effect.SetSymbol("name", new Operand.Symbol("ball"))))
                 .isEqualTo("not-a-symbol");
         assertThat(world.find("box").orElseThrow().semantic().get("lit")).isEmpty();
     }
@@ -161,10 +214,17 @@ class DeclaredActionTest {
     void eventThatCannotBeIsRefusedBeforeAnythingHappens() {
         World world = world("si-f64");
 
-        assertThatThrownBy(() -> perform(world, "box", List.of(), Map.of(),
-                new Effect.SetSymbol("lit", new Operand.Symbol(true)),
-                new Effect.Raise("two\nlines", "test")))
-                .isInstanceOf(ActionRefused.class).hasMessageContaining("event type");
+        assertThatThrownBy(
+                        () ->
+                                perform(
+                                        world,
+                                        "box",
+                                        List.of(),
+                                        Map.of(),
+                                        new Effect.SetSymbol("lit", new Operand.Symbol(true)),
+                                        new Effect.Raise("two\nlines", "test")))
+                .isInstanceOf(ActionRefused.class)
+                .hasMessageContaining("event type");
         assertThat(world.find("box").orElseThrow().semantic().get("lit")).isEmpty();
         assertThat(world.events()).isEmpty();
     }
@@ -175,28 +235,38 @@ class DeclaredActionTest {
 
         perform(world, "box", List.of(), Map.of(), new Effect.Raise("squeak", "test"));
 
-        assertThat(world.events()).containsExactly(new WorldEvent(7, "squeak",
-                Map.of("item", "box", "action", "test", "actor", "wall")));
+        assertThat(world.events())
+                .containsExactly(
+                        new WorldEvent(
+                                7,
+                                "squeak",
+                                Map.of("item", "box", "action", "test", "actor", "wall")));
     }
 
     @Test
     void eventWithoutActorNamesNone() throws ActionRefused {
         World world = world("si-f64");
-        var action = new DeclaredAction("a", "", List.of(),
-                List.of(new Effect.Raise("squeak", "a")));
+        var action =
+                new DeclaredAction("a", "", List.of(), List.of(new Effect.Raise("squeak", "a")));
 
-        action.perform(new ActionCall(world, 1, world.find("box").orElseThrow(),
-                Optional.empty(), Arguments.check(action, Map.of())));
+        action.perform(
+                new ActionCall(
+                        world,
+                        1,
+                        world.find("box").orElseThrow(),
+                        Optional.empty(),
+                        Arguments.check(action, Map.of())));
 
-        assertThat(world.events()).containsExactly(
-                new WorldEvent(1, "squeak", Map.of("item", "box", "action", "a")));
+        assertThat(world.events())
+                .containsExactly(new WorldEvent(1, "squeak", Map.of("item", "box", "action", "a")));
     }
 
     @Test
     void twoEffectsOnOneThingAreRefusedAtDeclaration() {
         var kick = new Effect.Impulse(new Operand.Argument(KICK));
-        var stop = new Effect.SetProperty("velocity",
-                new Operand.Numbers(new double[3], Unit.parse("m/s")));
+        var stop =
+                new Effect.SetProperty(
+                        "velocity", new Operand.Numbers(new double[3], Unit.parse("m/s")));
         assertThatThrownBy(() -> new DeclaredAction("a", "", List.of(KICK), List.of(kick, stop)))
                 .isInstanceOf(IllegalArgumentException.class)
                 .hasMessage("action a has two effects that change physics.velocity");

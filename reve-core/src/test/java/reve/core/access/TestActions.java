@@ -1,11 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.access;
 
-import java.util.List;
-import java.util.Map;
 import reve.core.unit.Unit;
 import reve.core.world.ActionCall;
 import reve.core.world.Parameter;
 import reve.core.world.WorldEvent;
+
+import java.util.List;
+import java.util.Map;
 
 /** Actions in Java that tests find on the class path. */
 public final class TestActions {
@@ -74,19 +76,35 @@ public final class TestActions {
                     yield List.of();
                 }
                 case "event" -> {
-                    call.world().raise(new WorldEvent(call.frame(), "x",
-                            Map.of()));
+                    call.world().raise(new WorldEvent(call.frame(), "x", Map.of()));
                     yield List.of();
                 }
-                case "numbers" -> List.of(raise, new Effect.SetProperty("velocity",
-                        new Operand.Numbers(new double[] {1}, Unit.parse("m/s"))));
-                case "infinite" -> List.of(raise, new Effect.SetLocation(Subject.ITEM,
-                        new Operand.Numbers(new double[] {1 / 0.0, 0, 0}, Unit.parse("m"))));
-                case "unit" -> List.of(raise, new Effect.SetProperty("mass",
-                        new Operand.Numbers(new double[] {1}, Unit.parse("m"))));
+                case "numbers" ->
+                        List.of(
+                                raise,
+                                new Effect.SetProperty(
+                                        "velocity",
+                                        new Operand.Numbers(new double[] {1}, Unit.parse("m/s"))));
+                case "infinite" ->
+                        List.of(
+                                raise,
+                                new Effect.SetLocation(
+                                        Subject.ITEM,
+                                        new Operand.Numbers(
+                                                new double[] {1 / 0.0, 0, 0}, Unit.parse("m"))));
+                case "unit" ->
+                        List.of(
+                                raise,
+                                new Effect.SetProperty(
+                                        "mass",
+                                        new Operand.Numbers(new double[] {1}, Unit.parse("m"))));
                 case "twice" -> List.of(raise, raise);
-                default -> List.of(raise, new Effect.SetProperty("no-such",
-                        new Operand.Numbers(new double[] {1}, Unit.ONE)));
+                default ->
+                        List.of(
+                                raise,
+                                new Effect.SetProperty(
+                                        "no-such",
+                                        new Operand.Numbers(new double[] {1}, Unit.ONE)));
             };
         }
     }

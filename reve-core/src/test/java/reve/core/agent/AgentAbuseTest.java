@@ -1,8 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import static org.assertj.core.api.Assertions.assertThat;
 
 import com.sun.management.UnixOperatingSystemMXBean;
+
+import org.junit.jupiter.api.Tag;
+import org.junit.jupiter.api.Test;
+
+import reve.core.Seed;
+import reve.core.world.ItemDefinition;
+
+import tools.jackson.databind.JsonNode;
+
 import java.io.BufferedReader;
 import java.io.IOException;
 import java.io.InputStreamReader;
@@ -28,23 +38,20 @@ import java.util.concurrent.FutureTask;
 import java.util.concurrent.Semaphore;
 import java.util.concurrent.locks.LockSupport;
 import java.util.stream.Collectors;
-import org.junit.jupiter.api.Tag;
-import org.junit.jupiter.api.Test;
-import reve.core.Seed;
-import reve.core.world.ItemDefinition;
-import tools.jackson.databind.JsonNode;
 
 /**
- * Many bad clients of every kind at once: each gets a reason and goes, and good agents
- * do all that they came for.
+ * Many bad clients of every kind at once: each gets a reason and goes, and good agents do all that
+ * they came for.
  */
 @Tag("slow")
 class AgentAbuseTest {
 
     /** Of each kind; a thousand for a whole run. */
     private static final int CLIENTS = Integer.getInteger("reve.abuse.clients", 40);
+
     /** At the same time, so that there is room for the good ones. */
     private static final int AT_ONCE = 400;
+
     private static final Duration PATIENCE = Duration.ofSeconds(20 + CLIENTS / 5);
     private static final int ROUND_TRIPS = 200;
     private static final int GOOD = 4;
@@ -59,6 +66,7 @@ class AgentAbuseTest {
 
     /** Bytes in which a bye is found. */
     private static final int LAST = 300;
+
     private static final String PINGS = "{\"t\":\"ping\"}\n".repeat(500);
 
     /** What a bad client does, and the codes with which it may be sent away. */
@@ -84,7 +92,12 @@ class AgentAbuseTest {
                 }
             }
         },
-        SENDS_NOISE("too-many-errors", "line-too-long", "hello-too-long", "hello-late", "lost",
+        SENDS_NOISE(
+                "too-many-errors",
+                "line-too-long",
+                "hello-too-long",
+                "hello-late",
+                "lost",
                 "tls-unsupported") {
             @Override
             void behave(Attacker attacker) throws IOException {
@@ -98,18 +111,32 @@ class AgentAbuseTest {
             @Override
             void behave(Attacker attacker) throws IOException {
                 String act = "{\"t\":\"act\",\"id\":1,\"item\":\"duck\",\"action\":\"wind-up\"}";
-                attacker.say(attacker.hello("")
-                        + act.substring(0, attacker.random.nextInt(1, act.length())));
+                attacker.say(
+                        attacker.hello("")
+                                + act.substring(0, attacker.random.nextInt(1, act.length())));
             }
         },
         SAYS_ALL_THAT_IT_MAY_NOT("too-many-errors") {
             @Override
             void behave(Attacker attacker) throws IOException {
                 attacker.say(attacker.hello(""));
-                for (String type : List.of("pause", "run", "step", "shut-down", "picture",
-                        "load-law", "hello", "welcome", "act")) {
-                    attacker.say("{\"t\":\"" + type + "\",\"id\":"
-                            + -attacker.random.nextInt(5) + "}\n");
+                for (String type :
+                        List.of(
+                                "pause",
+                                "run",
+                                "step",
+                                "shut-down",
+                                "picture",
+                                "load-law",
+                                "hello",
+                                "welcome",
+                                "act")) {
+                    attacker.say(
+                            "{\"t\":\""
+                                    + type
+                                    + "\",\"id\":"
+                                    + -attacker.random.nextInt(5)
+                                    + "}\n");
                 }
             }
         },
@@ -135,8 +162,11 @@ class AgentAbuseTest {
                     byte[] rubbish = new byte[attacker.random.nextInt(1, 100)];
                     attacker.random.nextBytes(rubbish);
                     rubbish[0] = (byte) 0xc1; // the one byte that MessagePack never uses
-                    attacker.send(ByteBuffer.allocate(4 + rubbish.length).putInt(rubbish.length)
-                            .put(rubbish).array());
+                    attacker.send(
+                            ByteBuffer.allocate(4 + rubbish.length)
+                                    .putInt(rubbish.length)
+                                    .put(rubbish)
+                                    .array());
                 }
             }
         },
@@ -239,7 +269,9 @@ class AgentAbuseTest {
             byte[] heard = socket.getInputStream().readAllBytes();
             String text = new String(heard, StandardCharsets.ISO_8859_1);
             String last = text.substring(Math.max(0, text.length() - LAST));
-            return kind.codes.stream().filter(last::contains).findFirst()
+            return kind.codes.stream()
+                    .filter(last::contains)
+                    .findFirst()
                     .orElse("no bye: …" + last);
         }
     }
@@ -250,8 +282,8 @@ class AgentAbuseTest {
         try (AgentRoom room = new AgentRoom(config());
                 ExecutorService threads = Executors.newVirtualThreadPerTaskExecutor()) {
             for (int i = 0; i < STONES; i++) {
-                room.world.add(ItemDefinition.named("stone " + i)
-                        .symbol("note", "x".repeat(200)).build());
+                room.world.add(
+                        ItemDefinition.named("stone " + i).symbol("note", "x".repeat(200)).build());
             }
             goodAgents(room, "warm");
             long heap = usedHeap();
@@ -264,17 +296,24 @@ class AgentAbuseTest {
             for (int i = 0; i < CLIENTS; i++) {
                 for (Kind kind : Kind.values()) {
                     int number = i;
-                    attackers.add(threads.submit(() -> {
-                        places.acquire();
-                        try {
-                            String code = new Attacker(room.server.address(), kind, number, seed)
-                                    .attack();
-                            endings.add(kind + " " + code);
-                        } finally {
-                            places.release();
-                        }
-                        return null;
-                    }));
+                    attackers.add(
+                            threads.submit(
+                                    () -> {
+                                        places.acquire();
+                                        try {
+                                            String code =
+                                                    new Attacker(
+                                                                    room.server.address(),
+                                                                    kind,
+                                                                    number,
+                                                                    seed)
+                                                            .attack();
+                                            endings.add(kind + " " + code);
+                                        } finally {
+                                            places.release();
+                                        }
+                                        return null;
+                                    }));
                 }
             }
             double attacked = goodAgents(room, "good");
@@ -283,24 +322,35 @@ class AgentAbuseTest {
                 attacker.get();
             }
             double after = goodAgents(room, "after");
-            room.stepUntil("all are gone",
+            room.stepUntil(
+                    "all are gone",
                     () -> room.server.stats().open() == 0 && room.server.stats().agents() == 0);
             room.step();
 
-            System.out.printf("median round trip of a good agent [us]: "
-                    + "alone %.0f, attacked %.0f, afterwards %.0f%n", alone, attacked, after);
-            Map<String, Long> counts = endings.stream().collect(
-                    Collectors.groupingBy(ending -> ending, TreeMap::new, Collectors.counting()));
+            System.out.printf(
+                    "median round trip of a good agent [us]: "
+                            + "alone %.0f, attacked %.0f, afterwards %.0f%n",
+                    alone, attacked, after);
+            Map<String, Long> counts =
+                    endings.stream()
+                            .collect(
+                                    Collectors.groupingBy(
+                                            ending -> ending, TreeMap::new, Collectors.counting()));
             System.out.println(counts);
             assertThat(endings).hasSize(CLIENTS * Kind.values().length);
             assertThat(counts.keySet()).noneMatch(ending -> ending.contains("no bye"));
-            long cut = endings.stream()
-                    .filter(ending -> ending.matches(".* (idle|(hello|line|too)-.*)")).count();
-            assertThat(room.server.stats().cut()).as("with those that never read")
+            long cut =
+                    endings.stream()
+                            .filter(ending -> ending.matches(".* (idle|(hello|line|too)-.*)"))
+                            .count();
+            assertThat(room.server.stats().cut())
+                    .as("with those that never read")
                     .isGreaterThanOrEqualTo(cut + CLIENTS);
-            assertThat(room.world.table("body").rowCount()).as("bodies that are left")
+            assertThat(room.world.table("body").rowCount())
+                    .as("bodies that are left")
                     .isEqualTo(STONES + 1);
-            assertThat(openFiles() - files).as("more open files")
+            assertThat(openFiles() - files)
+                    .as("more open files")
                     .isLessThanOrEqualTo(MAX_MORE_FILES);
             assertThat(usedHeap() - heap).as("more memory").isLessThan(MAX_HEAP_GROWTH);
         }
@@ -311,9 +361,18 @@ class AgentAbuseTest {
         AgentServerConfig c = AgentRoom.config(HELLO, SOON, IDLE, SOON);
         AgentLimits l = c.limits();
         AgentLimits all = AgentLimits.PROTOCOL;
-        var limits = new AgentLimits(l.maxConnections(), l.helloBytes(), l.lineBytes(),
-                l.messagesPerSecond(), l.actsInFlight(), all.outboxMessages(), all.outboxBytes(),
-                l.maxErrors(), l.kept(), l.resumes());
+        var limits =
+                new AgentLimits(
+                        l.maxConnections(),
+                        l.helloBytes(),
+                        l.lineBytes(),
+                        l.messagesPerSecond(),
+                        l.actsInFlight(),
+                        all.outboxMessages(),
+                        all.outboxBytes(),
+                        l.maxErrors(),
+                        l.kept(),
+                        l.resumes());
         return new AgentServerConfig(c.address(), limits, c.timeouts(), c.audit(), c.security());
     }
 
@@ -346,8 +405,9 @@ class AgentAbuseTest {
     private static long[] roundTrips(InetSocketAddress address, String name) throws IOException {
         long[] times = new long[ROUND_TRIPS];
         try (Socket socket = connected(address)) {
-            var in = new BufferedReader(
-                    new InputStreamReader(socket.getInputStream(), StandardCharsets.UTF_8));
+            var in =
+                    new BufferedReader(
+                            new InputStreamReader(socket.getInputStream(), StandardCharsets.UTF_8));
             say(socket, "{'t':'hello','protocol':1,'name':'" + name + "'}");
             assertThat(next(socket, in, "welcome").get("agent").stringValue()).isEqualTo(name);
             for (int i = 0; i < ROUND_TRIPS; i++) {

@@ -1,6 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import static org.assertj.core.api.Assertions.assertThat;
+
+import org.junit.jupiter.api.AfterEach;
+import org.junit.jupiter.api.BeforeEach;
+import org.junit.jupiter.api.Test;
+
+import reve.core.access.ActionProvider;
+import reve.core.access.Effect;
+import reve.core.access.ProvidedAction;
+import reve.core.access.Terms;
+import reve.core.world.ActionCall;
+import reve.core.world.ItemDefinition;
+import reve.core.world.WorldEvent;
 
 import java.io.ByteArrayOutputStream;
 import java.io.IOException;
@@ -15,16 +28,6 @@ import java.util.Map;
 import java.util.concurrent.CompletableFuture;
 import java.util.concurrent.CountDownLatch;
 import java.util.concurrent.TimeUnit;
-import org.junit.jupiter.api.AfterEach;
-import org.junit.jupiter.api.BeforeEach;
-import org.junit.jupiter.api.Test;
-import reve.core.access.ActionProvider;
-import reve.core.access.Effect;
-import reve.core.access.ProvidedAction;
-import reve.core.access.Terms;
-import reve.core.world.ActionCall;
-import reve.core.world.ItemDefinition;
-import reve.core.world.WorldEvent;
 
 /** What an error in the server itself, even of the virtual machine, costs agents. */
 class AgentErrorsTest {
@@ -49,47 +52,61 @@ class AgentErrorsTest {
             room.world.raise(new WorldEvent(2, "odd", Map.of("number", new OddNumber())));
             room.step();
             ada.say("{'t':'perceive','id':1}").sync();
-            room.stepUntil("a perception was handed over",
-                    () -> room.server.stats().perceptions() > 0);
+            room.stepUntil(
+                    "a perception was handed over", () -> room.server.stats().perceptions() > 0);
             assertThat(ada.expect("perception").get("id").longValue()).isEqualTo(1);
         }
     }
 
     @Test
     void whatAFaultWasInDetailIsForControlAlone() throws IOException {
-        try (TestClient ada = room.join("ada"); TestClient boss = room.connect()) {
+        try (TestClient ada = room.join("ada");
+                TestClient boss = room.connect()) {
             boss.say("{'t':'hello','protocol':1,'name':'boss','role':'control'}");
             boss.expect("welcome");
-            room.world.raise(new WorldEvent(room.loop.frame() + 1, "fault",
-                    Map.of("source", "a listener", "message",
-                            "/srv/worlds/secret.log: No space left")));
+            room.world.raise(
+                    new WorldEvent(
+                            room.loop.frame() + 1,
+                            "fault",
+                            Map.of(
+                                    "source",
+                                    "a listener",
+                                    "message",
+                                    "/srv/worlds/secret.log: No space left")));
             room.step();
-            assertThat(boss.expect("event").toString()).contains("a listener")
+            assertThat(boss.expect("event").toString())
+                    .contains("a listener")
                     .contains("/srv/worlds");
-            assertThat(ada.expect("event").toString()).contains("a listener")
+            assertThat(ada.expect("event").toString())
+                    .contains("a listener")
                     .doesNotContain("/srv/worlds");
         }
     }
 
     @Test
     void whatAnActionFailedOfIsForTheLogAlone() throws IOException {
-        var lift = new ProvidedAction("lift", "Breaks.", Terms.NONE, new ActionProvider() {
-            @Override
-            public String name() {
-                return "test.lift";
-            }
+        var lift =
+                new ProvidedAction(
+                        "lift",
+                        "Breaks.",
+                        Terms.NONE,
+                        new ActionProvider() {
+                            @Override
+                            public String name() {
+                                return "test.lift";
+                            }
 
-            @Override
-            public String doc() {
-                return "Breaks.";
-            }
+                            @Override
+                            public String doc() {
+                                return "Breaks.";
+                            }
 
-            @Override
-            public List<Effect> decide(ActionCall call) {
-                throw new UncheckedIOException(
-                        new IOException("/srv/worlds/lift.dat: Permission denied"));
-            }
-        });
+                            @Override
+                            public List<Effect> decide(ActionCall call) {
+                                throw new UncheckedIOException(
+                                        new IOException("/srv/worlds/lift.dat: Permission denied"));
+                            }
+                        });
         room.world.add(ItemDefinition.named("lift").action(lift).build());
         try (TestClient ada = room.join("ada")) {
             ada.say("{'t':'act','id':1,'item':'lift','action':'lift'}").sync();
@@ -122,15 +139,18 @@ class AgentErrorsTest {
     /** A connection that has something to read and something to write. */
     private Connection connect(OddWire wire) throws Exception {
         var made = new CompletableFuture<Connection>();
-        room.server.loop().later(() -> {
-            try {
-                var connection = new Connection(room.server, wire);
-                connection.send(new ServerMessage.Ping());
-                made.complete(connection);
-            } catch (IOException e) {
-                made.completeExceptionally(e);
-            }
-        });
+        room.server
+                .loop()
+                .later(
+                        () -> {
+                            try {
+                                var connection = new Connection(room.server, wire);
+                                connection.send(new ServerMessage.Ping());
+                                made.complete(connection);
+                            } catch (IOException e) {
+                                made.completeExceptionally(e);
+                            }
+                        });
         return made.get(PATIENCE_SECONDS, TimeUnit.SECONDS);
     }
 

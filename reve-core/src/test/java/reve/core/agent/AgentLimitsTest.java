@@ -1,6 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import static org.assertj.core.api.Assertions.assertThat;
+
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.EnumSource;
+import org.junit.jupiter.params.provider.MethodSource;
+
+import reve.core.Seed;
+import reve.core.frame.FramePhase;
+import reve.core.world.ItemDefinition;
+import reve.core.world.WorldEvent;
+
+import tools.jackson.databind.JsonNode;
 
 import java.io.IOException;
 import java.net.InetSocketAddress;
@@ -13,15 +26,6 @@ import java.util.List;
 import java.util.Map;
 import java.util.Random;
 import java.util.function.Function;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.params.ParameterizedTest;
-import org.junit.jupiter.params.provider.EnumSource;
-import org.junit.jupiter.params.provider.MethodSource;
-import reve.core.Seed;
-import reve.core.frame.FramePhase;
-import reve.core.world.ItemDefinition;
-import reve.core.world.WorldEvent;
-import tools.jackson.databind.JsonNode;
 
 /** One bad client harms nobody: it gets a reason and goes, and the others notice nothing. */
 class AgentLimitsTest {
@@ -35,7 +39,8 @@ class AgentLimitsTest {
     @Test
     void whoSaysNoHelloInTimeIsCut() throws IOException {
         try (AgentRoom room = new AgentRoom(AgentRoom.config(SOON, NEVER, NEVER, NEVER));
-                TestClient silent = room.connect(); TestClient chatty = room.connect()) {
+                TestClient silent = room.connect();
+                TestClient chatty = room.connect()) {
             chatty.say("{'t':'ping'}").expect("error", "hello-expected");
             chatty.expectBye("hello-late");
             silent.expectBye("hello-late");
@@ -45,7 +50,8 @@ class AgentLimitsTest {
 
     @Test
     void aHelloHasToFitIntoItsLimit() throws IOException {
-        try (AgentRoom room = new AgentRoom(); TestClient client = room.connect()) {
+        try (AgentRoom room = new AgentRoom();
+                TestClient client = room.connect()) {
             client.send("x".repeat(8192).getBytes(StandardCharsets.US_ASCII))
                     .send(new byte[] {'x'});
             client.expectBye("hello-too-long");
@@ -55,7 +61,8 @@ class AgentLimitsTest {
     @Test
     void aLineOfTheLongestLengthPassesAndOneByteMoreIsCut() throws IOException {
         AgentServerConfig config = AgentRoom.config(NEVER, NEVER, NEVER, NEVER);
-        try (AgentRoom room = new AgentRoom(config); TestClient ada = room.join("ada")) {
+        try (AgentRoom room = new AgentRoom(config);
+                TestClient ada = room.join("ada")) {
             String ping = "{\"t\":\"ping\"}";
             String padded = ping + " ".repeat(config.limits().lineBytes() - ping.length() - 1);
             ada.say(padded).expect("pong");
@@ -110,8 +117,8 @@ class AgentLimitsTest {
 
     /** Asks and never reads, until the server has had enough. */
     private static void floodUntilCut(AgentRoom room, TestClient greedy) {
-        byte[] pings = "{\"t\":\"ping\",\"id\":1}\n".repeat(1000)
-                .getBytes(StandardCharsets.US_ASCII);
+        byte[] pings =
+                "{\"t\":\"ping\",\"id\":1}\n".repeat(1000).getBytes(StandardCharsets.US_ASCII);
         try {
             long enough = 200_000_000;
             for (long sent = 0; room.server.stats().cut() == 0; sent += pings.length) {
@@ -127,8 +134,8 @@ class AgentLimitsTest {
     void whoNeverReadsItsPerceptionsIsCutByTheWriteDeadline() throws IOException {
         try (AgentRoom room = new AgentRoom(AgentRoom.config(NEVER, NEVER, NEVER, SOON))) {
             for (int i = 0; i < 3000; i++) {
-                room.world.add(ItemDefinition.named("stone " + i)
-                        .symbol("note", "x".repeat(200)).build());
+                room.world.add(
+                        ItemDefinition.named("stone " + i).symbol("note", "x".repeat(200)).build());
             }
             try (TestClient blind = new TestClient(room.server.address(), 4096)) {
                 blind.say(HELLO.formatted("blind")).say("{'t':'perceive','every':1}").sync();
@@ -148,10 +155,12 @@ class AgentLimitsTest {
     @ParameterizedTest
     @MethodSource("refusedLines")
     void aRefusedLineCostsOneErrorAndNothingElse(JsonNode vector) throws IOException {
-        byte[] line = vector.has("bytes")
-                ? HexFormat.of().parseHex(vector.get("bytes").stringValue())
-                : vector.get("line").stringValue().getBytes(StandardCharsets.UTF_8);
-        try (AgentRoom room = new AgentRoom(); TestClient ada = room.join("ada")) {
+        byte[] line =
+                vector.has("bytes")
+                        ? HexFormat.of().parseHex(vector.get("bytes").stringValue())
+                        : vector.get("line").stringValue().getBytes(StandardCharsets.UTF_8);
+        try (AgentRoom room = new AgentRoom();
+                TestClient ada = room.join("ada")) {
             ada.send(line).send(new byte[] {'\n'});
             ada.expect("error", vector.get("code").stringValue());
             ada.say("{'t':'act','id':1,'item':'duck','action':'wind-up'}").sync();
@@ -162,7 +171,8 @@ class AgentLimitsTest {
 
     @Test
     void eightRefusedLinesEndTheConnection() throws IOException {
-        try (AgentRoom room = new AgentRoom(); TestClient ada = room.join("ada")) {
+        try (AgentRoom room = new AgentRoom();
+                TestClient ada = room.join("ada")) {
             for (int i = 0; i < 8; i++) {
                 ada.say("GET / HTTP/1.1");
                 ada.expect("error", "bad-json");
@@ -173,8 +183,11 @@ class AgentLimitsTest {
 
     @Test
     void aPageInABrowserCannotSpeakToTheServer() throws IOException {
-        try (AgentRoom room = new AgentRoom(); TestClient browser = room.connect()) {
-            browser.say("POST / HTTP/1.1\r").say("Host: 127.0.0.1\r").say("\r")
+        try (AgentRoom room = new AgentRoom();
+                TestClient browser = room.connect()) {
+            browser.say("POST / HTTP/1.1\r")
+                    .say("Host: 127.0.0.1\r")
+                    .say("\r")
                     .say("{'t':'hello','protocol':1,'name':'page','role':'control'}")
                     .say("{'t':'shut-down','id':1}");
             browser.expectBye("no-http");
@@ -182,25 +195,36 @@ class AgentLimitsTest {
     }
 
     private enum Garbage {
-        NOISE(random -> {
-            byte[] bytes = new byte[random.nextInt(1, 3000)];
-            random.nextBytes(bytes);
-            return bytes;
-        }),
-        MUTANTS(random -> {
-            byte[] bytes = ("{\"t\":\"hello\",\"protocol\":1,\"name\":\"eve\"}\n"
-                    + "{\"t\":\"act\",\"id\":1,\"item\":\"duck\",\"action\":\"push\","
-                    + "\"arguments\":{\"impulse\":[1,2,3]}}\n").repeat(3)
-                            .getBytes(StandardCharsets.UTF_8);
-            for (int i = random.nextInt(1, 20); i > 0; i--) {
-                bytes[random.nextInt(bytes.length)] = (byte) random.nextInt(256);
-            }
-            return bytes;
-        }),
-        NESTING(random -> ("{\"x\":".repeat(random.nextInt(1, 2000)) + "\n")
-                .getBytes(StandardCharsets.UTF_8)),
-        NUMBERS(random -> ("{\"t\":\"ping\",\"id\":" + random.nextInt(10) + "e"
-                + random.nextInt(-99999, 99999) + "}\n").getBytes(StandardCharsets.UTF_8)),
+        NOISE(
+                random -> {
+                    byte[] bytes = new byte[random.nextInt(1, 3000)];
+                    random.nextBytes(bytes);
+                    return bytes;
+                }),
+        MUTANTS(
+                random -> {
+                    byte[] bytes =
+                            ("{\"t\":\"hello\",\"protocol\":1,\"name\":\"eve\"}\n"
+                                            + "{\"t\":\"act\",\"id\":1,\"item\":\"duck\",\"action\":\"push\",\"arguments\":{\"impulse\":[1,2,3]}}\n")
+                                    .repeat(3)
+                                    .getBytes(StandardCharsets.UTF_8);
+                    for (int i = random.nextInt(1, 20); i > 0; i--) {
+                        bytes[random.nextInt(bytes.length)] = (byte) random.nextInt(256);
+                    }
+                    return bytes;
+                }),
+        NESTING(
+                random ->
+                        ("{\"x\":".repeat(random.nextInt(1, 2000)) + "\n")
+                                .getBytes(StandardCharsets.UTF_8)),
+        NUMBERS(
+                random ->
+                        ("{\"t\":\"ping\",\"id\":"
+                                        + random.nextInt(10)
+                                        + "e"
+                                        + random.nextInt(-99999, 99999)
+                                        + "}\n")
+                                .getBytes(StandardCharsets.UTF_8)),
         NEWLINES(random -> "\n".repeat(random.nextInt(1, 4000)).getBytes(StandardCharsets.UTF_8));
 
         private final Function<Random, byte[]> bytes;
@@ -227,8 +251,8 @@ class AgentLimitsTest {
                     // A reset: the server was done with it before it was done sending.
                 }
             }
-            room.stepUntil("all are gone",
-                    () -> room.server.stats().open() == 0 && !room.has("eve"));
+            room.stepUntil(
+                    "all are gone", () -> room.server.stats().open() == 0 && !room.has("eve"));
             room.join("ada").close();
         }
     }
@@ -261,8 +285,10 @@ class AgentLimitsTest {
                     agent.expect("event");
                 }
                 agent.say("{'t':'perceive','id':1}")
-                        .say("{'t':'act','id':2,'item':'duck','action':'push',"
-                                + "'arguments':{'impulse':[2,0,0]}}").sync();
+                        .say(
+                                "{'t':'act','id':2,'item':'duck','action':'push',"
+                                        + "'arguments':{'impulse':[2,0,0]}}")
+                        .sync();
             }
             room.step();
             for (TestClient agent : agents) {
@@ -285,12 +311,19 @@ class AgentLimitsTest {
     @Test
     void whoReadsIsNotCutHoweverMuchHappensInOneFrame() throws IOException {
         int count = 20 * AgentRoom.CONFIG.limits().outboxMessages();
-        try (AgentRoom room = new AgentRoom(); TestClient ada = room.join("ada")) {
-            var rings = room.bus.subscribe(FramePhase.ACT, "rings", event -> {
-                for (int i = 0; i < count; i++) {
-                    room.world.raise(new WorldEvent(event.frame(), "rang", Map.of("number", i)));
-                }
-            });
+        try (AgentRoom room = new AgentRoom();
+                TestClient ada = room.join("ada")) {
+            var rings =
+                    room.bus.subscribe(
+                            FramePhase.ACT,
+                            "rings",
+                            event -> {
+                                for (int i = 0; i < count; i++) {
+                                    room.world.raise(
+                                            new WorldEvent(
+                                                    event.frame(), "rang", Map.of("number", i)));
+                                }
+                            });
             room.step();
             rings.close();
             room.step();
@@ -304,7 +337,8 @@ class AgentLimitsTest {
     @Test
     void moreConnectionsThanAllowedAreTurnedAwayWithAReason() throws IOException {
         AgentServerConfig config = with(AgentRoom.CONFIG, 2);
-        try (AgentRoom room = new AgentRoom(config); TestClient ada = room.join("ada");
+        try (AgentRoom room = new AgentRoom(config);
+                TestClient ada = room.join("ada");
                 TestClient second = room.connect()) {
             second.say("{'t':'ping'}").expect("error");
             try (TestClient third = room.connect()) {
@@ -322,7 +356,8 @@ class AgentLimitsTest {
         var silent = new ArrayList<TestClient>();
         Duration later = Duration.ofMinutes(5);
         AgentServerConfig config = with(AgentRoom.config(later, later, later, later), 8);
-        try (AgentRoom room = new AgentRoom(config); var socket = new Socket()) {
+        try (AgentRoom room = new AgentRoom(config);
+                var socket = new Socket()) {
             for (int i = 0; i < 6; i++) {
                 silent.add(room.connect().say("{'t':'ping'}"));
                 silent.getLast().expect("error", "hello-expected");
@@ -332,9 +367,11 @@ class AgentLimitsTest {
             }
             socket.bind(new InetSocketAddress("127.0.0.2", 0));
             socket.connect(room.server.address());
-            new TestClient(socket).say("{'t':'hello','protocol':1,'name':'bob','role':'observer'}")
+            new TestClient(socket)
+                    .say("{'t':'hello','protocol':1,'name':'bob','role':'observer'}")
                     .expect("welcome");
-            silent.getFirst().say("{'t':'hello','protocol':1,'name':'ada','role':'observer'}")
+            silent.getFirst()
+                    .say("{'t':'hello','protocol':1,'name':'ada','role':'observer'}")
                     .expect("welcome");
             room.join("eve").close();
         } finally {
@@ -349,8 +386,8 @@ class AgentLimitsTest {
         try (AgentRoom room = new AgentRoom(with(AgentRoom.CONFIG, 5))) {
             for (int i = 0; i < 5; i++) {
                 try (TestClient client = room.connect()) {
-                    client.say("{'t':'hello','protocol':1,'name':'agent" + i
-                            + "','graceSeconds':60}");
+                    client.say(
+                            "{'t':'hello','protocol':1,'name':'agent" + i + "','graceSeconds':60}");
                     room.stepUntil("it is welcome", client::hasNews);
                     client.expect("welcome");
                 }
@@ -364,9 +401,18 @@ class AgentLimitsTest {
 
     private static AgentServerConfig with(AgentServerConfig c, int maxConnections) {
         AgentLimits l = c.limits();
-        var limits = new AgentLimits(maxConnections, l.helloBytes(), l.lineBytes(),
-                l.messagesPerSecond(), l.actsInFlight(), l.outboxMessages(), l.outboxBytes(),
-                l.maxErrors(), l.kept(), l.resumes());
+        var limits =
+                new AgentLimits(
+                        maxConnections,
+                        l.helloBytes(),
+                        l.lineBytes(),
+                        l.messagesPerSecond(),
+                        l.actsInFlight(),
+                        l.outboxMessages(),
+                        l.outboxBytes(),
+                        l.maxErrors(),
+                        l.kept(),
+                        l.resumes());
         return new AgentServerConfig(c.address(), limits, c.timeouts(), c.audit(), c.security());
     }
 }

@@ -1,12 +1,6 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
-import java.io.IOException;
-import java.time.Duration;
-import java.util.List;
-import java.util.Optional;
-import java.util.Queue;
-import java.util.concurrent.ConcurrentLinkedQueue;
-import java.util.function.BooleanSupplier;
 import reve.core.access.DeclaredAction;
 import reve.core.access.Effect;
 import reve.core.access.Operand;
@@ -30,9 +24,17 @@ import reve.core.world.TestAction;
 import reve.core.world.World;
 import reve.core.world.WorldPrototype;
 
+import java.io.IOException;
+import java.time.Duration;
+import java.util.List;
+import java.util.Optional;
+import java.util.Queue;
+import java.util.concurrent.ConcurrentLinkedQueue;
+import java.util.function.BooleanSupplier;
+
 /**
- * The world of the protocol's example session, stepped by hand, with a real server on
- * an ephemeral port.
+ * The world of the protocol's example session, stepped by hand, with a real server on an ephemeral
+ * port.
  */
 final class AgentRoom implements AutoCloseable {
 
@@ -47,8 +49,10 @@ final class AgentRoom implements AutoCloseable {
     final CommandQueue commands;
     final FrameLoop loop;
     final AgentServer server;
+
     /** Of the server's files. Any thread. */
     final Queue<String> problems = new ConcurrentLinkedQueue<>();
+
     /** Any thread. */
     volatile Cameras cameras = Cameras.none();
 
@@ -65,21 +69,38 @@ final class AgentRoom implements AutoCloseable {
         this(config, policy, commandCapacity, List.of(duck()));
     }
 
-    AgentRoom(AgentServerConfig config, AgentPolicy policy, int commandCapacity,
-            List<ItemDefinition> items) throws IOException {
+    AgentRoom(
+            AgentServerConfig config,
+            AgentPolicy policy,
+            int commandCapacity,
+            List<ItemDefinition> items)
+            throws IOException {
         items.forEach(world::add);
         commands = new CommandQueue(commandCapacity);
         commands.subscribeTo(bus);
         DerivedColumns.subscribeTo(bus);
         var snapshots = new SnapshotRing(world, 3);
-        bus.subscribe(FramePhase.PUBLISH, "snapshots",
+        bus.subscribe(
+                FramePhase.PUBLISH,
+                "snapshots",
                 event -> snapshots.publish(event.frame(), event.timeSeconds()));
         loop = new FrameLoop(world, bus, new Timing(60, 1), Pacing.FAST);
-        var port = new WorldPort(world.name(), 60, policy, bus, commands, snapshots, loop,
-                new RoomControl(world, loop),
-                (body, camera, answer) -> cameras.take(body, camera, answer));
-        server = AgentServer.start(config, List.of(port),
-                (source, message) -> problems.add(source + ": " + message));
+        var port =
+                new WorldPort(
+                        world.name(),
+                        60,
+                        policy,
+                        bus,
+                        commands,
+                        snapshots,
+                        loop,
+                        new RoomControl(world, loop),
+                        (body, camera, answer) -> cameras.take(body, camera, answer));
+        server =
+                AgentServer.start(
+                        config,
+                        List.of(port),
+                        (source, message) -> problems.add(source + ": " + message));
     }
 
     static AgentPolicy lending(String... bodies) {
@@ -87,39 +108,68 @@ final class AgentRoom implements AutoCloseable {
     }
 
     static AgentPolicy making() {
-        ItemDefinition body = ItemDefinition.named("body").shape(Shape.box(0.5, 1, 0.5))
-                .at(0, 0.5, 0).build();
+        ItemDefinition body =
+                ItemDefinition.named("body").shape(Shape.box(0.5, 1, 0.5)).at(0, 0.5, 0).build();
         return new AgentPolicy(List.of(), Optional.of(body));
     }
 
     static ItemDefinition duck() {
-        return ItemDefinition.named("duck").shape(Shape.sphere(0.25)).at(1, 0, -2.5)
-                .symbol("class", "toy").physics("mass", 2).physics("velocity", 0, 0, 0)
-                .action(new DeclaredAction("push", "Gives it a kick.", List.of(IMPULSE),
-                        List.of(new Effect.Impulse(new Operand.Argument(IMPULSE)))))
-                .action(new DeclaredAction("wind-up", "Winds its spring.", List.of(),
-                        List.of(new Effect.SetSymbol("wound", new Operand.Symbol(true)))))
+        return ItemDefinition.named("duck")
+                .shape(Shape.sphere(0.25))
+                .at(1, 0, -2.5)
+                .symbol("class", "toy")
+                .physics("mass", 2)
+                .physics("velocity", 0, 0, 0)
+                .action(
+                        new DeclaredAction(
+                                "push",
+                                "Gives it a kick.",
+                                List.of(IMPULSE),
+                                List.of(new Effect.Impulse(new Operand.Argument(IMPULSE)))))
+                .action(
+                        new DeclaredAction(
+                                "wind-up",
+                                "Winds its spring.",
+                                List.of(),
+                                List.of(new Effect.SetSymbol("wound", new Operand.Symbol(true)))))
                 .build();
     }
 
     /** Limits of milliseconds, for tests that wait until one is reached. */
     static AgentServerConfig config(Duration hello, Duration line, Duration idle, Duration write) {
         var limits = new AgentLimits(1024, 8192, 4096, 10_000_000, 4, 64, 64 * 1024, 8, 16, 8);
-        var timeouts = new AgentTimeouts(hello, line, idle, Duration.ofSeconds(10), write,
-                Duration.ofMinutes(5), Duration.ofSeconds(10), CONFIG.timeouts().waiting(),
-                Duration.ofMillis(500));
-        return new AgentServerConfig(CONFIG.address(), limits, timeouts, Optional.empty(),
-                AgentSecurity.NONE);
+        var timeouts =
+                new AgentTimeouts(
+                        hello,
+                        line,
+                        idle,
+                        Duration.ofSeconds(10),
+                        write,
+                        Duration.ofMinutes(5),
+                        Duration.ofSeconds(10),
+                        CONFIG.timeouts().waiting(),
+                        Duration.ofMillis(500));
+        return new AgentServerConfig(
+                CONFIG.address(), limits, timeouts, Optional.empty(), AgentSecurity.NONE);
     }
 
     /** The room's usual limits, for tests that resume a session again and again. */
     static AgentServerConfig resumedOften() {
         AgentLimits l = CONFIG.limits();
-        var limits = new AgentLimits(l.maxConnections(), l.helloBytes(), l.lineBytes(),
-                l.messagesPerSecond(), l.actsInFlight(), l.outboxMessages(), l.outboxBytes(),
-                l.maxErrors(), l.kept(), Integer.MAX_VALUE);
-        return new AgentServerConfig(CONFIG.address(), limits, CONFIG.timeouts(), Optional.empty(),
-                CONFIG.security());
+        var limits =
+                new AgentLimits(
+                        l.maxConnections(),
+                        l.helloBytes(),
+                        l.lineBytes(),
+                        l.messagesPerSecond(),
+                        l.actsInFlight(),
+                        l.outboxMessages(),
+                        l.outboxBytes(),
+                        l.maxErrors(),
+                        l.kept(),
+                        Integer.MAX_VALUE);
+        return new AgentServerConfig(
+                CONFIG.address(), limits, CONFIG.timeouts(), Optional.empty(), CONFIG.security());
     }
 
     /** One frame. */
@@ -132,7 +182,9 @@ final class AgentRoom implements AutoCloseable {
         stepUntil(what, Duration.ofSeconds(20), isSo);
     }
 
-    /** @param patience after which it is taken never to be so */
+    /**
+     * @param patience after which it is taken never to be so
+     */
     void stepUntil(String what, Duration patience, BooleanSupplier isSo) {
         long deadline = System.nanoTime() + patience.toNanos();
         while (!isSo.getAsBoolean()) {
@@ -157,8 +209,8 @@ final class AgentRoom implements AutoCloseable {
 
     /** An agent that has been welcomed; takes one frame. */
     TestClient join(String name) throws IOException {
-        TestClient client = connect()
-                .say("{'t':'hello','protocol':1,'name':'" + name + "'}").sync();
+        TestClient client =
+                connect().say("{'t':'hello','protocol':1,'name':'" + name + "'}").sync();
         step();
         client.expect("welcome");
         client.expect("event");
@@ -172,8 +224,11 @@ final class AgentRoom implements AutoCloseable {
 
     /** An action that an item's designer got wrong. */
     static Action broken() {
-        return new TestAction("explode", "Has an error.", call -> {
-            throw new IllegalStateException("an error in an action");
-        });
+        return new TestAction(
+                "explode",
+                "Has an error.",
+                call -> {
+                    throw new IllegalStateException("an error in an action");
+                });
     }
 }

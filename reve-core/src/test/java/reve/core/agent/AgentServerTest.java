@@ -1,8 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatIllegalArgumentException;
 import static org.assertj.core.api.Assertions.assertThatThrownBy;
+
+import org.junit.jupiter.api.AfterEach;
+import org.junit.jupiter.api.BeforeEach;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.CsvSource;
+import org.junit.jupiter.params.provider.ValueSource;
+
+import reve.core.file.AgentPolicy;
+import reve.core.world.ItemDefinition;
+import reve.core.world.Shape;
+
+import tools.jackson.databind.JsonNode;
 
 import java.io.IOException;
 import java.lang.management.ManagementFactory;
@@ -16,16 +30,6 @@ import java.util.Set;
 import java.util.TreeSet;
 import java.util.regex.Pattern;
 import java.util.stream.Stream;
-import org.junit.jupiter.api.AfterEach;
-import org.junit.jupiter.api.BeforeEach;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.params.ParameterizedTest;
-import org.junit.jupiter.params.provider.CsvSource;
-import org.junit.jupiter.params.provider.ValueSource;
-import reve.core.file.AgentPolicy;
-import reve.core.world.ItemDefinition;
-import reve.core.world.Shape;
-import tools.jackson.databind.JsonNode;
 
 /** Joining, perceiving, acting and leaving, over real sockets, in a world stepped by hand. */
 class AgentServerTest {
@@ -65,34 +69,44 @@ class AgentServerTest {
 
     @Test
     void theSessionOnTheProtocolsPageIsTheVector() {
-        List<String> onPage = Vectors.text("PROTOCOL.md").lines()
-                .dropWhile(line -> !line.startsWith("$ nc ")).skip(1)
-                .takeWhile(line -> !line.equals("```"))
-                .map(line -> TestClient.json(line).toString()).toList();
-        List<String> vector = Vectors.lines("session.jsonl").stream()
-                .filter(line -> !line.has("frame"))
-                .map(line -> line.iterator().next().toString()).toList();
+        List<String> onPage =
+                Vectors.text("PROTOCOL.md")
+                        .lines()
+                        .dropWhile(line -> !line.startsWith("$ nc "))
+                        .skip(1)
+                        .takeWhile(line -> !line.equals("```"))
+                        .map(line -> TestClient.json(line).toString())
+                        .toList();
+        List<String> vector =
+                Vectors.lines("session.jsonl").stream()
+                        .filter(line -> !line.has("frame"))
+                        .map(line -> line.iterator().next().toString())
+                        .toList();
         assertThat(onPage).isEqualTo(vector);
     }
 
     @Test
     void everyCodeThatTheServerUsesIsOnTheProtocolsPage() throws IOException {
-        var givesCode = Pattern.compile(
-                "(?:Ending\\.\\w+|BadMessage|Refused|refuse)\\([^\"]*\"([a-z0-9-]+)\"");
+        var givesCode =
+                Pattern.compile(
+                        "(?:Ending\\.\\w+|BadMessage|Refused|refuse)\\([^\"]*\"([a-z0-9-]+)\"");
         Set<String> codes = new TreeSet<>();
         Path sources =
                 Path.of(System.getProperty("reve.root"), "reve-core/src/main/java/reve/core/agent");
         try (Stream<Path> files = Files.list(sources)) {
             for (Path file : files.toList()) {
-                givesCode.matcher(Files.readString(file)).results()
+                givesCode
+                        .matcher(Files.readString(file))
+                        .results()
                         .forEach(code -> codes.add(code.group(1)));
             }
         }
-        assertThat(codes).hasSizeGreaterThan(30)
+        assertThat(codes)
+                .hasSizeGreaterThan(30)
                 .contains("bad-json", "hello-late", "world-busy", "no-such-item");
         assertThat(codes)
-                .allSatisfy(code ->
-                        assertThat(Vectors.text("PROTOCOL.md")).contains("`" + code + "`"));
+                .allSatisfy(
+                        code -> assertThat(Vectors.text("PROTOCOL.md")).contains("`" + code + "`"));
     }
 
     // ---- perceiving ----
@@ -125,7 +139,8 @@ class AgentServerTest {
     void aPerceptionShowsWhatPhysicsAndActionsChanged() throws IOException {
         try (TestClient ada = room.join("ada")) {
             ada.say("{'t':'act','id':1,'item':'duck','action':'wind-up'}")
-                    .say("{'t':'perceive','id':2}").sync();
+                    .say("{'t':'perceive','id':2}")
+                    .sync();
             room.item("duck").physical().setLocation(0.1, -7, 1e-300);
             room.step();
             ada.expect("result");
@@ -140,17 +155,24 @@ class AgentServerTest {
     void whatHasNoPlaceIsPerceivedWithoutLocationAndTheWorldsConstantsNotAtAll()
             throws IOException {
         room.world.add(ItemDefinition.named("fish").at(0, 0, 0).physics("mass", 1).build());
-        room.world.add(ItemDefinition.named("rope").kind("spring").reference("end1", "duck")
-                .reference("end2", "fish").build());
+        room.world.add(
+                ItemDefinition.named("rope")
+                        .kind("spring")
+                        .reference("end1", "duck")
+                        .reference("end2", "fish")
+                        .build());
         try (TestClient ada = room.join("ada")) {
             ada.say("{'t':'perceive'}").sync();
             room.step();
             JsonNode perception = ada.expect("perception");
             assertThat(perception.has("id")).isFalse();
             assertThat(perception.get("items").findValuesAsString("name"))
-                    .containsSubsequence("duck", "fish", "rope", "ada").doesNotContain("world");
-            assertThat(perception.get("items").get(2)).isEqualTo(TestClient.json(
-                    "{'name':'rope','symbols':{'name':'rope','class':'spring'},'actions':{}}"));
+                    .containsSubsequence("duck", "fish", "rope", "ada")
+                    .doesNotContain("world");
+            assertThat(perception.get("items").get(2))
+                    .isEqualTo(
+                            TestClient.json(
+                                    "{'name':'rope','symbols':{'name':'rope','class':'spring'},'actions':{}}"));
         }
     }
 
@@ -167,12 +189,16 @@ class AgentServerTest {
     @Test
     void whoReadsLateGetsTheNewestPerceptionNotAllOfThem() throws IOException {
         for (int i = 0; i < 2000; i++) {
-            room.world.add(ItemDefinition.named("stone " + i).at(i, 0, 0)
-                    .symbol("note", "x".repeat(100)).build());
+            room.world.add(
+                    ItemDefinition.named("stone " + i)
+                            .at(i, 0, 0)
+                            .symbol("note", "x".repeat(100))
+                            .build());
         }
         try (TestClient slow = new TestClient(room.server.address(), 4096)) {
             slow.say("{'t':'hello','protocol':1,'name':'slow'}")
-                    .say("{'t':'perceive','every':1}").sync();
+                    .say("{'t':'perceive','every':1}")
+                    .sync();
             int frames = 200;
             for (int i = 0; i < frames; i++) {
                 room.step();
@@ -196,34 +222,47 @@ class AgentServerTest {
     @Test
     void anActIsDoneInTheNextFrameAndItsResultNamesIt() throws IOException {
         try (TestClient ada = room.join("ada")) {
-            ada.say("{'t':'act','id':9,'item':'duck','action':'push',"
-                    + "'arguments':{'impulse':[3,0,-1]}}").sync();
+            ada.say(
+                            "{'t':'act','id':9,'item':'duck','action':'push',"
+                                    + "'arguments':{'impulse':[3,0,-1]}}")
+                    .sync();
             assertThat(room.item("duck").physics().vector("velocity")).containsExactly(0, 0, 0);
             room.step();
             assertThat(room.item("duck").physics().vector("velocity"))
                     .containsExactly(1.5, 0, -0.5);
-            assertThat(ada.expect("result")).isEqualTo(TestClient.json(
-                    "{'t':'result','id':9,'accepted':true,'frame':2}"));
+            assertThat(ada.expect("result"))
+                    .isEqualTo(TestClient.json("{'t':'result','id':9,'accepted':true,'frame':2}"));
             assertThat(room.server.stats().actsAccepted()).isEqualTo(1);
         }
     }
 
     @ParameterizedTest
-    @CsvSource(delimiter = '|', quoteCharacter = '`', value = {
-        "swan | push | {} | no-such-item | the world has no item \"swan\"",
-        "duck | sing | {} | no-such-action | \"sing\"; it has [push, wind-up]",
-        "ada | sing | {} | no-such-action | it has none",
-        "duck | push | {} | missing-argument | impulse",
-        "duck | push | {'impulse':[1,2]} | wrong-components | 3 numbers in N*s, found 2",
-        "duck | push | {'impulse':'far'} | wrong-type | found a text",
-        "duck | push | {'impulse':[1,2,3],'how':true} | unknown-argument | how",
-        "duck | wind-up | {'turns':3} | unknown-argument | it takes no arguments",
-    })
-    void anActThatDoesNotFitIsRefusedWithAReason(String item, String action, String arguments,
-            String code, String reason) throws IOException {
+    @CsvSource(
+            delimiter = '|',
+            quoteCharacter = '`',
+            value = {
+                "swan | push | {} | no-such-item | the world has no item \"swan\"",
+                "duck | sing | {} | no-such-action | \"sing\"; it has [push, wind-up]",
+                "ada | sing | {} | no-such-action | it has none",
+                "duck | push | {} | missing-argument | impulse",
+                "duck | push | {'impulse':[1,2]} | wrong-components | 3 numbers in N*s, found 2",
+                "duck | push | {'impulse':'far'} | wrong-type | found a text",
+                "duck | push | {'impulse':[1,2,3],'how':true} | unknown-argument | how",
+                "duck | wind-up | {'turns':3} | unknown-argument | it takes no arguments",
+            })
+    void anActThatDoesNotFitIsRefusedWithAReason(
+            String item, String action, String arguments, String code, String reason)
+            throws IOException {
         try (TestClient ada = room.join("ada")) {
-            ada.say("{'t':'act','id':1,'item':'" + item + "','action':'" + action
-                    + "','arguments':" + arguments + "}").sync();
+            ada.say(
+                            "{'t':'act','id':1,'item':'"
+                                    + item
+                                    + "','action':'"
+                                    + action
+                                    + "','arguments':"
+                                    + arguments
+                                    + "}")
+                    .sync();
             room.step();
             JsonNode result = ada.expect("result", code);
             assertThat(result.get("accepted").booleanValue()).isFalse();
@@ -239,7 +278,8 @@ class AgentServerTest {
         room.world.add(ItemDefinition.named("bomb").action(AgentRoom.broken()).build());
         try (TestClient ada = room.join("ada")) {
             ada.say("{'t':'act','id':1,'item':'bomb','action':'explode'}")
-                    .say("{'t':'act','id':2,'item':'duck','action':'wind-up'}").sync();
+                    .say("{'t':'act','id':2,'item':'duck','action':'wind-up'}")
+                    .sync();
             room.step();
             ada.expect("result", "action-failed");
             assertThat(ada.expect("result").get("accepted").booleanValue()).isTrue();
@@ -248,7 +288,8 @@ class AgentServerTest {
 
     @Test
     void actsOfOneFrameAreOrderedByNameAndSequenceNotByArrival() throws IOException {
-        try (TestClient zoe = room.join("zoe"); TestClient ada = room.join("ada")) {
+        try (TestClient zoe = room.join("zoe");
+                TestClient ada = room.join("ada")) {
             zoe.expect("event"); // ada joined
             String act = "{'t':'act','id':%d,'item':'duck','action':'wind-up'}";
             zoe.say(act.formatted(1)).say(act.formatted(2)).sync();
@@ -291,9 +332,11 @@ class AgentServerTest {
     @Test
     void aFullWorldRefusesActsAndHellosButNeverALeave() throws IOException {
         try (AgentRoom busy = new AgentRoom(AgentRoom.CONFIG, AgentRoom.making(), 1);
-                TestClient ada = busy.join("ada"); TestClient bob = busy.connect()) {
+                TestClient ada = busy.join("ada");
+                TestClient bob = busy.connect()) {
             ada.say("{'t':'act','id':1,'item':'duck','action':'wind-up'}")
-                    .say("{'t':'act','id':2,'item':'duck','action':'wind-up'}").sync();
+                    .say("{'t':'act','id':2,'item':'duck','action':'wind-up'}")
+                    .sync();
             assertThat(ada.expect("result", "world-busy").get("id").longValue()).isEqualTo(2);
             bob.say("{'t':'hello','protocol':1,'name':'bob'}").expectBye("world-busy");
             ada.say("{'t':'bye'}").expectBye("goodbye");
@@ -305,15 +348,20 @@ class AgentServerTest {
 
     @Test
     void everybodyHearsWhatHappensFromTheirWelcomeOn() throws IOException {
-        try (TestClient ada = room.join("ada"); TestClient bob = room.join("bob")) {
+        try (TestClient ada = room.join("ada");
+                TestClient bob = room.join("bob")) {
             assertThat(ada.expect("event"))
-                    .isEqualTo(TestClient.json("{'t':'event','frame':2,'type':'joined',"
-                            + "'fields':{'agent':'bob','body':'bob'}}"));
+                    .isEqualTo(
+                            TestClient.json(
+                                    "{'t':'event','frame':2,'type':'joined',"
+                                            + "'fields':{'agent':'bob','body':'bob'}}"));
             bob.say("{'t':'bye'}").expectBye("goodbye");
             room.step();
             assertThat(ada.expect("event"))
-                    .isEqualTo(TestClient.json("{'t':'event','frame':3,'type':'left',"
-                            + "'fields':{'agent':'bob','body':'bob','reason':'goodbye'}}"));
+                    .isEqualTo(
+                            TestClient.json(
+                                    "{'t':'event','frame':3,'type':'left',"
+                                            + "'fields':{'agent':'bob','body':'bob','reason':'goodbye'}}"));
         }
     }
 
@@ -321,11 +369,17 @@ class AgentServerTest {
 
     @Test
     void aMadeBodyComesToTheFirstPlaceThatNoAgentHas() throws IOException {
-        var policy = new AgentPolicy(List.of(), AgentRoom.making().template(),
-                List.of(new AgentPolicy.Place(0, 0.5, 0), new AgentPolicy.Place(3, 0.5, 1)));
+        var policy =
+                new AgentPolicy(
+                        List.of(),
+                        AgentRoom.making().template(),
+                        List.of(
+                                new AgentPolicy.Place(0, 0.5, 0),
+                                new AgentPolicy.Place(3, 0.5, 1)));
         try (AgentRoom hall = new AgentRoom(AgentRoom.CONFIG, policy, 64);
                 TestClient ada = hall.join("ada");
-                TestClient bob = hall.join("bob"); TestClient eve = hall.connect()) {
+                TestClient bob = hall.join("bob");
+                TestClient eve = hall.connect()) {
             assertThat(hall.item("ada").physical().location()).containsExactly(0, 0.5, 0);
             assertThat(hall.item("bob").physical().location()).containsExactly(3, 0.5, 1);
             eve.say("{'t':'hello','protocol':1,'name':'eve'}");
@@ -343,9 +397,14 @@ class AgentServerTest {
     void aWorldTakesNoFewerAgentsThanItHasBodiesForThem() throws IOException {
         var duck = AgentRoom.duck();
         var goose = ItemDefinition.named("goose").shape(Shape.sphere(0.3)).build();
-        try (AgentRoom hall = new AgentRoom(AgentRoom.CONFIG,
-                        AgentRoom.lending("duck", "goose").withMost(1), 64, List.of(duck, goose));
-                TestClient ada = hall.join("ada"); TestClient bob = hall.join("bob")) {
+        try (AgentRoom hall =
+                        new AgentRoom(
+                                AgentRoom.CONFIG,
+                                AgentRoom.lending("duck", "goose").withMost(1),
+                                64,
+                                List.of(duck, goose));
+                TestClient ada = hall.join("ada");
+                TestClient bob = hall.join("bob")) {
             ada.say("{'t':'ping','id':1}").skipTo("pong");
             bob.say("{'t':'ping','id':1}").skipTo("pong");
         }
@@ -354,7 +413,8 @@ class AgentServerTest {
     @Test
     void aWorldTakesAsManyAgentsAsItsFileAllowsThoseIncludedWhoMayComeBack() throws IOException {
         try (AgentRoom hall = new AgentRoom(AgentRoom.CONFIG, AgentRoom.making().withMost(2), 64);
-                TestClient bob = hall.join("bob"); TestClient eve = hall.connect();
+                TestClient bob = hall.join("bob");
+                TestClient eve = hall.connect();
                 TestClient eye = hall.connect()) {
             try (TestClient ada = hall.connect()) {
                 ada.say("{'t':'hello','protocol':1,'name':'ada','graceSeconds':60}").sync();
@@ -390,7 +450,8 @@ class AgentServerTest {
     @Test
     void aLentBodyStaysAndIsFreeAgain() throws IOException {
         try (AgentRoom lending = new AgentRoom(AgentRoom.CONFIG, AgentRoom.lending("duck"), 64)) {
-            try (TestClient ada = lending.join("ada"); TestClient bob = lending.connect();
+            try (TestClient ada = lending.join("ada");
+                    TestClient bob = lending.connect();
                     TestClient cleo = lending.connect()) {
                 bob.say("{'t':'hello','protocol':1,'name':'bob'}").sync();
                 cleo.say("{'t':'hello','protocol':1,'name':'cleo','body':'duck'}").sync();
@@ -426,7 +487,8 @@ class AgentServerTest {
         try (AgentRoom closed = new AgentRoom(AgentRoom.CONFIG, AgentPolicy.none(), 64);
                 TestClient ada = closed.connect()) {
             ada.say("{'t':'hello','protocol':1,'name':'ada'}")
-                    .say("{'t':'act','id':1,'item':'duck','action':'wind-up'}").sync();
+                    .say("{'t':'act','id':1,'item':'duck','action':'wind-up'}")
+                    .sync();
             closed.step();
             assertThat(ada.expectBye("no-bodies").get("hint").stringValue())
                     .contains("agents:", "world file");
@@ -436,7 +498,8 @@ class AgentServerTest {
 
     @Test
     void aNameIsHeldByOneAgentAndFreeAgainWhenItHasLeft() throws IOException {
-        try (TestClient ada = room.join("ada"); TestClient second = room.connect()) {
+        try (TestClient ada = room.join("ada");
+                TestClient second = room.connect()) {
             second.say("{'t':'hello','protocol':1,'name':'ada'}").expectBye("name-taken");
             ada.say("{'t':'bye'}").expectBye("goodbye");
         }
@@ -461,7 +524,8 @@ class AgentServerTest {
     @Test
     void whoIsRefusedANameIsNotToldWhetherAnItemHasIt() throws IOException {
         room.join("ada");
-        try (TestClient second = room.connect(); TestClient duck = room.connect()) {
+        try (TestClient second = room.connect();
+                TestClient duck = room.connect()) {
             second.say("{'t':'hello','protocol':1,'name':'ada'}");
             duck.say("{'t':'hello','protocol':1,'name':'duck'}").sync();
             room.step();
@@ -471,16 +535,19 @@ class AgentServerTest {
     }
 
     @ParameterizedTest
-    @CsvSource(delimiter = '|', quoteCharacter = '`', value = {
-        "'protocol':2,'name':'ada' | protocol-unsupported",
-        "'protocol':0,'name':'ada' | protocol-unsupported",
-        "'protocol':1,'name':'ada','role':'god' | role-unsupported",
-        "'protocol':1,'name':'ada','resume':{'session':'0011','frame':3} | no-such-session",
-        "'protocol':1,'name':'-ada' | bad-name",
-        "'protocol':1,'name':'a da' | bad-name",
-        "'protocol':1,'name':'ä' | bad-name",
-        "'protocol':1,'name':'ada\\u202e' | bad-name",
-    })
+    @CsvSource(
+            delimiter = '|',
+            quoteCharacter = '`',
+            value = {
+                "'protocol':2,'name':'ada' | protocol-unsupported",
+                "'protocol':0,'name':'ada' | protocol-unsupported",
+                "'protocol':1,'name':'ada','role':'god' | role-unsupported",
+                "'protocol':1,'name':'ada','resume':{'session':'0011','frame':3} | no-such-session",
+                "'protocol':1,'name':'-ada' | bad-name",
+                "'protocol':1,'name':'a da' | bad-name",
+                "'protocol':1,'name':'ä' | bad-name",
+                "'protocol':1,'name':'ada\\u202e' | bad-name",
+            })
     void aHelloThatCannotBeGrantedEndsTheConnectionWithAHint(String fields, String code)
             throws IOException {
         try (TestClient client = room.connect()) {
@@ -522,9 +589,11 @@ class AgentServerTest {
         var threads = (com.sun.management.ThreadMXBean) ManagementFactory.getThreadMXBean();
         List<TestClient> agents = new ArrayList<>();
         for (int i = 0; i < 20; i++) {
-            agents.add(room.connect()
-                    .say("{'t':'hello','protocol':1,'name':'agent%d'}".formatted(i))
-                    .say("{'t':'perceive','every':1}").sync());
+            agents.add(
+                    room.connect()
+                            .say("{'t':'hello','protocol':1,'name':'agent%d'}".formatted(i))
+                            .say("{'t':'perceive','every':1}")
+                            .sync());
         }
         for (int i = 0; i < 2000; i++) {
             room.step();
@@ -549,7 +618,8 @@ class AgentServerTest {
 
     @Test
     void closingSaysByeToEverybody() throws IOException {
-        try (TestClient ada = room.join("ada"); TestClient nobody = room.connect()) {
+        try (TestClient ada = room.join("ada");
+                TestClient nobody = room.connect()) {
             nobody.say("{'t':'ping'}").expect("error"); // it has been accepted
             room.server.close();
             ada.expectBye("closing");
@@ -572,7 +642,8 @@ class AgentServerTest {
     void aPortThatIsTakenIsNamed() {
         int port = room.server.address().getPort();
         assertThatThrownBy(() -> new AgentRoom(AgentServerConfig.onPort(port)).close())
-                .isInstanceOf(IOException.class).hasMessageContaining("127.0.0.1 port " + port);
+                .isInstanceOf(IOException.class)
+                .hasMessageContaining("127.0.0.1 port " + port);
     }
 
     @Test

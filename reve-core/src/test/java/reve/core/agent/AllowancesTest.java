@@ -1,6 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import static org.assertj.core.api.Assertions.assertThat;
+
+import org.junit.jupiter.api.Test;
+
+import reve.core.Seed;
 
 import java.nio.ByteBuffer;
 import java.time.Duration;
@@ -8,8 +13,6 @@ import java.util.ArrayList;
 import java.util.List;
 import java.util.Optional;
 import java.util.Random;
-import org.junit.jupiter.api.Test;
-import reve.core.Seed;
 
 /**
  * How long agents in lock-step keep others waiting, in a world of 60 frames a second whose clock
@@ -61,8 +64,12 @@ class AllowancesTest {
 
         private void come() {
             var its = allowances.of(token, ByteBuffer.wrap(new byte[] {(byte) home}), now);
-            turn = new Turn("agent " + players.size(),
-                    new ClientMessage.LockStep(1, false, 1, Optional.empty()), DEADLINE, its);
+            turn =
+                    new Turn(
+                            "agent " + players.size(),
+                            new ClientMessage.LockStep(1, false, 1, Optional.empty()),
+                            DEADLINE,
+                            its);
             turn.begin(frame);
             gate.add(turn);
             think();
@@ -96,13 +103,17 @@ class AllowancesTest {
     }
 
     private LockStep gate() {
-        return new LockStep(() -> { }, news -> {
-            if (news instanceof AgentInput.Late missed) {
-                late.add(missed);
-            } else {
-                backs++;
-            }
-        }, allowances, LockStep.Waiting.IDLE);
+        return new LockStep(
+                () -> {},
+                news -> {
+                    if (news instanceof AgentInput.Late missed) {
+                        late.add(missed);
+                    } else {
+                        backs++;
+                    }
+                },
+                allowances,
+                LockStep.Waiting.IDLE);
     }
 
     private void join(Thinking thinking) {
@@ -132,8 +143,8 @@ class AllowancesTest {
     /** Until the gate lets the next frame begin. */
     private void hold() {
         for (long wait = ask(); wait > 0; wait = ask()) {
-            long ready = players.stream().mapToLong(player -> player.readyNanos).min()
-                    .orElse(NEVER);
+            long ready =
+                    players.stream().mapToLong(player -> player.readyNanos).min().orElse(NEVER);
             pass(Math.max(0, Math.min(wait, ready - now)));
         }
     }
@@ -184,14 +195,15 @@ class AllowancesTest {
     @Test
     void whoIsLateTwiceAndReadyThenHoldsTheWorldForItsAllowanceOnly() {
         allowances.addRealTime(1);
-        join(new Thinking() {
-            private int round;
+        join(
+                new Thinking() {
+                    private int round;
 
-            @Override
-            public long next() {
-                return ++round % 3 == 0 ? DEADLINE / 2 : NEVER;
-            }
-        });
+                    @Override
+                    public long next() {
+                        return ++round % 3 == 0 ? DEADLINE / 2 : NEVER;
+                    }
+                });
         run(12 * SECOND);
         assertThat(run(LONG)).isGreaterThanOrEqualTo(30);
     }
@@ -199,17 +211,18 @@ class AllowancesTest {
     @Test
     void whoLeavesAndComesUnderOtherNamesHasNoOtherAllowance() {
         allowances.addRealTime(1);
-        join(new Thinking() {
-            @Override
-            public long next() {
-                return DEADLINE - MILLISECOND;
-            }
+        join(
+                new Thinking() {
+                    @Override
+                    public long next() {
+                        return DEADLINE - MILLISECOND;
+                    }
 
-            @Override
-            public boolean leaves() {
-                return true;
-            }
-        });
+                    @Override
+                    public boolean leaves() {
+                        return true;
+                    }
+                });
         run(12 * SECOND);
         assertThat(spent).startsWith(true);
         assertThat(run(LONG)).isGreaterThanOrEqualTo(30);
@@ -239,8 +252,12 @@ class AllowancesTest {
     }
 
     private Turn silent() {
-        var turn = new Turn("silent", new ClientMessage.LockStep(1, false, 1, Optional.empty()),
-                DEADLINE, allowances.of(Optional.empty(), ByteBuffer.wrap(new byte[] {0}), now));
+        var turn =
+                new Turn(
+                        "silent",
+                        new ClientMessage.LockStep(1, false, 1, Optional.empty()),
+                        DEADLINE,
+                        allowances.of(Optional.empty(), ByteBuffer.wrap(new byte[] {0}), now));
         turn.begin(frame);
         gate.add(turn);
         return turn;
@@ -310,18 +327,20 @@ class AllowancesTest {
         for (int i = 0; i < 6; i++) {
             int most = 1 + random.nextInt(40);
             boolean leaves = random.nextBoolean();
-            join(new Thinking() {
-                @Override
-                public long next() {
-                    return random.nextInt(most) == 0 ? random.nextLong(2 * DEADLINE)
-                            : random.nextLong(FRAME + MILLISECOND);
-                }
+            join(
+                    new Thinking() {
+                        @Override
+                        public long next() {
+                            return random.nextInt(most) == 0
+                                    ? random.nextLong(2 * DEADLINE)
+                                    : random.nextLong(FRAME + MILLISECOND);
+                        }
 
-                @Override
-                public boolean leaves() {
-                    return leaves && random.nextInt(50) == 0;
-                }
-            });
+                        @Override
+                        public boolean leaves() {
+                            return leaves && random.nextInt(50) == 0;
+                        }
+                    });
         }
         run(12 * SECOND);
         assertThat(run(LONG / 4)).as("seed %d", seed).isGreaterThanOrEqualTo(30);

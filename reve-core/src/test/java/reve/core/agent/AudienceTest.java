@@ -1,6 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import static org.assertj.core.api.Assertions.assertThat;
+
+import org.junit.jupiter.api.AfterEach;
+import org.junit.jupiter.api.BeforeEach;
+import org.junit.jupiter.api.Test;
+
+import reve.core.Seed;
+import reve.core.file.AgentPolicy;
+import reve.core.frame.FramePhase;
+import reve.core.world.Item;
+import reve.core.world.ItemDefinition;
+import reve.core.world.Sensor;
+import reve.core.world.Shape;
+import reve.core.world.WorldEvent;
+
+import tools.jackson.databind.JsonNode;
 
 import java.io.IOException;
 import java.util.ArrayList;
@@ -13,18 +29,6 @@ import java.util.Random;
 import java.util.Set;
 import java.util.TreeMap;
 import java.util.TreeSet;
-import org.junit.jupiter.api.AfterEach;
-import org.junit.jupiter.api.BeforeEach;
-import org.junit.jupiter.api.Test;
-import reve.core.Seed;
-import reve.core.file.AgentPolicy;
-import reve.core.frame.FramePhase;
-import reve.core.world.Item;
-import reve.core.world.ItemDefinition;
-import reve.core.world.Sensor;
-import reve.core.world.Shape;
-import reve.core.world.WorldEvent;
-import tools.jackson.databind.JsonNode;
 
 /**
  * Of an event hears who perceives an item that it is about, or was shown it last, and nobody else.
@@ -50,14 +54,23 @@ class AudienceTest {
             items.add(body("agent-" + i, i));
         }
         for (int i = 0; i < BELLS; i++) {
-            items.add(place(ItemDefinition.named("bell-" + i))
-                    .shape(Shape.sphere(random.nextDouble(0.1, 1))).build());
+            items.add(
+                    place(ItemDefinition.named("bell-" + i))
+                            .shape(Shape.sphere(random.nextDouble(0.1, 1)))
+                            .build());
         }
         room = new AgentRoom(AgentRoom.CONFIG, new AgentPolicy(names, Optional.empty()), 64, items);
         for (String name : names) {
-            clients.add(room.connect()
-                    .say("{'t':'hello','protocol':1,'name':'" + name + "','body':'" + name + "'}")
-                    .say("{'t':'perceive','every':1}").sync());
+            clients.add(
+                    room.connect()
+                            .say(
+                                    "{'t':'hello','protocol':1,'name':'"
+                                            + name
+                                            + "','body':'"
+                                            + name
+                                            + "'}")
+                            .say("{'t':'perceive','every':1}")
+                            .sync());
             shown.add(new HashSet<>());
         }
         room.bus.subscribe(FramePhase.ACT, "bells", event -> ring(event.frame()));
@@ -75,17 +88,27 @@ class AudienceTest {
      * The first one has no sensors and the second one a camera only; the others sense something.
      */
     private ItemDefinition body(String name, int i) {
-        ItemDefinition.Builder body = place(ItemDefinition.named(name))
-                .shape(Shape.box(0.5, 1, 0.5))
-                .orientation(random.nextGaussian(), random.nextGaussian(),
-                        random.nextGaussian(), 1);
+        ItemDefinition.Builder body =
+                place(ItemDefinition.named(name))
+                        .shape(Shape.box(0.5, 1, 0.5))
+                        .orientation(
+                                random.nextGaussian(),
+                                random.nextGaussian(),
+                                random.nextGaussian(),
+                                1);
         return switch (i) {
             case 0 -> body.build();
-            case 1 -> body.sensor(Sensor.camera("eye", 1,
-                    new Sensor.Camera(1, 1, Set.of(Sensor.Layer.DEPTH)))).build();
+            case 1 ->
+                    body.sensor(
+                                    Sensor.camera(
+                                            "eye",
+                                            1,
+                                            new Sensor.Camera(1, 1, Set.of(Sensor.Layer.DEPTH))))
+                            .build();
             case 2 -> body.sensor(Sensor.sight("all", Double.POSITIVE_INFINITY)).build();
-            case 3 -> body.sensor(Sensor.sight("far", Double.POSITIVE_INFINITY).withLineOfSight())
-                    .build();
+            case 3 ->
+                    body.sensor(Sensor.sight("far", Double.POSITIVE_INFINITY).withLineOfSight())
+                            .build();
             case 4 -> body.sensor(Sensor.touch("skin")).sensor(sight("eyes")).build();
             default -> body.sensor(sight("eyes")).build();
         };
@@ -98,8 +121,8 @@ class AudienceTest {
     }
 
     private ItemDefinition.Builder place(ItemDefinition.Builder item) {
-        return item.at(random.nextDouble(-6, 6), random.nextDouble(-6, 6),
-                random.nextDouble(-6, 6));
+        return item.at(
+                random.nextDouble(-6, 6), random.nextDouble(-6, 6), random.nextDouble(-6, 6));
     }
 
     /** Some things move, one goes, and something is said of each item. */
@@ -109,8 +132,11 @@ class AudienceTest {
                 continue;
             }
             if (random.nextInt(3) == 0) {
-                item.physical().setLocation(random.nextDouble(-6, 6), random.nextDouble(-6, 6),
-                        random.nextDouble(-6, 6));
+                item.physical()
+                        .setLocation(
+                                random.nextDouble(-6, 6),
+                                random.nextDouble(-6, 6),
+                                random.nextDouble(-6, 6));
             }
             room.world.raise(new WorldEvent(frame, "rang", Map.of("item", item.name())));
             if (random.nextInt(200) == 0 && item.name().startsWith("bell")) {
@@ -127,7 +153,8 @@ class AudienceTest {
             for (int agent = 0; agent < AGENTS; agent++) {
                 var rang = new TreeSet<String>();
                 JsonNode message = clients.get(agent).next();
-                for (; !message.get("t").stringValue().equals("perception");
+                for (;
+                        !message.get("t").stringValue().equals("perception");
                         message = clients.get(agent).next()) {
                     if (message.path("type").asString("").equals("rang")) {
                         rang.add(message.at("/fields/item").stringValue());
@@ -139,7 +166,8 @@ class AudienceTest {
                 if (agent == 0) {
                     assertThat(rang).as("seed %d frame %d", seed, frame).containsAll(expected);
                 } else {
-                    assertThat(rang).as("seed %d frame %d agent %d", seed, frame, agent)
+                    assertThat(rang)
+                            .as("seed %d frame %d agent %d", seed, frame, agent)
                             .isEqualTo(expected);
                 }
                 heard.merge("agent-" + agent, rang.size(), Integer::sum);

@@ -1,7 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatThrownBy;
+
+import org.junit.jupiter.api.BeforeEach;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.ValueSource;
+
+import tools.jackson.databind.JsonNode;
 
 import java.io.IOException;
 import java.nio.ByteBuffer;
@@ -14,19 +23,12 @@ import java.util.List;
 import java.util.concurrent.TimeUnit;
 import java.util.stream.IntStream;
 import java.util.stream.Stream;
-import org.junit.jupiter.api.BeforeEach;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.api.io.TempDir;
-import org.junit.jupiter.params.ParameterizedTest;
-import org.junit.jupiter.params.provider.ValueSource;
-import tools.jackson.databind.JsonNode;
 
 /** The record of what clients are told, and the disk that it is on. */
 class AuditLogTest {
     private static final Path FULL = Path.of("/dev/full");
 
-    @TempDir
-    private Path folder;
+    @TempDir private Path folder;
     private Path file;
     private long nanos;
     private Instant now = Instant.parse("2030-01-01T00:00:00Z");
@@ -41,13 +43,17 @@ class AuditLogTest {
     }
 
     private static boolean told(AuditLog audit, String text) {
-        return audit.told("world", "ada", Encoding.JSON, ByteBuffer.wrap(
-                ("{\"t\":\"" + text + "\"}\n").getBytes(StandardCharsets.UTF_8)));
+        return audit.told(
+                "world",
+                "ada",
+                Encoding.JSON,
+                ByteBuffer.wrap(("{\"t\":\"" + text + "\"}\n").getBytes(StandardCharsets.UTF_8)));
     }
 
     private static List<String> told(Path file) throws IOException {
         return Files.readAllLines(file).stream()
-                .map(line -> TestClient.json(line).at("/message/t").asString("gap")).toList();
+                .map(line -> TestClient.json(line).at("/message/t").asString("gap"))
+                .toList();
     }
 
     @Test
@@ -56,8 +62,8 @@ class AuditLogTest {
 
         assertThatThrownBy(() -> new AuditLog(AuditPlan.of(nowhere)))
                 .isInstanceOf(IOException.class)
-                .hasMessageContainingAll(nowhere.toString(),
-                        "there is no folder " + nowhere.getParent());
+                .hasMessageContainingAll(
+                        nowhere.toString(), "there is no folder " + nowhere.getParent());
         assertThatThrownBy(() -> new AuditLog(AuditPlan.of(folder)))
                 .isInstanceOf(IOException.class)
                 .hasMessageContainingAll(folder.toString(), "Is a directory");
@@ -67,7 +73,8 @@ class AuditLogTest {
     @Test
     void aPipeIsRefused() throws Exception {
         assertThat(new ProcessBuilder("mkfifo", file.toString()).start().waitFor()).isZero();
-        assertThatThrownBy(() -> new AuditLog(AuditPlan.of(file))).isInstanceOf(IOException.class)
+        assertThatThrownBy(() -> new AuditLog(AuditPlan.of(file)))
+                .isInstanceOf(IOException.class)
                 .hasMessageContainingAll(file.toString(), "it is a pipe, expected a file");
     }
 
@@ -87,21 +94,26 @@ class AuditLogTest {
         }
         try (Stream<Path> files = Files.list(folder)) {
             assertThat(files.map(each -> each.getFileName().toString()))
-                    .containsExactlyInAnyOrder("audit.jsonl", "audit.jsonl.1", "audit.jsonl.2",
-                            "audit.jsonl.3");
+                    .containsExactlyInAnyOrder(
+                            "audit.jsonl", "audit.jsonl.1", "audit.jsonl.2", "audit.jsonl.3");
         }
         assertThat(told(file)).endsWith("m19");
-        List<String> all = Stream.of(".3", ".2", ".1", "").flatMap(older -> {
-            Path each = folder.resolve("audit.jsonl" + older);
-            try {
-                assertThat(Files.size(each)).isLessThanOrEqualTo(300);
-                return told(each).stream();
-            } catch (IOException e) {
-                throw new AssertionError(e);
-            }
-        }).toList();
-        assertThat(all).hasSizeBetween(8, 12).isEqualTo(IntStream.range(20 - all.size(), 20)
-                .mapToObj(i -> "m" + i).toList());
+        List<String> all =
+                Stream.of(".3", ".2", ".1", "")
+                        .flatMap(
+                                older -> {
+                                    Path each = folder.resolve("audit.jsonl" + older);
+                                    try {
+                                        assertThat(Files.size(each)).isLessThanOrEqualTo(300);
+                                        return told(each).stream();
+                                    } catch (IOException e) {
+                                        throw new AssertionError(e);
+                                    }
+                                })
+                        .toList();
+        assertThat(all)
+                .hasSizeBetween(8, 12)
+                .isEqualTo(IntStream.range(20 - all.size(), 20).mapToObj(i -> "m" + i).toList());
     }
 
     @Test
@@ -112,7 +124,9 @@ class AuditLogTest {
             for (int i = 0; i < 20; i++) {
                 assertThat(told(audit, "m" + i)).isTrue();
             }
-            assertThat(audit.problem()).get().asString()
+            assertThat(audit.problem())
+                    .get()
+                    .asString()
                     .contains(file.toString(), "cannot be rotated", "it grows beyond 300 bytes");
         }
         assertThat(told(file)).hasSize(20);
@@ -131,16 +145,25 @@ class AuditLogTest {
     }
 
     @ParameterizedTest
-    @ValueSource(strings = {"Dear diary", "{\"reveTokens\":1,\"tokens\":[]}",
-            "-----BEGIN PRIVATE KEY-----\nMIIB\n-----END PRIVATE KEY-----\n", "\n", "{}\n",
-            "{\"at\":\"2030-01-01T00:00:00Z\",\"world\":\"w\"}\nname: spring-orbit\n",
-            "{\"at\":\"2030-01-01T00:00:00Z\",\"price\":3}\n"})
+    @ValueSource(
+            strings = {
+                "Dear diary",
+                "{\"reveTokens\":1,\"tokens\":[]}",
+                "-----BEGIN PRIVATE KEY-----\nMIIB\n-----END PRIVATE KEY-----\n",
+                "\n",
+                "{}\n",
+                "{\"at\":\"2030-01-01T00:00:00Z\",\"world\":\"w\"}\nname: spring-orbit\n",
+                "{\"at\":\"2030-01-01T00:00:00Z\",\"price\":3}\n"
+            })
     void whatIsNoAuditRecordIsRefusedAndStaysAsItIs(String content) throws Exception {
         Files.writeString(file, content);
-        assertThatThrownBy(() -> open(AuditPlan.of(file))).isInstanceOf(IOException.class)
-                .hasMessage("the audit record " + file + " could not be opened: it is there "
-                        + "already and holds something else than an audit record; name another "
-                        + "file, or move it away");
+        assertThatThrownBy(() -> open(AuditPlan.of(file)))
+                .isInstanceOf(IOException.class)
+                .hasMessage(
+                        "the audit record "
+                                + file
+                                + " could not be opened: it is there already and holds something"
+                                + " else than an audit record; name another file, or move it away");
         assertThat(Files.readString(file)).isEqualTo(content);
     }
 
@@ -160,8 +183,10 @@ class AuditLogTest {
         try (AuditLog audit = open(AuditPlan.of(FULL))) {
             assertThat(told(audit, "a")).isTrue();
             assertThat(told(audit, "b")).isTrue();
-            assertThat(audit.problem()).get().asString().contains("/dev/full",
-                    "No space left on device", "served without a record");
+            assertThat(audit.problem())
+                    .get()
+                    .asString()
+                    .contains("/dev/full", "No space left on device", "served without a record");
             assertThat(audit.unrecorded()).isEqualTo(2);
             assertThat(audit.isServing()).isTrue();
         }
@@ -196,8 +221,11 @@ class AuditLogTest {
         }
         assertThat(told(link)).containsExactly("gap", "kept");
         JsonNode gap = TestClient.json(Files.readAllLines(link).getFirst());
-        assertThat(gap).isEqualTo(TestClient.json("{'at':'2030-01-01T00:00:01Z','unrecorded':2,"
-                + "'since':'2030-01-01T00:00:00Z'}"));
+        assertThat(gap)
+                .isEqualTo(
+                        TestClient.json(
+                                "{'at':'2030-01-01T00:00:01Z','unrecorded':2,"
+                                        + "'since':'2030-01-01T00:00:00Z'}"));
     }
 
     @Test
@@ -206,7 +234,9 @@ class AuditLogTest {
             told(audit, "before");
             assertThat(audit.problem()).isEmpty();
             Files.move(file, folder.resolve("moved"));
-            assertThat(audit.problem()).get().asString()
+            assertThat(audit.problem())
+                    .get()
+                    .asString()
                     .contains(file + " was moved or removed; a new one begins there");
             told(audit, "after");
             assertThat(audit.problem()).isEmpty();
@@ -221,9 +251,12 @@ class AuditLogTest {
     @Test
     void aSecondServerIsRefusedOnTheSameFile() throws Exception {
         try (AuditLog first = open(AuditPlan.of(file))) {
-            assertThatThrownBy(() -> open(AuditPlan.of(file))).hasMessage("the audit record " + file
-                    + " could not be opened: it is in use by another process; end that one first,"
-                    + " or name another file");
+            assertThatThrownBy(() -> open(AuditPlan.of(file)))
+                    .hasMessage(
+                            "the audit record "
+                                    + file
+                                    + " could not be opened: it is in use by another process; end"
+                                    + " that one first, or name another file");
             assertThat(told(first, "kept")).isTrue();
         }
         open(AuditPlan.of(file)).close();
@@ -233,14 +266,17 @@ class AuditLogTest {
     @Test
     void agentsGoOnWhereTheirRecordCannotBeWrittenAndTheOperatorIsTold() throws Exception {
         AgentServerConfig config = AgentRoom.CONFIG.withAudit(AuditPlan.of(FULL));
-        try (var room = new AgentRoom(config); TestClient ada = room.join("ada")) {
+        try (var room = new AgentRoom(config);
+                TestClient ada = room.join("ada")) {
             ada.say("{'t':'act','id':1,'item':'duck','action':'wind-up'}").sync();
             room.step();
             assertThat(ada.expect("result").get("accepted").booleanValue()).isTrue();
             room.stepUntil("it is reported", () -> !room.problems.isEmpty());
-            assertThat(room.problems).containsExactly("audit: what clients are sent cannot be "
-                    + "recorded in /dev/full: No space left on device; "
-                    + "they are served without a record");
+            assertThat(room.problems)
+                    .containsExactly(
+                            "audit: what clients are sent cannot be "
+                                    + "recorded in /dev/full: No space left on device; "
+                                    + "they are served without a record");
             assertThat(room.server.stats().unrecorded()).isPositive();
         }
     }
@@ -249,7 +285,8 @@ class AuditLogTest {
     void whereARecordIsRequiredClientsAreDisconnectedAndRefusedWithTheReason() throws Exception {
         AgentServerConfig config =
                 AgentRoom.CONFIG.withAudit(new AuditPlan(FULL, 1 << 20, 1, true));
-        try (var room = new AgentRoom(config); TestClient ada = room.connect()) {
+        try (var room = new AgentRoom(config);
+                TestClient ada = room.connect()) {
             ada.say("{'t':'hello','protocol':1,'name':'ada'}");
             room.stepUntil("it is there", () -> room.has("ada"));
             ada.expectBye("not-recorded");

@@ -1,6 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import static org.assertj.core.api.Assertions.assertThat;
+
+import org.junit.jupiter.api.Test;
+
+import reve.core.Seed;
+import reve.core.file.AgentPolicy;
+import reve.core.world.ItemDefinition;
+import reve.core.world.ItemId;
+import reve.core.world.Sensor;
+import reve.core.world.Shape;
+
+import tools.jackson.databind.JsonNode;
 
 import java.io.IOException;
 import java.nio.ByteBuffer;
@@ -15,26 +27,19 @@ import java.util.Random;
 import java.util.Set;
 import java.util.TreeMap;
 import java.util.TreeSet;
-import org.junit.jupiter.api.Test;
-import reve.core.Seed;
-import reve.core.file.AgentPolicy;
-import reve.core.world.ItemDefinition;
-import reve.core.world.ItemId;
-import reve.core.world.Sensor;
-import reve.core.world.Shape;
-import tools.jackson.databind.JsonNode;
 
 /**
- * Agents look, break off, come back, leave and are rewound at random while pictures are
- * slow or fail.
+ * Agents look, break off, come back, leave and are rewound at random while pictures are slow or
+ * fail.
  */
 class CameraFuzzTest {
 
     private static final int OPERATIONS = Integer.getInteger("reve.fuzz.operations", 2_000);
     private static final int AGENTS = 4;
     private static final int EVERY = 3;
-    private static final Sensor EYE = Sensor.camera("eye", 1,
-            new Sensor.Camera(1, 1, EnumSet.of(Sensor.Layer.COLOUR))).withEvery(EVERY);
+    private static final Sensor EYE =
+            Sensor.camera("eye", 1, new Sensor.Camera(1, 1, EnumSet.of(Sensor.Layer.COLOUR)))
+                    .withEvery(EVERY);
     private static final Set<String> REFUSALS =
             Set.of("no-picture", "look-pending", "not-yet", "no-such-camera");
 
@@ -61,8 +66,12 @@ class CameraFuzzTest {
         private long lastFrame = -EVERY;
 
         Looker() throws IOException {
-            client = room.connect()
-                    .say("{'t':'hello','protocol':1,'name':'" + name + "','graceSeconds':60}");
+            client =
+                    room.connect()
+                            .say(
+                                    "{'t':'hello','protocol':1,'name':'"
+                                            + name
+                                            + "','graceSeconds':60}");
             room.stepUntil("the looker is in the world", () -> room.has(name));
             session = client.expect("welcome").at("/session/token").stringValue();
             embody();
@@ -105,7 +114,8 @@ class CameraFuzzTest {
                 return;
             }
             assertThat(open.remove(message.get("id").intValue()))
-                    .as("nobody asked for %s", message).isTrue();
+                    .as("nobody asked for %s", message)
+                    .isTrue();
             if (type.equals("error")) {
                 errors++;
                 assertThat(message.get("code").stringValue()).isIn(REFUSALS);
@@ -118,7 +128,8 @@ class CameraFuzzTest {
             assertThat(bodies).contains((long) body.getInt());
             long frame = message.get("frame").longValue();
             assertThat(frame == lastFrame || frame >= lastFrame + EVERY)
-                    .as("frame %d after %d", frame, lastFrame).isTrue();
+                    .as("frame %d after %d", frame, lastFrame)
+                    .isTrue();
             lastFrame = frame;
         }
 
@@ -126,9 +137,16 @@ class CameraFuzzTest {
         void comeBack() throws IOException {
             client.socket.setSoLinger(true, 0);
             client.close();
-            client = room.connect()
-                    .say("{'t':'hello','protocol':1,'name':'" + name + "','resume':{'session':'"
-                            + session + "','frame':" + room.loop.frame() + "}}");
+            client =
+                    room.connect()
+                            .say(
+                                    "{'t':'hello','protocol':1,'name':'"
+                                            + name
+                                            + "','resume':{'session':'"
+                                            + session
+                                            + "','frame':"
+                                            + room.loop.frame()
+                                            + "}}");
             client.expect("welcome");
             errors = 0;
             lastFrame = -EVERY; // what it was told meanwhile, it cannot know
@@ -140,17 +158,21 @@ class CameraFuzzTest {
 
     @Test
     void everyLookIsAnsweredOnceByACameraOfItsOwnWhateverHappensMeanwhile() throws IOException {
-        ItemDefinition body = ItemDefinition.named("body").shape(Shape.sphere(0.5))
-                .sensor(EYE).build();
-        try (AgentRoom its = new AgentRoom(AgentRoom.CONFIG,
-                new AgentPolicy(List.of(), Optional.of(body)), 256);
+        ItemDefinition body =
+                ItemDefinition.named("body").shape(Shape.sphere(0.5)).sensor(EYE).build();
+        try (AgentRoom its =
+                        new AgentRoom(
+                                AgentRoom.CONFIG,
+                                new AgentPolicy(List.of(), Optional.of(body)),
+                                256);
                 TestClient boss = its.connect()) {
             room = its;
-            room.cameras = (item, camera, answer) -> {
-                synchronized (orders) {
-                    orders.add(new Order(item, answer));
-                }
-            };
+            room.cameras =
+                    (item, camera, answer) -> {
+                        synchronized (orders) {
+                            orders.add(new Order(item, answer));
+                        }
+                    };
             boss.say("{'t':'hello','protocol':1,'name':'boss','role':'control'}").expect("welcome");
             for (int i = 0; i < AGENTS; i++) {
                 lookers.add(new Looker());
@@ -218,9 +240,17 @@ class CameraFuzzTest {
             case 1 -> order.answer().failed(new IllegalStateException("out of paint"));
             default -> {
                 byte[] id = ByteBuffer.allocate(4).putInt((int) order.body().value()).array();
-                order.answer().taken(new Cameras.Photo(room.loop.frame(), 0, 1, 1,
-                        Optional.of(new byte[] {id[1], id[2], id[3]}), Optional.empty(),
-                        Optional.empty(), List.of()));
+                order.answer()
+                        .taken(
+                                new Cameras.Photo(
+                                        room.loop.frame(),
+                                        0,
+                                        1,
+                                        1,
+                                        Optional.of(new byte[] {id[1], id[2], id[3]}),
+                                        Optional.empty(),
+                                        Optional.empty(),
+                                        List.of()));
             }
         }
         return true;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import java.io.FileInputStream;
@@ -8,12 +9,13 @@ import java.security.KeyStore;
 import java.security.cert.CertificateFactory;
 import java.util.ArrayList;
 import java.util.List;
+
 import javax.net.ssl.SSLContext;
 import javax.net.ssl.TrustManagerFactory;
 
 /**
- * A certificate for this machine that vouches for itself, made by the command that the
- * documents give.
+ * A certificate for this machine that vouches for itself, made by the command that the documents
+ * give.
  */
 record Certificate(Path certificate, Path key) {
 
@@ -21,14 +23,30 @@ record Certificate(Path certificate, Path key) {
         return make(folder, name, "ec", "-pkeyopt", "ec_paramgen_curve:P-256");
     }
 
-    /** @param kind of key, as openssl has it */
+    /**
+     * @param kind of key, as openssl has it
+     */
     static Certificate make(Path folder, String name, String... kind)
             throws IOException, InterruptedException {
         var made = new Certificate(folder.resolve(name + ".crt"), folder.resolve(name + ".key"));
-        var command = new ArrayList<>(List.of("openssl", "req", "-x509", "-nodes", "-days", "2",
-                "-keyout", made.key.toString(), "-out", made.certificate.toString(),
-                "-subj", "/CN=localhost",
-                "-addext", "subjectAltName=DNS:localhost,IP:127.0.0.1", "-newkey"));
+        var command =
+                new ArrayList<>(
+                        List.of(
+                                "openssl",
+                                "req",
+                                "-x509",
+                                "-nodes",
+                                "-days",
+                                "2",
+                                "-keyout",
+                                made.key.toString(),
+                                "-out",
+                                made.certificate.toString(),
+                                "-subj",
+                                "/CN=localhost",
+                                "-addext",
+                                "subjectAltName=DNS:localhost,IP:127.0.0.1",
+                                "-newkey"));
         command.addAll(List.of(kind));
         Process openssl = new ProcessBuilder(command).redirectErrorStream(true).start();
         openssl.getOutputStream().close();
@@ -48,8 +66,8 @@ record Certificate(Path certificate, Path key) {
         var store = KeyStore.getInstance("PKCS12");
         store.load(null, null);
         try (var in = new FileInputStream(certificate.toFile())) {
-            store.setCertificateEntry("server",
-                    CertificateFactory.getInstance("X.509").generateCertificate(in));
+            store.setCertificateEntry(
+                    "server", CertificateFactory.getInstance("X.509").generateCertificate(in));
         }
         var trust = TrustManagerFactory.getInstance(TrustManagerFactory.getDefaultAlgorithm());
         trust.init(store);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import static org.assertj.core.api.Assertions.assertThat;
@@ -5,6 +6,14 @@ import static org.assertj.core.api.Assertions.assertThat;
 import ch.qos.logback.classic.Logger;
 import ch.qos.logback.classic.spi.ILoggingEvent;
 import ch.qos.logback.core.read.ListAppender;
+
+import org.junit.jupiter.api.Test;
+import org.slf4j.LoggerFactory;
+
+import reve.core.frame.FramePhase;
+
+import tools.jackson.databind.JsonNode;
+
 import java.io.IOException;
 import java.net.InetSocketAddress;
 import java.net.Socket;
@@ -19,10 +28,6 @@ import java.util.concurrent.ConcurrentHashMap;
 import java.util.concurrent.FutureTask;
 import java.util.concurrent.TimeUnit;
 import java.util.concurrent.locks.LockSupport;
-import org.junit.jupiter.api.Test;
-import org.slf4j.LoggerFactory;
-import reve.core.frame.FramePhase;
-import tools.jackson.databind.JsonNode;
 
 /**
  * Thousands of connections a second that say nothing; who is in a world stays, perceives and acts.
@@ -31,9 +36,12 @@ class ConnectionFloodTest {
 
     /** Of the flood; sixty for a whole run. */
     private static final int SECONDS = Integer.getInteger("reve.abuse.seconds", 2);
+
     private static final int PER_SECOND = 5_000;
+
     /** Every other connection is left open, until so many are. */
     private static final int LEFT_OPEN = 1_000;
+
     private static final int GOOD = 4;
     private static final long FRAME_NANOS = TimeUnit.SECONDS.toNanos(1) / 60;
 
@@ -47,7 +55,9 @@ class ConnectionFloodTest {
         var logger = (Logger) LoggerFactory.getLogger("reve.agents");
         logger.addAppender(log);
         try (AgentRoom room = new AgentRoom()) {
-            room.bus.subscribe(FramePhase.DERIVE, "clock",
+            room.bus.subscribe(
+                    FramePhase.DERIVE,
+                    "clock",
                     event -> madeNanos.put(event.frame(), System.nanoTime()));
             List<FutureTask<List<Long>>> agents = new ArrayList<>();
             for (int i = 0; i < GOOD; i++) {
@@ -61,7 +71,8 @@ class ConnectionFloodTest {
             Thread.ofPlatform().start(flood);
             long flooded = frames(room, SECONDS);
             over = true;
-            room.stepUntil("the flood and the agents are done",
+            room.stepUntil(
+                    "the flood and the agents are done",
                     () -> flood.isDone() && agents.stream().allMatch(FutureTask::isDone));
             room.stepUntil("only agents are left", () -> room.server.stats().open() <= GOOD);
 
@@ -69,8 +80,9 @@ class ConnectionFloodTest {
             for (FutureTask<List<Long>> agent : agents) {
                 ages.addAll(agent.get());
             }
-            System.out.printf("%d connections in %d s; "
-                    + "age of perceptions, median and p99 [us]: %s, in the flood %s%n",
+            System.out.printf(
+                    "%d connections in %d s; "
+                            + "age of perceptions, median and p99 [us]: %s, in the flood %s%n",
                     flood.get(), SECONDS, quantiles(ages, 0, calm), quantiles(ages, calm, flooded));
             assertThat(flood.get()).isPositive();
             assertThat(log.list.size() - before)
@@ -102,7 +114,7 @@ class ConnectionFloodTest {
         try (client) {
             client.say("{'t':'perceive','every':1}");
             int id = 1;
-            for (long last = 0; !over;) {
+            for (long last = 0; !over; ) {
                 long frame = client.skipTo("perception").get("frame").longValue();
                 ages.add(frame);
                 ages.add(System.nanoTime() - madeNanos.get(frame));
@@ -132,12 +144,15 @@ class ConnectionFloodTest {
         return ages[count / 2] / 1000 + " " + ages[count * 99 / 100] / 1000;
     }
 
-    /** @return how many connections there were */
+    /**
+     * @return how many connections there were
+     */
     private int flood(InetSocketAddress server) throws IOException {
         Deque<Socket> open = new ArrayDeque<>();
         int count = 0;
         try {
-            for (long next = System.nanoTime(); !over;
+            for (long next = System.nanoTime();
+                    !over;
                     next += TimeUnit.SECONDS.toNanos(1) / PER_SECOND) {
                 LockSupport.parkNanos(next - System.nanoTime());
                 open.addLast(knock(server));

@@ -1,16 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import static org.assertj.core.api.Assertions.assertThat;
 
-import java.io.IOException;
-import java.util.HashMap;
-import java.util.List;
-import java.util.Map;
-import java.util.stream.Collectors;
-import java.util.stream.IntStream;
 import org.junit.jupiter.api.AfterEach;
 import org.junit.jupiter.api.BeforeEach;
 import org.junit.jupiter.api.Test;
+
 import reve.core.access.DeclaredAction;
 import reve.core.access.Effect;
 import reve.core.access.Operand;
@@ -20,30 +16,59 @@ import reve.core.rule.Scope;
 import reve.core.world.ItemDefinition;
 import reve.core.world.Shape;
 import reve.core.world.WorldPrototype;
+
 import tools.jackson.databind.JsonNode;
+
+import java.io.IOException;
+import java.util.HashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.stream.Collectors;
+import java.util.stream.IntStream;
 
 /** What acts of many steps cost others, over the wire. */
 class DearActsTest {
 
     private static final int IN_FLIGHT = 60;
+
     /** About 900 rounds. */
-    private static final String DEAR = IntStream.range(0, 30).mapToObj(Integer::toString)
-            .collect(Collectors.joining(",", "[", "]")) + ".all(a, "
-            + IntStream.range(0, 29).mapToObj(Integer::toString)
-                    .collect(Collectors.joining(",", "[", "]")) + ".all(b, a + b + a * b >= 0))";
+    private static final String DEAR =
+            IntStream.range(0, 30)
+                            .mapToObj(Integer::toString)
+                            .collect(Collectors.joining(",", "[", "]"))
+                    + ".all(a, "
+                    + IntStream.range(0, 29)
+                            .mapToObj(Integer::toString)
+                            .collect(Collectors.joining(",", "[", "]"))
+                    + ".all(b, a + b + a * b >= 0))";
 
     private AgentRoom room;
 
     @BeforeEach
     void open() throws Exception {
-        Expression dear = Scope.ofAction(WorldPrototype.standard("si-f64"), WorldPrototype.BODY,
-                List.of()).compile(DEAR);
-        var oracle = ItemDefinition.named("oracle").shape(Shape.box(1, 2, 1))
-                .action(new DeclaredAction("ask", "Thinks for long.", List.of(),
-                        new Terms(List.of(), List.of(dear)),
-                        List.of(new Effect.SetSymbol("asked", new Operand.Symbol(true)))))
-                .action(new DeclaredAction("greet", "Does not think.", List.of(),
-                        List.of(new Effect.SetSymbol("greeted", new Operand.Symbol(true)))));
+        Expression dear =
+                Scope.ofAction(WorldPrototype.standard("si-f64"), WorldPrototype.BODY, List.of())
+                        .compile(DEAR);
+        var oracle =
+                ItemDefinition.named("oracle")
+                        .shape(Shape.box(1, 2, 1))
+                        .action(
+                                new DeclaredAction(
+                                        "ask",
+                                        "Thinks for long.",
+                                        List.of(),
+                                        new Terms(List.of(), List.of(dear)),
+                                        List.of(
+                                                new Effect.SetSymbol(
+                                                        "asked", new Operand.Symbol(true)))))
+                        .action(
+                                new DeclaredAction(
+                                        "greet",
+                                        "Does not think.",
+                                        List.of(),
+                                        List.of(
+                                                new Effect.SetSymbol(
+                                                        "greeted", new Operand.Symbol(true)))));
         room = new AgentRoom(AgentRoom.CONFIG, AgentRoom.making(), 4096, List.of(oracle.build()));
     }
 
@@ -84,7 +109,8 @@ class DearActsTest {
 
     @Test
     void cheapActsOfAnotherAgentAreDoneAtOnce() throws IOException {
-        try (TestClient ada = room.join("ada"); TestClient zoe = room.join("zoe")) {
+        try (TestClient ada = room.join("ada");
+                TestClient zoe = room.join("zoe")) {
             for (int id = 1; id <= IN_FLIGHT; id++) {
                 act(ada, id, "ask");
             }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import java.io.IOException;
@@ -34,8 +35,8 @@ public final class DecoderFuzzer {
             List<String> whole = cut(bytes, encoding, Integer.MAX_VALUE);
             List<String> pieces = cut(bytes, encoding, piece);
             if (!whole.equals(pieces)) {
-                throw new AssertionError("in pieces of " + piece + ": " + pieces
-                        + ", whole: " + whole);
+                throw new AssertionError(
+                        "in pieces of " + piece + ": " + pieces + ", whole: " + whole);
             }
         }
     }
@@ -55,12 +56,12 @@ public final class DecoderFuzzer {
     }
 
     /**
-     * The messages that come out of a stream, and how it ends, whatever the pieces in
-     * which it comes.
+     * The messages that come out of a stream, and how it ends, whatever the pieces in which it
+     * comes.
      */
     private static List<String> cut(byte[] bytes, Encoding encoding, int piece) throws IOException {
         var found = new ArrayList<String>();
-        var messages = new FrameReader(CONFIG, () -> { });
+        var messages = new FrameReader(CONFIG, () -> {});
         messages.greeted(encoding);
         var stream = new Stream(ByteBuffer.wrap(bytes), piece);
         try {

@@ -1,6 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import static org.assertj.core.api.Assertions.assertThat;
+
+import org.junit.jupiter.api.AfterEach;
+import org.junit.jupiter.api.BeforeEach;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+
+import tools.jackson.databind.JsonNode;
 
 import java.io.DataInputStream;
 import java.io.IOException;
@@ -12,23 +20,18 @@ import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.List;
-import org.junit.jupiter.api.AfterEach;
-import org.junit.jupiter.api.BeforeEach;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.api.io.TempDir;
-import tools.jackson.databind.JsonNode;
 
 /** MessagePack over a real socket, and the record of what clients were told. */
 class EncodingTest {
 
-    @TempDir
-    private Path folder;
+    @TempDir private Path folder;
     private AgentRoom room;
 
     @BeforeEach
     void open() throws IOException {
-        room = new AgentRoom(AgentRoom.CONFIG
-                .withAudit(AuditPlan.of(folder.resolve("audit.jsonl"))));
+        room =
+                new AgentRoom(
+                        AgentRoom.CONFIG.withAudit(AuditPlan.of(folder.resolve("audit.jsonl"))));
     }
 
     @AfterEach
@@ -48,25 +51,33 @@ class EncodingTest {
             socket.setSoTimeout(20_000);
             out = socket.getOutputStream();
             in = new DataInputStream(socket.getInputStream());
-            out.write(("{\"t\":\"hello\",\"protocol\":1,\"encoding\":\"msgpack\",\"name\":\""
-                    + name + "\"}\n").getBytes(StandardCharsets.US_ASCII));
+            out.write(
+                    ("{\"t\":\"hello\",\"protocol\":1,\"encoding\":\"msgpack\",\"name\":\""
+                                    + name
+                                    + "\"}\n")
+                            .getBytes(StandardCharsets.US_ASCII));
         }
 
         Packed say(String json) throws IOException {
             JsonNode message = TestClient.json(json);
             byte[] packed = Encoding.MESSAGEPACK.value(writer -> write(writer, message));
-            out.write(ByteBuffer.allocate(4 + packed.length).putInt(packed.length)
-                    .put(packed).array());
+            out.write(
+                    ByteBuffer.allocate(4 + packed.length)
+                            .putInt(packed.length)
+                            .put(packed)
+                            .array());
             return this;
         }
 
         private static void write(MessageWriter writer, JsonNode node) {
             if (node.isObject()) {
                 writer.beginMap(node.size());
-                node.properties().forEach(field -> {
-                    writer.key(field.getKey());
-                    write(writer, field.getValue());
-                });
+                node.properties()
+                        .forEach(
+                                field -> {
+                                    writer.key(field.getKey());
+                                    write(writer, field.getValue());
+                                });
             } else if (node.isArray()) {
                 writer.beginList(node.size());
                 node.forEach(element -> write(writer, element));
@@ -107,8 +118,9 @@ class EncodingTest {
             JsonNode first = client.expect("perception");
             assertThat(first.at("/items/0/symbols/class").stringValue()).isEqualTo("toy");
             assertThat(first.at("/items/0/location/2").doubleValue()).isEqualTo(-2.5);
-            client.say("{'t':'act','id':3,'item':'duck','action':'push',"
-                    + "'arguments':{'impulse':[0.5,0,0]}}")
+            client.say(
+                            "{'t':'act','id':3,'item':'duck','action':'push',"
+                                    + "'arguments':{'impulse':[0.5,0,0]}}")
                     .say("{'t':'ping','id':4}");
             client.expect("pong");
             room.item("duck").physical().setLocation(2, 0, 0);
@@ -146,7 +158,8 @@ class EncodingTest {
     @Test
     void theRecordHoldsExactlyWhatEachClientWasToldInBothEncodings() throws IOException {
         var told = new ArrayList<JsonNode>();
-        try (Packed ada = new Packed("ada"); TestClient bob = room.connect()) {
+        try (Packed ada = new Packed("ada");
+                TestClient bob = room.connect()) {
             room.stepUntil("ada has come in", () -> room.has("ada"));
             bob.say("{'t':'hello','protocol':1,'name':'bob'}").sync();
             room.step();
@@ -161,17 +174,23 @@ class EncodingTest {
             told.add(ada.expect("bye"));
         }
         room.server.close();
-        List<JsonNode> record = Files.readAllLines(folder.resolve("audit.jsonl")).stream()
-                .map(TestClient::json).toList();
+        List<JsonNode> record =
+                Files.readAllLines(folder.resolve("audit.jsonl")).stream()
+                        .map(TestClient::json)
+                        .toList();
         assertThat(record)
                 .allSatisfy(entry -> assertThat(entry.get("at").stringValue()).startsWith("20"));
         assertThat(record)
-                .allSatisfy(entry ->
-                        assertThat(entry.get("world").stringValue()).isEqualTo("pond"));
-        assertThat(record.stream().filter(entry -> entry.get("client").stringValue().equals("ada"))
-                .map(entry -> entry.get("message").toString()))
+                .allSatisfy(
+                        entry -> assertThat(entry.get("world").stringValue()).isEqualTo("pond"));
+        assertThat(
+                        record.stream()
+                                .filter(entry -> entry.get("client").stringValue().equals("ada"))
+                                .map(entry -> entry.get("message").toString()))
                 .containsExactlyElementsOf(told.stream().map(JsonNode::toString).toList());
-        assertThat(record.stream()
-                .anyMatch(entry -> entry.get("client").stringValue().equals("bob"))).isTrue();
+        assertThat(
+                        record.stream()
+                                .anyMatch(entry -> entry.get("client").stringValue().equals("bob")))
+                .isTrue();
     }
 }

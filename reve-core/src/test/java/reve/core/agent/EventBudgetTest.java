@@ -1,13 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import static org.assertj.core.api.Assertions.assertThat;
 
-import java.io.IOException;
-import java.util.List;
-import java.util.Map;
 import org.junit.jupiter.api.AfterEach;
 import org.junit.jupiter.api.BeforeEach;
 import org.junit.jupiter.api.Test;
+
 import reve.core.access.DeclaredAction;
 import reve.core.access.Effect;
 import reve.core.access.Operand;
@@ -15,16 +14,23 @@ import reve.core.world.ItemDefinition;
 import reve.core.world.Parameter;
 import reve.core.world.Shape;
 import reve.core.world.WorldEvent;
+
 import tools.jackson.databind.JsonNode;
+
+import java.io.IOException;
+import java.util.List;
+import java.util.Map;
 
 /** How many bytes of events agents' actions may raise in a second of world time, over the wire. */
 class EventBudgetTest {
 
     /** Frames of a second in the room. */
     private static final int SECOND = 60;
+
     private static final int BYTES = 1000;
     private static final int WORLD_BYTES = 1500;
     private static final Parameter WORDS = Parameter.text("words", "What to say.");
+
     /** "said", "item" "bell", "action" "say", "actor" "ada" or "bob", and "words". */
     private static final int OTHER_BYTES = 4 + 4 + 4 + 6 + 3 + 5 + 3 + 5;
 
@@ -33,15 +39,37 @@ class EventBudgetTest {
 
     @BeforeEach
     void open() throws IOException {
-        var bell = ItemDefinition.named("bell").shape(Shape.box(1, 1, 1))
-                .action(new DeclaredAction("say", "Says it.", List.of(WORDS), List.of(
-                        new Effect.SetSymbol("rung", new Operand.Argument(WORDS)),
-                        new Effect.Raise("said", "say",
-                                Map.of("words", new Operand.Argument(WORDS))))))
-                .action(new DeclaredAction("nod", "Says nothing.", List.of(), List.of(
-                        new Effect.SetSymbol("rung", new Operand.Symbol("no")))));
-        room = new AgentRoom(AgentRoom.CONFIG, AgentRoom.making().withEvents(BYTES, WORLD_BYTES),
-                64, List.of(bell.build()));
+        var bell =
+                ItemDefinition.named("bell")
+                        .shape(Shape.box(1, 1, 1))
+                        .action(
+                                new DeclaredAction(
+                                        "say",
+                                        "Says it.",
+                                        List.of(WORDS),
+                                        List.of(
+                                                new Effect.SetSymbol(
+                                                        "rung", new Operand.Argument(WORDS)),
+                                                new Effect.Raise(
+                                                        "said",
+                                                        "say",
+                                                        Map.of(
+                                                                "words",
+                                                                new Operand.Argument(WORDS))))))
+                        .action(
+                                new DeclaredAction(
+                                        "nod",
+                                        "Says nothing.",
+                                        List.of(),
+                                        List.of(
+                                                new Effect.SetSymbol(
+                                                        "rung", new Operand.Symbol("no")))));
+        room =
+                new AgentRoom(
+                        AgentRoom.CONFIG,
+                        AgentRoom.making().withEvents(BYTES, WORLD_BYTES),
+                        64,
+                        List.of(bell.build()));
         nextSecond();
     }
 
@@ -59,8 +87,10 @@ class EventBudgetTest {
 
     /** Says so many letters; the result. */
     private JsonNode say(TestClient client, int letters) throws IOException {
-        client.say("{'t':'act','id':%d,'item':'bell','action':'say','arguments':{'words':'%s'}}"
-                .formatted(++id, "x".repeat(letters))).sync();
+        client.say(
+                        "{'t':'act','id':%d,'item':'bell','action':'say','arguments':{'words':'%s'}}"
+                                .formatted(++id, "x".repeat(letters)))
+                .sync();
         room.step();
         return client.skipTo("result");
     }
@@ -76,14 +106,19 @@ class EventBudgetTest {
 
     @Test
     void anEventIsAsLargeAsItsTextsInUtf8AndEightBytesForANumber() {
-        assertThat(new WorldEvent(1, "said", Map.of("who", "\u00e4da", "loud", true, "db", 3.5))
-                .bytes()).isEqualTo(4 + 3 + 4 + 4 + 8 + 2 + 8);
+        assertThat(
+                        new WorldEvent(
+                                        1,
+                                        "said",
+                                        Map.of("who", "\u00e4da", "loud", true, "db", 3.5))
+                                .bytes())
+                .isEqualTo(4 + 3 + 4 + 4 + 8 + 2 + 8);
     }
 
     @Test
     void theWelcomeSaysBothBudgets() throws IOException {
-        try (TestClient ada = room.connect()
-                .say("{'t':'hello','protocol':1,'name':'ada'}").sync()) {
+        try (TestClient ada =
+                room.connect().say("{'t':'hello','protocol':1,'name':'ada'}").sync()) {
             room.step();
             JsonNode limits = ada.expect("welcome").get("limits");
             assertThat(limits.get("eventBytes").intValue()).isEqualTo(BYTES);
@@ -97,23 +132,29 @@ class EventBudgetTest {
             assertThat(code(ada, 900)).isEmpty();
             assertThat(rung()).hasSize(900);
             int frames = (int) (SECOND - (room.loop.frame() + 1) % SECOND);
-            assertThat(say(ada, 67)).isEqualTo(TestClient.json(("{'t':'result','id':2,"
-                    + "'accepted':false,'code':'too-many-events','reason':'the action raises"
-                    + " events of 101 bytes, and your actions have raised 934 of at most 1000"
-                    + " bytes in this second of world time; give it shorter texts, or try again"
-                    + " in %d frames'}").formatted(frames)));
+            assertThat(say(ada, 67))
+                    .isEqualTo(
+                            TestClient.json(
+                                    ("{'t':'result','id':2,'accepted':false,'code':'too-many-events','reason':'the"
+                                                    + " action raises events of 101 bytes, and your actions"
+                                                    + " have raised 934 of at most 1000 bytes in this second"
+                                                    + " of world time; give it shorter texts, or try again in"
+                                                    + " %d frames'}")
+                                            .formatted(frames)));
             assertThat(rung()).as("nothing of it").hasSize(900);
             assertThat(code(ada, 66 - OTHER_BYTES)).as("all that is left").isEmpty();
             ada.say("{'t':'act','id':99,'item':'bell','action':'nod'}").sync();
             room.step();
             assertThat(ada.skipTo("result").get("accepted").booleanValue())
-                    .as("an action without events").isTrue();
+                    .as("an action without events")
+                    .isTrue();
         }
     }
 
     @Test
     void theBudgetIsFullAgainInTheNextSecondOfWorldTimeAlsoAfterARewind() throws IOException {
-        try (TestClient ada = room.join("ada"); TestClient boss = room.connect()) {
+        try (TestClient ada = room.join("ada");
+                TestClient boss = room.connect()) {
             boss.say("{'t':'hello','protocol':1,'name':'boss','role':'control'}").expect("welcome");
             boss.say("{'t':'snapshot','id':1,'image':'before'}").sync();
             assertThat(code(ada, 900)).isEmpty();
@@ -137,7 +178,8 @@ class EventBudgetTest {
 
     @Test
     void theBudgetOfTheWorldHoldsForAllTogetherAndLeavingGivesNothingBack() throws IOException {
-        try (TestClient ada = room.join("ada"); TestClient bob = room.join("bob")) {
+        try (TestClient ada = room.join("ada");
+                TestClient bob = room.join("bob")) {
             assertThat(code(ada, 900)).isEmpty();
             JsonNode refused = say(bob, 900);
             assertThat(refused.get("reason").stringValue())

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import static org.assertj.core.api.Assertions.assertThat;
@@ -5,11 +6,10 @@ import static org.assertj.core.api.Assertions.assertThat;
 import ch.qos.logback.classic.Logger;
 import ch.qos.logback.classic.spi.ILoggingEvent;
 import ch.qos.logback.core.read.ListAppender;
-import java.io.IOException;
-import java.util.List;
-import java.util.Random;
+
 import org.junit.jupiter.api.Test;
 import org.slf4j.LoggerFactory;
+
 import reve.core.Seed;
 import reve.core.access.DeclaredAction;
 import reve.core.access.Effect;
@@ -17,23 +17,51 @@ import reve.core.access.Operand;
 import reve.core.world.ItemDefinition;
 import reve.core.world.Parameter;
 import reve.core.world.Shape;
+
 import tools.jackson.databind.JsonNode;
 import tools.jackson.databind.json.JsonMapper;
 
+import java.io.IOException;
+import java.util.List;
+import java.util.Random;
+
 /**
- * Text of clients, whatever is in it, forges no line of a log and hides nothing in what
- * others read.
+ * Text of clients, whatever is in it, forges no line of a log and hides nothing in what others
+ * read.
  */
 class HostileTextTest {
 
     /** A hundred thousand for a whole run. */
     private static final int TEXTS = Integer.getInteger("reve.hostile.texts", 6_400);
+
     private static final int HELLOS = 200;
     private static final JsonMapper JSON = new JsonMapper();
-    private static final List<String> PIECES = List.of("\0", "\n", "\r\n", "\u001b[2J", "\u0007",
-            "\u0085", "\u2028", "\u2029", "\u202e", "\u2066", "\u200b", "\ufeff", "\u007f",
-            "\ue000", "\t", "ada", " INFO reve.agents -- ", "\"", "\\", "{}", "%s", "${jndi:x}",
-            "ä", "\ud83e\udd86");
+    private static final List<String> PIECES =
+            List.of(
+                    "\0",
+                    "\n",
+                    "\r\n",
+                    "\u001b[2J",
+                    "\u0007",
+                    "\u0085",
+                    "\u2028",
+                    "\u2029",
+                    "\u202e",
+                    "\u2066",
+                    "\u200b",
+                    "\ufeff",
+                    "\u007f",
+                    "\ue000",
+                    "\t",
+                    "ada",
+                    " INFO reve.agents -- ",
+                    "\"",
+                    "\\",
+                    "{}",
+                    "%s",
+                    "${jndi:x}",
+                    "ä",
+                    "\ud83e\udd86");
 
     private final long seed = Seed.of("hostile texts");
     private final Random random = new Random(seed);
@@ -54,12 +82,23 @@ class HostileTextTest {
     }
 
     private void requireVisible(String text) {
-        assertThat(text.codePoints().filter(c -> switch (Character.getType(c)) {
-            case Character.CONTROL, Character.FORMAT,
-                    Character.LINE_SEPARATOR, Character.PARAGRAPH_SEPARATOR,
-                    Character.PRIVATE_USE, Character.SURROGATE -> true;
-            default -> false;
-        }).mapToObj(Integer::toHexString)).as("-Dreve.test.seed=%d: %s", seed, text).isEmpty();
+        assertThat(
+                        text.codePoints()
+                                .filter(
+                                        c ->
+                                                switch (Character.getType(c)) {
+                                                    case Character.CONTROL,
+                                                            Character.FORMAT,
+                                                            Character.LINE_SEPARATOR,
+                                                            Character.PARAGRAPH_SEPARATOR,
+                                                            Character.PRIVATE_USE,
+                                                            Character.SURROGATE ->
+                                                            true;
+                                                    default -> false;
+                                                })
+                                .mapToObj(Integer::toHexString))
+                .as("-Dreve.test.seed=%d: %s", seed, text)
+                .isEmpty();
     }
 
     @Test
@@ -80,25 +119,39 @@ class HostileTextTest {
 
     private void act(AgentRoom room) throws IOException {
         Parameter colour = Parameter.text("colour", "Which one.");
-        room.world.add(ItemDefinition.named("sign").shape(Shape.sphere(1))
-                .action(new DeclaredAction("paint", "Paints it.", List.of(colour),
-                        List.of(new Effect.SetColour(new Operand.Argument(colour))))).build());
+        room.world.add(
+                ItemDefinition.named("sign")
+                        .shape(Shape.sphere(1))
+                        .action(
+                                new DeclaredAction(
+                                        "paint",
+                                        "Paints it.",
+                                        List.of(colour),
+                                        List.of(
+                                                new Effect.SetColour(
+                                                        new Operand.Argument(colour)))))
+                        .build());
         try (TestClient ada = room.join("ada")) {
             int atOnce = AgentRoom.CONFIG.limits().actsInFlight();
             for (int id = 0; id < TEXTS; id += atOnce) {
                 for (int i = 0; i < atOnce; i++) {
-                    String act = switch (random.nextInt(5)) {
-                        case 0 -> "\"item\":" + text() + ",\"action\":\"push\"";
-                        case 1 -> "\"item\":\"duck\",\"action\":" + text();
-                        case 2 -> "\"item\":\"duck\",\"action\":\"push\",\"arguments\":{"
-                                + text() + ":1}";
-                        case 3 ->
-                                "\"item\":\"sign\",\"action\":\"paint\",\"arguments\":{\"colour\":"
-                                        + text() + "}";
-                        default ->
-                                "\"item\":\"duck\",\"action\":\"push\",\"arguments\":{\"impulse\":"
-                                        + text() + "}";
-                    };
+                    String act =
+                            switch (random.nextInt(5)) {
+                                case 0 -> "\"item\":" + text() + ",\"action\":\"push\"";
+                                case 1 -> "\"item\":\"duck\",\"action\":" + text();
+                                case 2 ->
+                                        "\"item\":\"duck\",\"action\":\"push\",\"arguments\":{"
+                                                + text()
+                                                + ":1}";
+                                case 3 ->
+                                        "\"item\":\"sign\",\"action\":\"paint\",\"arguments\":{\"colour\":"
+                                                + text()
+                                                + "}";
+                                default ->
+                                        "\"item\":\"duck\",\"action\":\"push\",\"arguments\":{\"impulse\":"
+                                                + text()
+                                                + "}";
+                            };
                     ada.send(("{\"t\":\"act\",\"id\":" + (id + i) + "," + act + "}\n").getBytes());
                 }
                 ada.sync();
@@ -117,8 +170,15 @@ class HostileTextTest {
             String field = List.of("name", "body", "role", "world", "encoding", "token").get(i % 6);
             String name = field.equals("name") ? "" : ",\"name\":\"eve\"";
             try (TestClient eve = room.connect()) {
-                eve.send(("{\"t\":\"hello\",\"protocol\":1" + name + ",\"" + field + "\":" + text()
-                        + "}\n").getBytes());
+                eve.send(
+                        ("{\"t\":\"hello\",\"protocol\":1"
+                                        + name
+                                        + ",\""
+                                        + field
+                                        + "\":"
+                                        + text()
+                                        + "}\n")
+                                .getBytes());
                 if (field.equals("body") || field.equals("token")) {
                     room.stepUntil("eve is answered", eve::hasNews);
                 }

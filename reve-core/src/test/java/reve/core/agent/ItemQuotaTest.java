@@ -1,20 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import static org.assertj.core.api.Assertions.assertThat;
 
-import java.io.IOException;
-import java.util.List;
-import java.util.Map;
 import org.junit.jupiter.api.AfterEach;
 import org.junit.jupiter.api.BeforeEach;
 import org.junit.jupiter.api.Test;
+
 import reve.core.access.DeclaredAction;
 import reve.core.access.Effect;
 import reve.core.access.Subject;
 import reve.core.world.ItemDefinition;
 import reve.core.world.Parameter;
 import reve.core.world.Shape;
+
 import tools.jackson.databind.JsonNode;
+
+import java.io.IOException;
+import java.util.List;
+import java.util.Map;
 
 /** How many items agents' actions may have in a world, over the wire. */
 class ItemQuotaTest {
@@ -22,26 +26,58 @@ class ItemQuotaTest {
     private static final int ITEMS = 4;
     private static final int WORLD_ITEMS = 6;
     private static final Parameter OLD = Parameter.item("old", "Which leaf.");
-    private static final Effect LEAF = new Effect.Create(ItemDefinition.named("leaf")
-            .shape(Shape.sphere(0.1)).at(0, 2, 0)
-            .action(new DeclaredAction("fall", "Goes.", List.of(),
-                    List.of(new Effect.Remove(Subject.ITEM)))).build(), Map.of());
+    private static final Effect LEAF =
+            new Effect.Create(
+                    ItemDefinition.named("leaf")
+                            .shape(Shape.sphere(0.1))
+                            .at(0, 2, 0)
+                            .action(
+                                    new DeclaredAction(
+                                            "fall",
+                                            "Goes.",
+                                            List.of(),
+                                            List.of(new Effect.Remove(Subject.ITEM))))
+                            .build(),
+                    Map.of());
 
     private AgentRoom room;
     private int id;
 
     @BeforeEach
     void open() throws IOException {
-        var tree = ItemDefinition.named("tree").shape(Shape.box(1, 4, 1))
-                .action(new DeclaredAction("sprout", "Grows a leaf.", List.of(), List.of(LEAF)))
-                .action(new DeclaredAction("burst", "Grows three.", List.of(),
-                        List.of(LEAF, LEAF, LEAF)))
-                .action(new DeclaredAction("renew", "A leaf for a leaf.", List.of(OLD),
-                        List.of(new Effect.Remove(Subject.argument(OLD)), LEAF)))
-                .action(new DeclaredAction("double", "Two leaves for a leaf.", List.of(OLD),
-                        List.of(new Effect.Remove(Subject.argument(OLD)), LEAF, LEAF)));
-        room = new AgentRoom(AgentRoom.CONFIG, AgentRoom.making().withItems(ITEMS, WORLD_ITEMS),
-                64, List.of(tree.build()));
+        var tree =
+                ItemDefinition.named("tree")
+                        .shape(Shape.box(1, 4, 1))
+                        .action(
+                                new DeclaredAction(
+                                        "sprout", "Grows a leaf.", List.of(), List.of(LEAF)))
+                        .action(
+                                new DeclaredAction(
+                                        "burst",
+                                        "Grows three.",
+                                        List.of(),
+                                        List.of(LEAF, LEAF, LEAF)))
+                        .action(
+                                new DeclaredAction(
+                                        "renew",
+                                        "A leaf for a leaf.",
+                                        List.of(OLD),
+                                        List.of(new Effect.Remove(Subject.argument(OLD)), LEAF)))
+                        .action(
+                                new DeclaredAction(
+                                        "double",
+                                        "Two leaves for a leaf.",
+                                        List.of(OLD),
+                                        List.of(
+                                                new Effect.Remove(Subject.argument(OLD)),
+                                                LEAF,
+                                                LEAF)));
+        room =
+                new AgentRoom(
+                        AgentRoom.CONFIG,
+                        AgentRoom.making().withItems(ITEMS, WORLD_ITEMS),
+                        64,
+                        List.of(tree.build()));
     }
 
     @AfterEach
@@ -52,8 +88,10 @@ class ItemQuotaTest {
     /** The code of a refusal; empty for an act that was done. */
     private String act(TestClient client, String item, String action, String arguments)
             throws IOException {
-        client.say("{'t':'act','id':%d,'item':'%s','action':'%s','arguments':{%s}}".formatted(
-                ++id, item, action, arguments)).sync();
+        client.say(
+                        "{'t':'act','id':%d,'item':'%s','action':'%s','arguments':{%s}}"
+                                .formatted(++id, item, action, arguments))
+                .sync();
         room.step();
         JsonNode result = client.skipTo("result");
         return result.path("code").asString("");
@@ -73,13 +111,15 @@ class ItemQuotaTest {
     private String leaf(String agent) {
         return room.world.items().stream()
                 .filter(item -> item.maker().filter(agent::equals).isPresent())
-                .findFirst().orElseThrow().name();
+                .findFirst()
+                .orElseThrow()
+                .name();
     }
 
     @Test
     void theWelcomeSaysBothQuotas() throws IOException {
-        try (TestClient ada = room.connect()
-                .say("{'t':'hello','protocol':1,'name':'ada'}").sync()) {
+        try (TestClient ada =
+                room.connect().say("{'t':'hello','protocol':1,'name':'ada'}").sync()) {
             room.step();
             JsonNode limits = ada.expect("welcome").get("limits");
             assertThat(limits.get("items").intValue()).isEqualTo(ITEMS);
@@ -91,42 +131,51 @@ class ItemQuotaTest {
     void whoHasAsManyItemsAsItMayCreatesNoMoreAndIsToldWhatThereIs() throws IOException {
         try (TestClient ada = room.join("ada")) {
             fill(ada, 2);
-            assertThat(act(ada, "tree", "burst", "")).as("all of an action, or nothing")
+            assertThat(act(ada, "tree", "burst", ""))
+                    .as("all of an action, or nothing")
                     .isEqualTo("too-many-items");
             assertThat(room.world.made("ada")).isEqualTo(2);
             fill(ada, 2);
             ada.say("{'t':'act','id':99,'item':'tree','action':'sprout'}").sync();
             room.step();
-            assertThat(ada.skipTo("result")).isEqualTo(TestClient.json("{'t':'result','id':99,"
-                    + "'accepted':false,'code':'too-many-items','reason':'the action creates 1"
-                    + " item, and 4 of at most 4 items that your actions created are in the"
-                    + " world; remove some of them first'}"));
+            assertThat(ada.skipTo("result"))
+                    .isEqualTo(
+                            TestClient.json(
+                                    "{'t':'result','id':99,'accepted':false,'code':'too-many-items','reason':'the"
+                                            + " action creates 1 item, and 4 of at most 4 items that"
+                                            + " your actions created are in the world; remove some of"
+                                            + " them first'}"));
         }
     }
 
     @Test
     void anItemThatWasRemovedGivesItsPlaceBack() throws IOException {
-        try (TestClient ada = room.join("ada"); TestClient bob = room.join("bob")) {
+        try (TestClient ada = room.join("ada");
+                TestClient bob = room.join("bob")) {
             fill(ada, ITEMS);
             assertThat(act(bob, leaf("ada"), "fall", "")).isEmpty();
             fill(ada, 1);
             assertThat(sprout(ada)).isEqualTo("too-many-items");
             assertThat(act(ada, "tree", "renew", "'old':'" + leaf("ada") + "'"))
-                    .as("one for one").isEmpty();
+                    .as("one for one")
+                    .isEmpty();
             assertThat(act(ada, "tree", "double", "'old':'" + leaf("ada") + "'"))
-                    .as("two for one").isEqualTo("too-many-items");
+                    .as("two for one")
+                    .isEqualTo("too-many-items");
             assertThat(room.world.made("ada")).isEqualTo(ITEMS);
         }
     }
 
     @Test
     void theQuotaOfTheWorldHoldsForAllTogetherAndForAnotherName() throws IOException {
-        try (TestClient ada = room.join("ada"); TestClient bob = room.join("bob")) {
+        try (TestClient ada = room.join("ada");
+                TestClient bob = room.join("bob")) {
             fill(ada, ITEMS);
             fill(bob, WORLD_ITEMS - ITEMS);
             assertThat(sprout(bob)).isEqualTo("too-many-items");
             assertThat(act(bob, "tree", "renew", "'old':'" + leaf("ada") + "'"))
-                    .as("one for one of another agent").isEmpty();
+                    .as("one for one of another agent")
+                    .isEmpty();
             assertThat(room.world.made("ada")).isEqualTo(ITEMS - 1);
             assertThat(room.world.made("bob")).isEqualTo(WORLD_ITEMS - ITEMS + 1);
             assertThat(room.world.made()).isEqualTo(WORLD_ITEMS);
@@ -148,7 +197,8 @@ class ItemQuotaTest {
 
     @Test
     void aRewindTakesTheCountBackWithTheItems() throws IOException {
-        try (TestClient ada = room.join("ada"); TestClient boss = room.connect()) {
+        try (TestClient ada = room.join("ada");
+                TestClient boss = room.connect()) {
             boss.say("{'t':'hello','protocol':1,'name':'boss','role':'control'}").expect("welcome");
             fill(ada, 1);
             boss.say("{'t':'snapshot','id':1,'image':'young'}").sync();

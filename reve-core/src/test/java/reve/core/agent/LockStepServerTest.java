@@ -1,6 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import static org.assertj.core.api.Assertions.assertThat;
+
+import org.junit.jupiter.api.AfterEach;
+import org.junit.jupiter.api.BeforeEach;
+import org.junit.jupiter.api.Test;
+
+import reve.core.Seed;
+import reve.core.frame.FramePhase;
+import reve.core.world.World;
+
+import tools.jackson.databind.JsonNode;
 
 import java.io.IOException;
 import java.time.Duration;
@@ -12,13 +23,6 @@ import java.util.Optional;
 import java.util.Random;
 import java.util.concurrent.CopyOnWriteArrayList;
 import java.util.concurrent.locks.LockSupport;
-import org.junit.jupiter.api.AfterEach;
-import org.junit.jupiter.api.BeforeEach;
-import org.junit.jupiter.api.Test;
-import reve.core.Seed;
-import reve.core.frame.FramePhase;
-import reve.core.world.World;
-import tools.jackson.databind.JsonNode;
 
 /** Agents that a world waits for, over the wire; the world runs as fast as it may. */
 class LockStepServerTest {
@@ -65,11 +69,11 @@ class LockStepServerTest {
 
     @Test
     void theWelcomeSaysTheRhythmAndTheDeadlineThatTheServerGrants() throws IOException {
-        try (TestClient ada = room.connect()
-                .say(HELLO.formatted("ada", ",'every':3,'deadline':1000")).sync()) {
+        try (TestClient ada =
+                room.connect().say(HELLO.formatted("ada", ",'every':3,'deadline':1000")).sync()) {
             room.step();
-            assertThat(ada.expect("welcome").get("time")).isEqualTo(
-                    TestClient.json("{'mode':'lock-step','every':3,'deadline':10.0}"));
+            assertThat(ada.expect("welcome").get("time"))
+                    .isEqualTo(TestClient.json("{'mode':'lock-step','every':3,'deadline':10.0}"));
         }
     }
 
@@ -77,8 +81,7 @@ class LockStepServerTest {
     void theLongestDeadlineIsASecondUnlessTheOperatorSaysOtherwise() throws IOException {
         room.close();
         room = new AgentRoom(AgentServerConfig.onPort(0));
-        try (TestClient ada = room.connect()
-                .say(HELLO.formatted("ada", ",'deadline':10")).sync()) {
+        try (TestClient ada = room.connect().say(HELLO.formatted("ada", ",'deadline':10")).sync()) {
             room.step();
             assertThat(ada.expect("welcome").at("/time/deadline").doubleValue()).isEqualTo(1.0);
         }
@@ -92,12 +95,19 @@ class LockStepServerTest {
             run();
             for (TestClient client : List.of(ada, boss)) {
                 for (int frame = 2; frame <= 4; frame++) {
-                    assertThat(client.skipTo("event")).isEqualTo(TestClient.json(("{'t':'event',"
-                            + "'frame':%d,'type':'late','fields':{'agent':'ada','body':'ada',"
-                            + "'count':%d}}").formatted(frame, frame - 1)));
+                    assertThat(client.skipTo("event"))
+                            .isEqualTo(
+                                    TestClient.json(
+                                            ("{'t':'event',"
+                                                            + "'frame':%d,'type':'late','fields':{'agent':'ada','body':'ada',"
+                                                            + "'count':%d}}")
+                                                    .formatted(frame, frame - 1)));
                 }
-                assertThat(client.skipTo("event")).isEqualTo(TestClient.json("{'t':'event',"
-                        + "'frame':4,'type':'away','fields':{'agent':'ada','body':'ada'}}"));
+                assertThat(client.skipTo("event"))
+                        .isEqualTo(
+                                TestClient.json(
+                                        "{'t':'event',"
+                                                + "'frame':4,'type':'away','fields':{'agent':'ada','body':'ada'}}"));
             }
             while (room.loop.frame() < 1000) {
                 Thread.onSpinWait(); // in 300 s, if each waited for ada
@@ -137,21 +147,24 @@ class LockStepServerTest {
     @Test
     void whoKeepsAnAgentInRealTimeWaitingIsToldThatTheWorldWaitsAFrameOnly() throws IOException {
         openImpatient();
-        try (TestClient bob = room.join("bob"); TestClient ada = join("ada", ",'deadline':10")) {
+        try (TestClient bob = room.join("bob");
+                TestClient ada = join("ada", ",'deadline':10")) {
             bob.say("{'t':'perceive','every':100}").sync();
             run();
             JsonNode told = nextWaiting(ada);
             assertThat(told.get("frame").isIntegralNumber()).isTrue();
-            assertThat(told.get("fields")).isEqualTo(
-                    TestClient.json("{'longest':%s}".formatted(1_000_000_000L / 60 / 1e9)));
-            for (long frame = 0; frame < 1000;) {
+            assertThat(told.get("fields"))
+                    .isEqualTo(
+                            TestClient.json("{'longest':%s}".formatted(1_000_000_000L / 60 / 1e9)));
+            for (long frame = 0; frame < 1000; ) {
                 frame = bob.skipTo("perception").get("frame").longValue(); // in hours, else
             }
             ada.say("{'t':'bye'}").skipToBye("goodbye");
             try (TestClient again = room.connect().say(HELLO.formatted("eve", ""))) {
                 again.expect("welcome");
                 assertThat(again.expect("event").get("type").stringValue())
-                        .as("another name has the same allowance").isEqualTo("waiting");
+                        .as("another name has the same allowance")
+                        .isEqualTo("waiting");
             }
         }
     }
@@ -159,7 +172,8 @@ class LockStepServerTest {
     @Test
     void whoHasLeftAndWhoOnlyObservesAreNotKeptWaiting() throws IOException {
         openImpatient();
-        try (TestClient bob = room.join("bob"); TestClient ada = join("ada", ",'deadline':0.2");
+        try (TestClient bob = room.join("bob");
+                TestClient ada = join("ada", ",'deadline':0.2");
                 TestClient eye = room.connect()) {
             eye.say("{'t':'hello','protocol':1,'name':'eye','role':'observer'}").expect("welcome");
             bob.say("{'t':'bye'}").skipToBye("goodbye");
@@ -174,17 +188,24 @@ class LockStepServerTest {
 
     @Test
     void anOperatorsCommandsAreDoneWhileTheWorldWaitsAndShowInTheNextFrame() throws IOException {
-        try (TestClient ada = join("ada", ",'deadline':10"); TestClient boss = room.connect()) {
+        try (TestClient ada = join("ada", ",'deadline':10");
+                TestClient boss = room.connect()) {
             boss.say("{'t':'hello','protocol':1,'name':'boss','role':'control'}").expect("welcome");
             run();
             long begun = System.nanoTime();
             for (int id = 1; id <= 100; id++) {
-                boss.say(("{'t':'edit','id':%d,'item':'duck','property':'semantic.wound',"
-                        + "'value':%d}").formatted(id, id));
-                assertThat(boss.expect("result")).isEqualTo(TestClient.json(
-                        "{'t':'result','id':%d,'accepted':true,'frame':2}".formatted(id)));
+                boss.say(
+                        ("{'t':'edit','id':%d,'item':'duck','property':'semantic.wound',"
+                                        + "'value':%d}")
+                                .formatted(id, id));
+                assertThat(boss.expect("result"))
+                        .isEqualTo(
+                                TestClient.json(
+                                        "{'t':'result','id':%d,'accepted':true,'frame':2}"
+                                                .formatted(id)));
             }
-            assertThat(System.nanoTime() - begun).as("a hundred edits, one after the other [ns]")
+            assertThat(System.nanoTime() - begun)
+                    .as("a hundred edits, one after the other [ns]")
                     .isLessThan(5_000_000_000L);
             boss.say("{'t':'edit','id':101,'item':'swan','property':'physics.mass','value':1}");
             boss.expect("result", "no-such-item");
@@ -198,7 +219,8 @@ class LockStepServerTest {
 
     @Test
     void whatIsSaidToAPausedWorldWaitsForItsNextFrame() throws IOException {
-        try (TestClient ada = join("ada", ",'deadline':10"); TestClient boss = room.connect()) {
+        try (TestClient ada = join("ada", ",'deadline':10");
+                TestClient boss = room.connect()) {
             boss.say("{'t':'hello','protocol':1,'name':'boss','role':'control'}").expect("welcome");
             run();
             boss.say("{'t':'pause','id':1}").expect("result");
@@ -206,7 +228,8 @@ class LockStepServerTest {
             boss.say("{'t':'run','id':3}");
             assertThat(boss.expect("result").get("id").longValue()).isEqualTo(3);
             JsonNode edited = boss.expect("result");
-            assertThat(edited.get("id").longValue()).as("done as the world waits for ada")
+            assertThat(edited.get("id").longValue())
+                    .as("done as the world waits for ada")
                     .isEqualTo(2);
             assertThat(edited.get("frame").longValue()).isEqualTo(2);
             assertThat(room.loop.frame()).isEqualTo(1);
@@ -235,9 +258,11 @@ class LockStepServerTest {
             run();
             for (int frame = 2; frame < 50; frame++) {
                 ada.say(WIND_UP.formatted(frame));
-                assertThat(ada.expect("result")).isEqualTo(TestClient.json(
-                        "{'t':'result','id':%d,'accepted':true,'frame':%d}".formatted(
-                                frame, frame)));
+                assertThat(ada.expect("result"))
+                        .isEqualTo(
+                                TestClient.json(
+                                        "{'t':'result','id':%d,'accepted':true,'frame':%d}"
+                                                .formatted(frame, frame)));
                 assertThat(ada.expect("event").get("type").stringValue()).isEqualTo("acted");
                 assertThat(ada.expect("perception").get("frame").longValue()).isEqualTo(frame);
             }
@@ -257,8 +282,8 @@ class LockStepServerTest {
 
     @Test
     void relationsAreToldToWhoWantsThem() throws IOException {
-        try (TestClient ada = room.connect()
-                .say(HELLO.formatted("ada", ",'relations':true")).sync()) {
+        try (TestClient ada =
+                room.connect().say(HELLO.formatted("ada", ",'relations':true")).sync()) {
             room.step();
             assertThat(ada.skipTo("perception").at("/items/0/symbols/near").isArray()).isTrue();
         }
@@ -266,19 +291,26 @@ class LockStepServerTest {
 
     @Test
     void everybodyHearsWhoIsLateAndItsFallbackIsDoneInTheNextFrame() throws IOException {
-        try (TestClient ada = join("ada",
-                ",'deadline':0.02,'fallback':{'item':'duck','action':'push',"
-                + "'arguments':{'impulse':[2,0,0]}}");
+        try (TestClient ada =
+                        join(
+                                "ada",
+                                ",'deadline':0.02,'fallback':{'item':'duck','action':'push',"
+                                        + "'arguments':{'impulse':[2,0,0]}}");
                 TestClient eye = room.connect()) {
             eye.say("{'t':'hello','protocol':1,'name':'eye','role':'observer'}").expect("welcome");
             run();
             for (TestClient client : List.of(ada, eye)) {
                 JsonNode late = client.expect("event");
-                assertThat(late).isEqualTo(TestClient.json("{'t':'event','frame':2,'type':'late',"
-                        + "'fields':{'agent':'ada','body':'ada','count':1}}"));
+                assertThat(late)
+                        .isEqualTo(
+                                TestClient.json(
+                                        "{'t':'event','frame':2,'type':'late',"
+                                                + "'fields':{'agent':'ada','body':'ada','count':1}}"));
                 assertThat(client.expect("event"))
-                        .isEqualTo(TestClient.json("{'t':'event','frame':2,'type':'acted',"
-                                + "'fields':{'agent':'ada','item':'duck','action':'push'}}"));
+                        .isEqualTo(
+                                TestClient.json(
+                                        "{'t':'event','frame':2,'type':'acted',"
+                                                + "'fields':{'agent':'ada','item':'duck','action':'push'}}"));
             }
             assertThat(ada.skipTo("event").at("/fields/count").longValue()).isEqualTo(2);
         }
@@ -290,14 +322,17 @@ class LockStepServerTest {
         var agents = new ArrayList<TestClient>();
         try (TestClient eye = room.connect()) {
             for (int i = 0; i < many; i++) {
-                agents.add(room.connect().say(HELLO.formatted("a" + (10 + i), ",'deadline':0.02"))
-                        .sync());
+                agents.add(
+                        room.connect()
+                                .say(HELLO.formatted("a" + (10 + i), ",'deadline':0.02"))
+                                .sync());
             }
             room.step();
             eye.say("{'t':'hello','protocol':1,'name':'eye','role':'observer'}").expect("welcome");
             run();
             Map<String, Integer> seen = absences(eye, many);
-            assertThat(seen.get("")).as("late and away, of which some are missed")
+            assertThat(seen.get(""))
+                    .as("late and away, of which some are missed")
                     .isEqualTo(4 * many);
             assertThat(seen.get("told")).isLessThanOrEqualTo(3 * Publisher.MAX_ABSENCES);
             for (int i = 0; i < many; i++) {
@@ -318,8 +353,7 @@ class LockStepServerTest {
      * Counts what a client hears of agents that are late three times and then away: by agent, all
      * of them under "told", with those that it missed under "".
      */
-    private static Map<String, Integer> absences(TestClient client, int agents)
-            throws IOException {
+    private static Map<String, Integer> absences(TestClient client, int agents) throws IOException {
         var counts = new HashMap<String, Integer>(Map.of("", 0, "told", 0));
         while (counts.get("") < 4 * agents) {
             JsonNode event = client.skipTo("event");
@@ -366,14 +400,16 @@ class LockStepServerTest {
 
     @Test
     void whoComesBackPerceivesTheNextFrameAndIsWaitedForAgain() throws IOException {
-        TestClient ada = room.connect()
-                .say(HELLO.formatted("ada", "}, 'graceSeconds': 60, 'x': {")).sync();
+        TestClient ada =
+                room.connect().say(HELLO.formatted("ada", "}, 'graceSeconds': 60, 'x': {")).sync();
         room.step();
         JsonNode welcome = ada.expect("welcome");
         try (TestClient again = room.connect()) {
             run();
-            again.say("{'t':'hello','protocol':1,'name':'ada','resume':{'session':'"
-                    + welcome.at("/session/token").stringValue() + "','frame':1}}")
+            again.say(
+                            "{'t':'hello','protocol':1,'name':'ada','resume':{'session':'"
+                                    + welcome.at("/session/token").stringValue()
+                                    + "','frame':1}}")
                     .expect("welcome");
             long frame = again.skipTo("perception").get("frame").longValue();
             assertThat(frame).isEqualTo(2);
@@ -386,7 +422,8 @@ class LockStepServerTest {
 
     @Test
     void aWorldThatWaitsIsPausedSteppedAndEndedAtOnce() throws IOException, InterruptedException {
-        try (TestClient ada = join("ada", ",'deadline':10"); TestClient boss = room.connect()) {
+        try (TestClient ada = join("ada", ",'deadline':10");
+                TestClient boss = room.connect()) {
             boss.say("{'t':'hello','protocol':1,'name':'boss','role':'control'}").expect("welcome");
             run();
             boss.say("{'t':'pause','id':1}");
@@ -416,7 +453,8 @@ class LockStepServerTest {
 
     @Test
     void agentsComeOneAfterAnotherAndBeginTogether() throws IOException {
-        try (TestClient ada = join("ada", ",'deadline':10"); TestClient bob = room.connect();
+        try (TestClient ada = join("ada", ",'deadline':10");
+                TestClient bob = room.connect();
                 TestClient cleo = room.connect()) {
             run();
             bob.say(HELLO.formatted("bob", ",'deadline':10")).skipTo("perception");
@@ -437,7 +475,8 @@ class LockStepServerTest {
 
     @Test
     void agentsInRealTimeAreNotWaitedForAndPerceiveTheSameFrames() throws IOException {
-        try (TestClient bob = room.join("bob"); TestClient ada = join("ada", "")) {
+        try (TestClient bob = room.join("bob");
+                TestClient ada = join("ada", "")) {
             bob.say("{'t':'perceive','every':2}").sync();
             run();
             bob.expect("event"); // ada joined
@@ -480,12 +519,13 @@ class LockStepServerTest {
      */
     private List<Long> hashes(long seedOfDelays) throws Exception {
         List<Long> hashes = new CopyOnWriteArrayList<>();
-        try (TestClient ada = room.connect(); TestClient bob = room.connect()) {
+        try (TestClient ada = room.connect();
+                TestClient bob = room.connect()) {
             ada.say(HELLO.formatted("ada", ",'deadline':10")).sync();
             bob.say(HELLO.formatted("bob", ",'deadline':10")).sync();
             room.step();
-            room.bus.subscribe(FramePhase.DERIVE, "hashes",
-                    event -> hashes.add(hash(event.world())));
+            room.bus.subscribe(
+                    FramePhase.DERIVE, "hashes", event -> hashes.add(hash(event.world())));
             run();
             Thread other = Thread.ofVirtual().start(() -> play(bob, 2, seedOfDelays));
             play(ada, 1, ~seedOfDelays);
@@ -504,9 +544,10 @@ class LockStepServerTest {
                 if (delays.nextInt(4) == 0) {
                     LockSupport.parkNanos(delays.nextInt(200_000));
                 }
-                client.say(("{'t':'act','id':%d,'item':'duck','action':'push','ready':true,"
-                        + "'arguments':{'impulse':[%s,%s,0]}}")
-                        .formatted(i, acts.nextDouble(), acts.nextDouble()));
+                client.say(
+                        ("{'t':'act','id':%d,'item':'duck','action':'push','ready':true,"
+                                        + "'arguments':{'impulse':[%s,%s,0]}}")
+                                .formatted(i, acts.nextDouble(), acts.nextDouble()));
                 client.skipTo("perception");
             }
         } catch (IOException e) {

@@ -1,14 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import static org.assertj.core.api.Assertions.assertThat;
 
-import java.util.ArrayList;
-import java.util.HashMap;
-import java.util.List;
-import java.util.Map;
-import java.util.Optional;
-import java.util.Random;
 import org.junit.jupiter.api.Test;
+
 import reve.core.Seed;
 import reve.core.frame.FrameBus;
 import reve.core.frame.FrameClock;
@@ -20,9 +16,16 @@ import reve.core.world.OffHeapArena;
 import reve.core.world.World;
 import reve.core.world.WorldPrototype;
 
+import java.util.ArrayList;
+import java.util.HashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.Random;
+
 /**
- * When a world waits for agents in lock-step, against a small model, on a clock that
- * only moves while it waits.
+ * When a world waits for agents in lock-step, against a small model, on a clock that only moves
+ * while it waits.
  */
 class LockStepTest {
 
@@ -35,17 +38,21 @@ class LockStepTest {
     private final Map<String, Player> byName = new HashMap<>();
     private final Clock clock = new Clock();
     private final FrameBus bus = new FrameBus();
-    private final FrameLoop loop = new FrameLoop(
-            new World("test", WorldPrototype.standard("si-f64"), new OffHeapArena()), bus,
-            Timing.DEFAULT, Pacing.FAST, clock);
-    private final LockStep lockStep = new LockStep(clock::wake, this::heard, allowances(),
-            LockStep.Waiting.IDLE);
+    private final FrameLoop loop =
+            new FrameLoop(
+                    new World("test", WorldPrototype.standard("si-f64"), new OffHeapArena()),
+                    bus,
+                    Timing.DEFAULT,
+                    Pacing.FAST,
+                    clock);
+    private final LockStep lockStep =
+            new LockStep(clock::wake, this::heard, allowances(), LockStep.Waiting.IDLE);
     private long dueSince;
     private long longestDeadline;
 
     /** Of agents that keep nobody waiting. */
     private static Allowances allowances() {
-        return new Allowances(MILLISECOND, Optional.empty(), allowance -> { });
+        return new Allowances(MILLISECOND, Optional.empty(), allowance -> {});
     }
 
     private static Allowance allowance() {
@@ -69,9 +76,18 @@ class LockStepTest {
         private int backs;
 
         Player(String name, int every, long deadlineNanos, long origin) {
-            this.turn = new Turn(name, new ClientMessage.LockStep(every, false, deadlineNanos / 1e9,
-                    Optional.of(new AgentInput.Fallback(Optional.empty(), "brake", Map.of()))),
-                    deadlineNanos, allowance());
+            this.turn =
+                    new Turn(
+                            name,
+                            new ClientMessage.LockStep(
+                                    every,
+                                    false,
+                                    deadlineNanos / 1e9,
+                                    Optional.of(
+                                            new AgentInput.Fallback(
+                                                    Optional.empty(), "brake", Map.of()))),
+                            deadlineNanos,
+                            allowance());
             this.every = every;
             this.deadlineNanos = deadlineNanos;
             this.origin = origin;
@@ -133,11 +149,13 @@ class LockStepTest {
         assertThat(late.fallback()).isPresent();
         player.judged = player.roundsBegun(loop.frame());
         player.lateInRow++;
-        assertThat(late.away()).as("%s after %d late rounds in a row", late.agent(),
-                player.lateInRow).isEqualTo(player.here && player.lateInRow >= 3);
+        assertThat(late.away())
+                .as("%s after %d late rounds in a row", late.agent(), player.lateInRow)
+                .isEqualTo(player.here && player.lateInRow >= 3);
         if (player.here) {
             assertThat(late.told()).isTrue();
-            assertThat(clock.now - dueSince).as("time that %s got", late.agent())
+            assertThat(clock.now - dueSince)
+                    .as("time that %s got", late.agent())
                     .isGreaterThanOrEqualTo(player.deadlineNanos);
         }
         if (late.away()) {
@@ -148,8 +166,8 @@ class LockStepTest {
     }
 
     /**
-     * Something that an agent or an operator does while the world waits; agents also
-     * move while it does not.
+     * Something that an agent or an operator does while the world waits; agents also move while it
+     * does not.
      */
     private void happen() {
         if (loop.isPaused()) {
@@ -232,8 +250,10 @@ class LockStepTest {
         long frame = random.nextInt(4) == 0 ? random.nextLong(2 * loop.frame() + 1) : loop.frame();
         if (saysFrame) {
             player.turn.ready(frame, loop.frame(), clock.now);
-            player.done = frame > loop.frame() ? player.done
-                    : Math.max(player.done, player.roundsBegun(frame));
+            player.done =
+                    frame > loop.frame()
+                            ? player.done
+                            : Math.max(player.done, player.roundsBegun(frame));
         } else {
             player.turn.ready(clock.now);
             player.done++;
@@ -243,64 +263,88 @@ class LockStepTest {
 
     @Test
     void noFrameComesBeforeAllAreReadyOrLateAndNoneLaterThanTheirDeadlines() {
-        bus.subscribe(FramePhase.INTAKE, "check", event -> {
-            long before = event.frame() - 1;
-            for (Player player : players) {
-                if (player.roundsBegun(before) != player.judged) {
-                    player.judged = player.roundsBegun(before);
-                    player.lateInRow = 0; // else it had been heard
-                }
-                assertThat(player.isMissing(before))
-                        .as("seed %d, frame %d", seed, event.frame()).isFalse();
-            }
-            takeBack(event.frame());
-            assertThat(clock.now - dueSince)
-                    .as("seed %d, wait before frame %d", seed, event.frame())
-                    .isLessThanOrEqualTo(longestDeadline);
-        });
-        bus.subscribe(FramePhase.ACT, "join", event -> {
-            if (players.size() < 5 && random.nextInt(20) == 0) {
-                String name = "agent " + byName.size();
-                var player = new Player(name, 1 + random.nextInt(4),
-                        random.nextLong(30 * MILLISECOND), event.frame());
-                players.add(player);
-                byName.put(name, player);
-                player.turn.begin(event.frame());
-                lockStep.add(player.turn);
-            } else if (!players.isEmpty() && random.nextInt(4) == 0) {
-                move(players.get(random.nextInt(players.size())));
-            }
-        });
-        bus.subscribe(FramePhase.PUBLISH, "due", event -> {
-            dueSince = clock.now;
-            longestDeadline = players.stream().mapToLong(player -> player.deadlineNanos)
-                    .max().orElse(0);
-        });
+        bus.subscribe(
+                FramePhase.INTAKE,
+                "check",
+                event -> {
+                    long before = event.frame() - 1;
+                    for (Player player : players) {
+                        if (player.roundsBegun(before) != player.judged) {
+                            player.judged = player.roundsBegun(before);
+                            player.lateInRow = 0; // else it had been heard
+                        }
+                        assertThat(player.isMissing(before))
+                                .as("seed %d, frame %d", seed, event.frame())
+                                .isFalse();
+                    }
+                    takeBack(event.frame());
+                    assertThat(clock.now - dueSince)
+                            .as("seed %d, wait before frame %d", seed, event.frame())
+                            .isLessThanOrEqualTo(longestDeadline);
+                });
+        bus.subscribe(
+                FramePhase.ACT,
+                "join",
+                event -> {
+                    if (players.size() < 5 && random.nextInt(20) == 0) {
+                        String name = "agent " + byName.size();
+                        var player =
+                                new Player(
+                                        name,
+                                        1 + random.nextInt(4),
+                                        random.nextLong(30 * MILLISECOND),
+                                        event.frame());
+                        players.add(player);
+                        byName.put(name, player);
+                        player.turn.begin(event.frame());
+                        lockStep.add(player.turn);
+                    } else if (!players.isEmpty() && random.nextInt(4) == 0) {
+                        move(players.get(random.nextInt(players.size())));
+                    }
+                });
+        bus.subscribe(
+                FramePhase.PUBLISH,
+                "due",
+                event -> {
+                    dueSince = clock.now;
+                    longestDeadline =
+                            players.stream()
+                                    .mapToLong(player -> player.deadlineNanos)
+                                    .max()
+                                    .orElse(0);
+                });
         loop.setGate(lockStep);
         loop.run(FRAMES);
-        assertThat(byName.values()).anyMatch(player -> player.late > 0)
-                .anyMatch(player -> player.backs > 0).hasSizeGreaterThan(10);
+        assertThat(byName.values())
+                .anyMatch(player -> player.late > 0)
+                .anyMatch(player -> player.backs > 0)
+                .hasSizeGreaterThan(10);
     }
 
     @Test
     void whoIsLateThreeRoundsInARowIsNoLongerWaitedForUntilItIsReady() {
         var news = new ArrayList<AgentInput>();
-        var gate = new LockStep(() -> { }, news::add, allowances(),
-                LockStep.Waiting.IDLE);
-        var turn = new Turn("ada", new ClientMessage.LockStep(2, false, 1, Optional.empty()),
-                MILLISECOND, allowance());
+        var gate = new LockStep(() -> {}, news::add, allowances(), LockStep.Waiting.IDLE);
+        var turn =
+                new Turn(
+                        "ada",
+                        new ClientMessage.LockStep(2, false, 1, Optional.empty()),
+                        MILLISECOND,
+                        allowance());
         turn.begin(0);
         gate.add(turn);
         for (long frame = 1; frame <= 5; frame += 2) {
-            assertThat(gate.nanosecondsToWait(frame, 0)).as("frame %d", frame)
+            assertThat(gate.nanosecondsToWait(frame, 0))
+                    .as("frame %d", frame)
                     .isEqualTo(MILLISECOND);
             assertThat(gate.nanosecondsToWait(frame, MILLISECOND)).isZero();
             assertThat(gate.nanosecondsToWait(frame + 1, 0)).isZero();
         }
-        assertThat(news).containsExactly(
-                new AgentInput.Late("ada", 1, Optional.empty(), true, false),
-                new AgentInput.Late("ada", 2, Optional.empty(), true, false),
-                new AgentInput.Late("ada", 3, Optional.empty(), true, true));
+        assertThat(news)
+                .containsExactly(
+                        new AgentInput.Late("ada", 1, Optional.empty(), true, false),
+                        new AgentInput.Late("ada", 2, Optional.empty(), true, false),
+                        new AgentInput.Late("ada", 3, Optional.empty(), true, true));
         news.clear();
         assertThat(gate.nanosecondsToWait(7, 0)).as("the world goes on").isZero();
         assertThat(turn.isDue(7, 5)).as("it still perceives its rounds").isTrue();
@@ -308,18 +352,22 @@ class LockStepTest {
         assertThat(gate.nanosecondsToWait(8, 0)).isZero();
         assertThat(turn.isDue(8, 7)).as("its rounds restart with the next frame").isTrue();
         assertThat(gate.nanosecondsToWait(9, 0)).as("it is waited for").isEqualTo(MILLISECOND);
-        assertThat(news).containsExactly(
-                new AgentInput.Late("ada", 4, Optional.empty(), false, false),
-                new AgentInput.Back("ada"));
+        assertThat(news)
+                .containsExactly(
+                        new AgentInput.Late("ada", 4, Optional.empty(), false, false),
+                        new AgentInput.Back("ada"));
     }
 
     @Test
     void aRoundInTimeBetweenLateOnesStartsTheCountAgain() {
         var news = new ArrayList<AgentInput>();
-        var gate = new LockStep(() -> { }, news::add, allowances(),
-                LockStep.Waiting.IDLE);
-        var turn = new Turn("ada", new ClientMessage.LockStep(1, false, 1, Optional.empty()),
-                MILLISECOND, allowance());
+        var gate = new LockStep(() -> {}, news::add, allowances(), LockStep.Waiting.IDLE);
+        var turn =
+                new Turn(
+                        "ada",
+                        new ClientMessage.LockStep(1, false, 1, Optional.empty()),
+                        MILLISECOND,
+                        allowance());
         turn.begin(0);
         gate.add(turn);
         for (long frame = 1; frame <= 12; frame++) {
@@ -329,15 +377,24 @@ class LockStepTest {
             gate.nanosecondsToWait(frame, 0);
             gate.nanosecondsToWait(frame, MILLISECOND);
         }
-        assertThat(news).hasSize(8).allMatch(
-                each -> each instanceof AgentInput.Late late && late.told() && !late.away());
+        assertThat(news)
+                .hasSize(8)
+                .allMatch(
+                        each ->
+                                each instanceof AgentInput.Late late
+                                        && late.told()
+                                        && !late.away());
     }
 
     /** From another thread, at the worst moment: while the third late round is being found. */
     @Test
     void aReadyThatComesAsTheWorldGivesUpIsNotLost() {
-        var turn = new Turn("ada", new ClientMessage.LockStep(1, false, 1, Optional.empty()),
-                MILLISECOND, allowance());
+        var turn =
+                new Turn(
+                        "ada",
+                        new ClientMessage.LockStep(1, false, 1, Optional.empty()),
+                        MILLISECOND,
+                        allowance());
         turn.begin(0);
         for (long frame = 1; frame <= 3; frame++) {
             assertThat(turn.miss(frame - 1)).isTrue();
@@ -352,8 +409,12 @@ class LockStepTest {
 
     @Test
     void aReadyForARoundThatIsOverDoesNothing() {
-        var turn = new Turn("ada", new ClientMessage.LockStep(2, false, 1, Optional.empty()),
-                MILLISECOND, allowance());
+        var turn =
+                new Turn(
+                        "ada",
+                        new ClientMessage.LockStep(2, false, 1, Optional.empty()),
+                        MILLISECOND,
+                        allowance());
         turn.begin(10);
         assertThat(turn.isAwaited(9)).isFalse();
         assertThat(turn.isAwaited(10)).isTrue();
@@ -363,7 +424,8 @@ class LockStepTest {
         turn.ready(11, 12, 0);
         turn.ready(14, 12, 0);
         assertThat(turn.isAwaited(12))
-                .as("by a ready of the last round, or of one to come").isTrue();
+                .as("by a ready of the last round, or of one to come")
+                .isTrue();
         turn.ready(0);
         turn.ready(0);
         assertThat(turn.isAwaited(14)).as("said before its time").isFalse();
@@ -371,8 +433,12 @@ class LockStepTest {
 
     @Test
     void whoHasLeftBeforeItCameIsNotWaitedFor() {
-        var turn = new Turn("ada", new ClientMessage.LockStep(1, false, 1, Optional.empty()),
-                MILLISECOND, allowance());
+        var turn =
+                new Turn(
+                        "ada",
+                        new ClientMessage.LockStep(1, false, 1, Optional.empty()),
+                        MILLISECOND,
+                        allowance());
         turn.begin(1);
         lockStep.remove(turn, 0);
         lockStep.add(turn);
@@ -381,8 +447,12 @@ class LockStepTest {
 
     @Test
     void whoHasNotBeenReadyYetDoesNotKeepOthersFromComing() {
-        var turn = new Turn("ada", new ClientMessage.LockStep(3, false, 1, Optional.empty()),
-                MILLISECOND, allowance());
+        var turn =
+                new Turn(
+                        "ada",
+                        new ClientMessage.LockStep(3, false, 1, Optional.empty()),
+                        MILLISECOND,
+                        allowance());
         turn.begin(1);
         lockStep.add(turn);
         assertThat(lockStep.nanosecondsToWait(2, 0)).isEqualTo(MILLISECOND);
@@ -400,10 +470,13 @@ class LockStepTest {
     @Test
     void ofTheRoundsThatABrokenConnectionCostsTheOthersHearOnce() {
         var heard = new ArrayList<AgentInput>();
-        var gate = new LockStep(() -> { }, heard::add, allowances(),
-                LockStep.Waiting.IDLE);
-        var turn = new Turn("ada", new ClientMessage.LockStep(1, false, 1, Optional.empty()),
-                MILLISECOND, allowance());
+        var gate = new LockStep(() -> {}, heard::add, allowances(), LockStep.Waiting.IDLE);
+        var turn =
+                new Turn(
+                        "ada",
+                        new ClientMessage.LockStep(1, false, 1, Optional.empty()),
+                        MILLISECOND,
+                        allowance());
         turn.begin(1);
         gate.add(turn);
         turn.breakOff(0);
@@ -414,9 +487,11 @@ class LockStepTest {
         assertThat(gate.nanosecondsToWait(5, 0)).isZero();
         assertThat(gate.nanosecondsToWait(6, 0)).isEqualTo(MILLISECOND);
         assertThat(gate.nanosecondsToWait(6, MILLISECOND)).isZero();
-        assertThat(heard).extracting(news -> ((AgentInput.Late) news).told())
+        assertThat(heard)
+                .extracting(news -> ((AgentInput.Late) news).told())
                 .containsExactly(true, false, false, true);
-        assertThat(heard).extracting(news -> ((AgentInput.Late) news).count())
+        assertThat(heard)
+                .extracting(news -> ((AgentInput.Late) news).count())
                 .containsExactly(1L, 2L, 3L, 4L);
     }
 }

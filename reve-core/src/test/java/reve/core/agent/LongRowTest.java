@@ -1,6 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import static org.assertj.core.api.Assertions.assertThat;
+
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+
+import reve.core.file.AgentPolicy;
+import reve.core.world.ItemDefinition;
+import reve.core.world.Sensor;
+import reve.core.world.Shape;
+
+import tools.jackson.databind.JsonNode;
 
 import java.io.BufferedInputStream;
 import java.io.DataInputStream;
@@ -14,14 +25,8 @@ import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
+
 import javax.net.SocketFactory;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.api.io.TempDir;
-import reve.core.file.AgentPolicy;
-import reve.core.world.ItemDefinition;
-import reve.core.world.Sensor;
-import reve.core.world.Shape;
-import tools.jackson.databind.JsonNode;
 
 /** So many clients that two threads write to them: each is told as if it were the only one. */
 class LongRowTest {
@@ -31,8 +36,7 @@ class LongRowTest {
     private static final int THINGS = 12;
     private static final int FRAMES = 24;
 
-    @TempDir
-    private static Path folder;
+    @TempDir private static Path folder;
 
     @Test
     void everybodyIsToldWhereThingsAre() throws IOException {
@@ -44,8 +48,9 @@ class LongRowTest {
         Certificate certificate = Certificate.make(folder, "server");
         AgentServerConfig c = AgentRoom.CONFIG;
         var security = new AgentSecurity(Optional.empty(), Optional.of(certificate.tls()));
-        toldWhereThingsAre(new AgentServerConfig(c.address(), c.limits(), c.timeouts(), c.audit(),
-                security), certificate.trusting().getSocketFactory());
+        toldWhereThingsAre(
+                new AgentServerConfig(c.address(), c.limits(), c.timeouts(), c.audit(), security),
+                certificate.trusting().getSocketFactory());
     }
 
     private static void toldWhereThingsAre(AgentServerConfig config, SocketFactory sockets)
@@ -83,7 +88,8 @@ class LongRowTest {
                     watcher.perceive(room);
                 }
             }
-            room.stepUntil("only those who stay are left",
+            room.stepUntil(
+                    "only those who stay are left",
                     () -> room.server.stats().open() == staying.size());
             for (Watcher watcher : staying) {
                 watcher.socket.close();
@@ -96,12 +102,18 @@ class LongRowTest {
         var items = new ArrayList<ItemDefinition>();
         for (int i = 0; i < AGENTS; i++) {
             bodies.add("agent-" + i);
-            items.add(ItemDefinition.named("agent-" + i).at(0, 100 * i, 0)
-                    .sensor(Sensor.sight("eyes", 1e6)).build());
+            items.add(
+                    ItemDefinition.named("agent-" + i)
+                            .at(0, 100 * i, 0)
+                            .sensor(Sensor.sight("eyes", 1e6))
+                            .build());
         }
         for (int i = 0; i < THINGS; i++) {
-            items.add(ItemDefinition.named("thing-" + i).shape(Shape.sphere(0.5))
-                    .at(i, 0, 0).build());
+            items.add(
+                    ItemDefinition.named("thing-" + i)
+                            .shape(Shape.sphere(0.5))
+                            .at(i, 0, 0)
+                            .build());
         }
         return new AgentRoom(config, new AgentPolicy(bodies, Optional.empty()), 1024, items);
     }
@@ -119,8 +131,12 @@ class LongRowTest {
             throws IOException {
         var watchers = new ArrayList<Watcher>();
         for (int i = 0; i < AGENTS + OBSERVERS; i++) {
-            watchers.add(new Watcher(i, sockets.createSocket(room.server.address().getAddress(),
-                    room.server.address().getPort())));
+            watchers.add(
+                    new Watcher(
+                            i,
+                            sockets.createSocket(
+                                    room.server.address().getAddress(),
+                                    room.server.address().getPort())));
         }
         room.stepUntil("all agents are there", () -> room.server.stats().agents() == AGENTS);
         for (Watcher watcher : watchers) {
@@ -148,8 +164,17 @@ class LongRowTest {
             socket.setTcpNoDelay(true);
             socket.setSoTimeout(20_000);
             this.in = new DataInputStream(new BufferedInputStream(socket.getInputStream()));
-            var hello = new LinkedHashMap<String, Object>(Map.of("t", "hello", "protocol", 1,
-                    "name", "agent-" + number, "encoding", encoding.wireName()));
+            var hello =
+                    new LinkedHashMap<String, Object>(
+                            Map.of(
+                                    "t",
+                                    "hello",
+                                    "protocol",
+                                    1,
+                                    "name",
+                                    "agent-" + number,
+                                    "encoding",
+                                    encoding.wireName()));
             if (number >= AGENTS) {
                 hello.put("role", "observer");
             }
@@ -188,7 +213,8 @@ class LongRowTest {
             for (int i = 0; i < THINGS; i++) {
                 expected.put("thing-" + i, i == THINGS - 1 ? 0.0 : (double) frame);
             }
-            assertThat(places).as("what %d perceives in frame %d", number, frame)
+            assertThat(places)
+                    .as("what %d perceives in frame %d", number, frame)
                     .isEqualTo(expected);
         }
 

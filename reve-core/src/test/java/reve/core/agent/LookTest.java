@@ -1,6 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import static org.assertj.core.api.Assertions.assertThat;
+
+import org.junit.jupiter.api.AfterEach;
+import org.junit.jupiter.api.BeforeEach;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+
+import reve.core.file.AgentPolicy;
+import reve.core.world.ItemDefinition;
+import reve.core.world.Sensor;
+import reve.core.world.Shape;
+
+import tools.jackson.databind.JsonNode;
 
 import java.io.IOException;
 import java.nio.file.Files;
@@ -10,39 +23,33 @@ import java.util.Deque;
 import java.util.EnumSet;
 import java.util.List;
 import java.util.Optional;
-import org.junit.jupiter.api.AfterEach;
-import org.junit.jupiter.api.BeforeEach;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.api.io.TempDir;
-import reve.core.file.AgentPolicy;
-import reve.core.world.ItemDefinition;
-import reve.core.world.Sensor;
-import reve.core.world.Shape;
-import tools.jackson.databind.JsonNode;
 
 /** Asking a camera for a picture; who draws it is not here. */
 class LookTest {
 
-    private static final Sensor EYE = Sensor.camera("eye", 1,
-            new Sensor.Camera(2, 1, EnumSet.of(Sensor.Layer.COLOUR))).withEvery(3);
+    private static final Sensor EYE =
+            Sensor.camera("eye", 1, new Sensor.Camera(2, 1, EnumSet.of(Sensor.Layer.COLOUR)))
+                    .withEvery(3);
 
-    @TempDir
-    private Path folder;
+    @TempDir private Path folder;
     private AgentRoom room;
     private TestClient ada;
     private final Deque<Cameras.Answer> asked = new ArrayDeque<>();
 
     @BeforeEach
     void join() throws IOException {
-        ItemDefinition body = ItemDefinition.named("body").shape(Shape.sphere(0.5))
-                .sensor(EYE).build();
-        room = new AgentRoom(AgentRoom.CONFIG
-                .withAudit(AuditPlan.of(folder.resolve("audit.jsonl"))),
-                new AgentPolicy(List.of(), Optional.of(body)), 64);
-        room.cameras = (item, camera, answer) -> {
-            assertThat(camera).isEqualTo(EYE);
-            asked.add(answer);
-        };
+        ItemDefinition body =
+                ItemDefinition.named("body").shape(Shape.sphere(0.5)).sensor(EYE).build();
+        room =
+                new AgentRoom(
+                        AgentRoom.CONFIG.withAudit(AuditPlan.of(folder.resolve("audit.jsonl"))),
+                        new AgentPolicy(List.of(), Optional.of(body)),
+                        64);
+        room.cameras =
+                (item, camera, answer) -> {
+                    assertThat(camera).isEqualTo(EYE);
+                    asked.add(answer);
+                };
         ada = room.join("ada");
     }
 
@@ -53,9 +60,15 @@ class LookTest {
     }
 
     private Cameras.Photo photo() {
-        return new Cameras.Photo(room.loop.frame(), 0.5, 2, 1,
-                Optional.of(new byte[] {-1, 0, 0, 0, -1, 0}), Optional.empty(),
-                Optional.empty(), List.of());
+        return new Cameras.Photo(
+                room.loop.frame(),
+                0.5,
+                2,
+                1,
+                Optional.of(new byte[] {-1, 0, 0, 0, -1, 0}),
+                Optional.empty(),
+                Optional.empty(),
+                List.of());
     }
 
     private JsonNode lookAndGet(int id) throws IOException {
@@ -121,8 +134,8 @@ class LookTest {
                 .failed(new IllegalStateException("there is no program /opt/server/vesper-render"));
         JsonNode error = ada.expect("error");
         assertThat(error.get("code").stringValue()).isEqualTo("no-picture");
-        assertThat(error.get("message").stringValue()).isEqualTo(
-                "the picture could not be drawn; the server's log says why");
+        assertThat(error.get("message").stringValue())
+                .isEqualTo("the picture could not be drawn; the server's log says why");
         assertThat(error.toString()).doesNotContain("/opt");
         assertThat(lookAndGet(2).get("id").intValue()).isEqualTo(2);
     }
@@ -143,8 +156,11 @@ class LookTest {
     void aCameraSensesNoItems() throws IOException {
         ada.say("{'t':'perceive','id':1}").sync();
         room.step();
-        assertThat(ada.expect("perception").get("items").valueStream()
-                .map(item -> item.get("name").stringValue()))
+        assertThat(
+                        ada.expect("perception")
+                                .get("items")
+                                .valueStream()
+                                .map(item -> item.get("name").stringValue()))
                 .containsExactly("ada");
         ada.say("{'t':'act','id':2,'item':'duck','action':'push','arguments':{'impulse':[1,0,0]}}")
                 .sync();

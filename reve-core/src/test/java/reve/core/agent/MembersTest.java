@@ -1,11 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import static org.assertj.core.api.Assertions.assertThat;
 
-import java.util.List;
-import java.util.Map;
-import java.util.Optional;
 import org.junit.jupiter.api.Test;
+
 import reve.core.file.AgentPolicy;
 import reve.core.world.Item;
 import reve.core.world.ItemDefinition;
@@ -13,6 +12,10 @@ import reve.core.world.OffHeapArena;
 import reve.core.world.World;
 import reve.core.world.WorldEvent;
 import reve.core.world.WorldPrototype;
+
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
 
 class MembersTest {
 
@@ -38,8 +41,12 @@ class MembersTest {
         Item chain = world.add(body("chain", 1, 1, 3));
         Item bob = world.find("bob").orElseThrow();
         Item ann = world.find("ann").orElseThrow();
-        world.add(ItemDefinition.named("spring").kind("spring").reference("end1", "hook")
-                .reference("end2", "bob").build());
+        world.add(
+                ItemDefinition.named("spring")
+                        .kind("spring")
+                        .reference("end1", "hook")
+                        .reference("end2", "bob")
+                        .build());
         world.attach(chain.id(), hook.id());
         world.attach(hook.id(), ann.id());
         world.attach(bob.id(), ann.id());
@@ -57,8 +64,9 @@ class MembersTest {
         assertThat(chain.physical().location()).containsExactly(6, 1, 3);
         assertThat(bob.physical().location()).containsExactly(bobAt);
         assertThat(world.find("spring")).isPresent();
-        assertThat(events(world)).containsExactly("joined ann", "joined bob", "detached bob",
-                "detached hook", "left ann");
+        assertThat(events(world))
+                .containsExactly(
+                        "joined ann", "joined bob", "detached bob", "detached hook", "left ann");
         assertThat(members.apply(world, 3, new AgentInput.Leave("bob", "bye")))
                 .isEqualTo(new Outcome.Done(3));
         assertThat(events(world)).contains("removed spring");
@@ -71,17 +79,25 @@ class MembersTest {
         Members members = membersWithBodies();
         members.apply(world, 1, join("ann"));
         Item bob = world.add(body("bob", 0, 1, 0));
-        world.add(ItemDefinition.named("rope").kind("spring").reference("end1", "ann")
-                .reference("end2", "bob").build());
+        world.add(
+                ItemDefinition.named("rope")
+                        .kind("spring")
+                        .reference("end1", "ann")
+                        .reference("end2", "bob")
+                        .build());
         world.attach(bob.id(), world.find("ann").orElseThrow().id());
 
         members.apply(world, 2, new AgentInput.Leave("ann", "lost"));
 
         assertThat(world.items()).extracting(Item::name).containsExactly("world", "bob");
-        assertThat(world.events().get(2)).isEqualTo(new WorldEvent(2, "removed",
-                Map.of("agent", "ann", "body", "ann", "item", "rope")));
-        assertThat(events(world)).containsExactly("joined ann", "detached bob", "removed rope",
-                "left ann");
+        assertThat(world.events().get(2))
+                .isEqualTo(
+                        new WorldEvent(
+                                2,
+                                "removed",
+                                Map.of("agent", "ann", "body", "ann", "item", "rope")));
+        assertThat(events(world))
+                .containsExactly("joined ann", "detached bob", "removed rope", "left ann");
     }
 
     @Test
@@ -112,7 +128,13 @@ class MembersTest {
     }
 
     private static List<String> events(World world) {
-        return world.events().stream().map(event -> event.type() + " " + event.fields()
-                .getOrDefault("item", event.fields().get("agent"))).toList();
+        return world.events().stream()
+                .map(
+                        event ->
+                                event.type()
+                                        + " "
+                                        + event.fields()
+                                                .getOrDefault("item", event.fields().get("agent")))
+                .toList();
     }
 }

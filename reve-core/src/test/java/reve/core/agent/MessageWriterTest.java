@@ -1,6 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import static org.assertj.core.api.Assertions.assertThat;
+
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.EnumSource;
+
+import reve.core.Seed;
+
+import tools.jackson.databind.JsonNode;
 
 import java.nio.ByteBuffer;
 import java.nio.charset.StandardCharsets;
@@ -10,23 +19,55 @@ import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Random;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.params.ParameterizedTest;
-import org.junit.jupiter.params.provider.EnumSource;
-import reve.core.Seed;
-import tools.jackson.databind.JsonNode;
 
 /** What is written in an encoding is read as the same by libraries that other programs use. */
 class MessageWriterTest {
 
-    private static final List<Object> EDGES = List.of("", "plain",
-            "\"\\\b\f\n\r\t\u0000\u001f/\u007f", "é€😀", "é".repeat(15), "x".repeat(31),
-            "x".repeat(32), "x".repeat(255), "x".repeat(256), "😀".repeat(20_000), 0, -1,
-            -32, -33, 127, 128, 255, 256, -128, -129, 65_535, 65_536, Integer.MIN_VALUE,
-            Integer.MAX_VALUE, 1L << 31, (1L << 32) - 1, 1L << 32, Long.MIN_VALUE, Long.MAX_VALUE,
-            0.0, -0.0, 1e-320, Double.MIN_VALUE, Double.MAX_VALUE, 1e21, 0.1, true, false,
-            List.of(), Map.of(), Collections.nCopies(15, 1), Collections.nCopies(16, 1),
-            Collections.nCopies(70_000, "x"));
+    private static final List<Object> EDGES =
+            List.of(
+                    "",
+                    "plain",
+                    "\"\\\b\f\n\r\t\u0000\u001f/\u007f",
+                    "é€😀",
+                    "é".repeat(15),
+                    "x".repeat(31),
+                    "x".repeat(32),
+                    "x".repeat(255),
+                    "x".repeat(256),
+                    "😀".repeat(20_000),
+                    0,
+                    -1,
+                    -32,
+                    -33,
+                    127,
+                    128,
+                    255,
+                    256,
+                    -128,
+                    -129,
+                    65_535,
+                    65_536,
+                    Integer.MIN_VALUE,
+                    Integer.MAX_VALUE,
+                    1L << 31,
+                    (1L << 32) - 1,
+                    1L << 32,
+                    Long.MIN_VALUE,
+                    Long.MAX_VALUE,
+                    0.0,
+                    -0.0,
+                    1e-320,
+                    Double.MIN_VALUE,
+                    Double.MAX_VALUE,
+                    1e21,
+                    0.1,
+                    true,
+                    false,
+                    List.of(),
+                    Map.of(),
+                    Collections.nCopies(15, 1),
+                    Collections.nCopies(16, 1),
+                    Collections.nCopies(70_000, "x"));
 
     private static JsonNode read(Encoding encoding, byte[] bytes) {
         return encoding == Encoding.JSON
@@ -84,14 +125,18 @@ class MessageWriterTest {
     void aFragmentIsWrittenAsItsValueWould() {
         var list = new Fragment(writer -> writer.value(List.of(1, "a")));
         for (Encoding encoding : Encoding.values()) {
-            JsonNode read = read(encoding, encoding.value(writer -> {
-                writer.beginMap(2);
-                writer.key("first");
-                writer.fragment(list);
-                writer.key("second");
-                writer.fragment(list);
-                writer.endMap();
-            }));
+            JsonNode read =
+                    read(
+                            encoding,
+                            encoding.value(
+                                    writer -> {
+                                        writer.beginMap(2);
+                                        writer.key("first");
+                                        writer.fragment(list);
+                                        writer.key("second");
+                                        writer.fragment(list);
+                                        writer.endMap();
+                                    }));
             assertThat(read).hasToString("{\"first\":[1,\"a\"],\"second\":[1,\"a\"]}");
         }
     }

@@ -1,7 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatThrownBy;
+
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.MethodSource;
+
+import tools.jackson.databind.JsonNode;
+import tools.jackson.databind.json.JsonMapper;
+import tools.jackson.databind.node.ObjectNode;
 
 import java.nio.ByteBuffer;
 import java.nio.charset.StandardCharsets;
@@ -11,12 +20,6 @@ import java.util.LinkedHashMap;
 import java.util.Map;
 import java.util.Optional;
 import java.util.stream.Stream;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.params.ParameterizedTest;
-import org.junit.jupiter.params.provider.MethodSource;
-import tools.jackson.databind.JsonNode;
-import tools.jackson.databind.json.JsonMapper;
-import tools.jackson.databind.node.ObjectNode;
 
 /** The protocol's test vectors, message by message. */
 class MessagesTest {
@@ -59,15 +62,19 @@ class MessagesTest {
     @ParameterizedTest
     @MethodSource("refusedLines")
     void aBadLineIsRefusedWithItsCode(JsonNode vector) {
-        byte[] line = vector.has("bytes")
-                ? HexFormat.of().parseHex(vector.get("bytes").stringValue())
-                : vector.get("line").stringValue().getBytes(StandardCharsets.UTF_8);
+        byte[] line =
+                vector.has("bytes")
+                        ? HexFormat.of().parseHex(vector.get("bytes").stringValue())
+                        : vector.get("line").stringValue().getBytes(StandardCharsets.UTF_8);
         assertThatThrownBy(() -> MessageReader.read(ByteBuffer.wrap(line), Encoding.JSON))
-                .isInstanceOfSatisfying(BadMessage.class, e -> {
-                    assertThat(e.error().code()).isEqualTo(vector.get("code").stringValue());
-                    assertThat(e.error().message()).isNotBlank();
-                    assertThat(e.error().hint()).isNotBlank();
-                });
+                .isInstanceOfSatisfying(
+                        BadMessage.class,
+                        e -> {
+                            assertThat(e.error().code())
+                                    .isEqualTo(vector.get("code").stringValue());
+                            assertThat(e.error().message()).isNotBlank();
+                            assertThat(e.error().hint()).isNotBlank();
+                        });
     }
 
     @ParameterizedTest
@@ -88,9 +95,11 @@ class MessagesTest {
         ByteBuffer packed =
                 ByteBuffer.wrap(frame, Encoding.LENGTH_BYTES, frame.length - Encoding.LENGTH_BYTES);
         assertThatThrownBy(() -> MessageReader.read(packed.slice(), Encoding.MESSAGEPACK))
-                .isInstanceOfSatisfying(BadMessage.class,
-                        e -> assertThat(e.error().code())
-                                .isEqualTo(vector.get("code").stringValue()));
+                .isInstanceOfSatisfying(
+                        BadMessage.class,
+                        e ->
+                                assertThat(e.error().code())
+                                        .isEqualTo(vector.get("code").stringValue()));
     }
 
     @ParameterizedTest
@@ -98,8 +107,9 @@ class MessagesTest {
     void aServersMessageIsPackedWithTheSameFields(JsonNode message) {
         ByteBuffer frame = ByteBuffer.wrap(message(message).in(Encoding.MESSAGEPACK));
         assertThat(frame.getInt()).isEqualTo(frame.remaining());
-        Vectors.assertSame(MessagePackReader.read(frame.slice(),
-                Base64.getEncoder()::encodeToString), message);
+        Vectors.assertSame(
+                MessagePackReader.read(frame.slice(), Base64.getEncoder()::encodeToString),
+                message);
     }
 
     static Stream<JsonNode> packedMessages() {
@@ -118,9 +128,16 @@ class MessagesTest {
     @Test
     void aBadFieldIsNamedWithWhatWasFoundAndExpectedAndTheIdIsKept() {
         assertThatThrownBy(() -> read("{\"t\":\"perceive\",\"id\":12,\"every\":\"often\"}"))
-                .isInstanceOfSatisfying(BadMessage.class, e -> assertThat(e.error()).isEqualTo(
-                        new ServerMessage.Error(12, "bad-field", "the field every is \"often\"",
-                                "expected an integer from 0 to 1000000")));
+                .isInstanceOfSatisfying(
+                        BadMessage.class,
+                        e ->
+                                assertThat(e.error())
+                                        .isEqualTo(
+                                                new ServerMessage.Error(
+                                                        12,
+                                                        "bad-field",
+                                                        "the field every is \"often\"",
+                                                        "expected an integer from 0 to 1000000")));
     }
 
     @ParameterizedTest
@@ -133,8 +150,8 @@ class MessagesTest {
 
     @Test
     void whatIsNotFiniteInAnEventLeavesTheLineValid() {
-        byte[] line = new ServerMessage.Event(1, "fault", Map.of("value", Double.NaN))
-                .in(Encoding.JSON);
+        byte[] line =
+                new ServerMessage.Event(1, "fault", Map.of("value", Double.NaN)).in(Encoding.JSON);
         assertThat(JSON.readTree(line).at("/fields/value").stringValue()).isEqualTo("NaN");
     }
 
@@ -148,8 +165,8 @@ class MessagesTest {
     }
 
     private static ClientMessage read(String line) throws BadMessage {
-        return MessageReader.read(ByteBuffer.wrap(line.getBytes(StandardCharsets.UTF_8)),
-                Encoding.JSON);
+        return MessageReader.read(
+                ByteBuffer.wrap(line.getBytes(StandardCharsets.UTF_8)), Encoding.JSON);
     }
 
     /** The message as a client would write it. */
@@ -174,8 +191,12 @@ class MessagesTest {
                     json.put("graceSeconds", hello.graceSeconds());
                 }
                 hello.lockStep().ifPresent(lockStep -> putTime(json.putObject("time"), lockStep));
-                hello.resume().ifPresent(resume -> json.putObject("resume")
-                        .put("session", resume.session()).put("frame", resume.frame()));
+                hello.resume()
+                        .ifPresent(
+                                resume ->
+                                        json.putObject("resume")
+                                                .put("session", resume.session())
+                                                .put("frame", resume.frame()));
                 hello.token().ifPresent(token -> json.put("token", token));
             }
             case ClientMessage.Perceive perceive -> {
@@ -187,35 +208,40 @@ class MessagesTest {
                 }
             }
             case ClientMessage.Act act -> {
-                json.put("item", act.item()).put("action", act.action())
+                json.put("item", act.item())
+                        .put("action", act.action())
                         .set("arguments", JSON.valueToTree(act.arguments()));
-                act.ready().ifPresent(ready -> {
-                    json.put("ready", true);
-                    ready.frame().ifPresent(frame -> json.put("frame", frame));
-                });
+                act.ready()
+                        .ifPresent(
+                                ready -> {
+                                    json.put("ready", true);
+                                    ready.frame().ifPresent(frame -> json.put("frame", frame));
+                                });
             }
             case ClientMessage.Look look -> json.put("sensor", look.sensor());
-            case ClientMessage.Ready ready -> ready.frame()
-                    .ifPresent(frame -> json.put("frame", frame));
+            case ClientMessage.Ready ready ->
+                    ready.frame().ifPresent(frame -> json.put("frame", frame));
             case ClientMessage.Step step -> json.put("frames", step.frames());
-            case ClientMessage.LoadLaw load -> json.put("library", load.library())
-                    .set("parameters", JSON.valueToTree(load.parameters()));
+            case ClientMessage.LoadLaw load ->
+                    json.put("library", load.library())
+                            .set("parameters", JSON.valueToTree(load.parameters()));
             case ClientMessage.UnloadLaw unload -> json.put("library", unload.library());
-            case ClientMessage.Edit edit -> json.put("item", edit.item())
-                    .put("property", edit.property())
-                    .set("value", JSON.valueToTree(edit.value()));
+            case ClientMessage.Edit edit ->
+                    json.put("item", edit.item())
+                            .put("property", edit.property())
+                            .set("value", JSON.valueToTree(edit.value()));
             case ClientMessage.Snapshot snapshot -> json.put("image", snapshot.image());
-            case ClientMessage.Rewind rewind -> rewind.image()
-                    .ifPresent(image -> json.put("image", image));
+            case ClientMessage.Rewind rewind ->
+                    rewind.image().ifPresent(image -> json.put("image", image));
             case ClientMessage.Save save -> json.put("file", save.file());
             case ClientMessage.Fork fork -> json.put("frames", fork.frames());
-            case ClientMessage.Pause pause -> { }
-            case ClientMessage.Run run -> { }
-            case ClientMessage.Picture picture -> { }
-            case ClientMessage.ShutDown shutDown -> { }
-            case ClientMessage.Ping ping -> { }
-            case ClientMessage.Pong pong -> { }
-            case ClientMessage.Bye bye -> { }
+            case ClientMessage.Pause pause -> {}
+            case ClientMessage.Run run -> {}
+            case ClientMessage.Picture picture -> {}
+            case ClientMessage.ShutDown shutDown -> {}
+            case ClientMessage.Ping ping -> {}
+            case ClientMessage.Pong pong -> {}
+            case ClientMessage.Bye bye -> {}
         }
         return JSON.readTree(json.toString());
     }
@@ -231,61 +257,94 @@ class MessagesTest {
         if (time.deadlineSeconds() != 1) {
             json.put("deadline", time.deadlineSeconds());
         }
-        time.fallback().ifPresent(fallback -> {
-            ObjectNode act = json.putObject("fallback");
-            fallback.item().ifPresent(item -> act.put("item", item));
-            act.put("action", fallback.action())
-                    .set("arguments", JSON.valueToTree(fallback.arguments()));
-        });
+        time.fallback()
+                .ifPresent(
+                        fallback -> {
+                            ObjectNode act = json.putObject("fallback");
+                            fallback.item().ifPresent(item -> act.put("item", item));
+                            act.put("action", fallback.action())
+                                    .set("arguments", JSON.valueToTree(fallback.arguments()));
+                        });
     }
 
     /** The server's message with those values. */
     private static ServerMessage message(JsonNode json) {
         long id = json.path("id").asLong(ClientMessage.NO_ID);
         return switch (json.get("t").stringValue()) {
-            case "welcome" -> new ServerMessage.Welcome(id, json.get("protocol").intValue(),
-                    Role.of(text(json, "role")).orElseThrow(), text(json, "agent"),
-                    json.optional("body").map(JsonNode::stringValue), text(json, "world"),
-                    json.get("frame").longValue(), json.get("rate").intValue(),
-                    Encoding.of(json.path("encoding").asString("json")).orElseThrow(),
-                    json.optional("time")
-                            .map(time -> new ServerMessage.Rhythm(time.get("every").intValue(),
-                                    time.get("deadline").doubleValue())),
-                    json.optional("session")
-                            .map(session ->
-                                    new ServerMessage.Ticket(text(session, "token"),
-                                            session.get("graceSeconds").doubleValue())),
-                    json.has("resumed"),
-                    new ServerMessage.Limits(json.at("/limits/lineBytes").intValue(),
-                            json.at("/limits/messagesPerSecond").intValue(),
-                            json.at("/limits/actsInFlight").intValue(),
-                            json.at("/limits/idleSeconds").doubleValue(),
-                            json.at("/limits/graceSeconds").doubleValue(),
-                            json.at("/limits/items").intValue(),
-                            json.at("/limits/worldItems").intValue(),
-                            json.at("/limits/eventBytes").intValue(),
-                            json.at("/limits/worldEventBytes").intValue()));
-            case "result" -> json.get("accepted").booleanValue()
-                    ? new ServerMessage.Accepted(id, json.get("frame").longValue())
-                    : new ServerMessage.Refused(id, text(json, "code"), text(json, "reason"));
-            case "image" -> new ServerMessage.Image(id, text(json, "sensor"), new Cameras.Photo(
-                    json.get("frame").longValue(), json.get("time").doubleValue(),
-                    json.get("width").intValue(), json.get("height").intValue(),
-                    pixels(json, "colour"), pixels(json, "depth"), pixels(json, "items"),
-                    json.path("names").valueStream().map(JsonNode::stringValue).toList()));
+            case "welcome" ->
+                    new ServerMessage.Welcome(
+                            id,
+                            json.get("protocol").intValue(),
+                            Role.of(text(json, "role")).orElseThrow(),
+                            text(json, "agent"),
+                            json.optional("body").map(JsonNode::stringValue),
+                            text(json, "world"),
+                            json.get("frame").longValue(),
+                            json.get("rate").intValue(),
+                            Encoding.of(json.path("encoding").asString("json")).orElseThrow(),
+                            json.optional("time")
+                                    .map(
+                                            time ->
+                                                    new ServerMessage.Rhythm(
+                                                            time.get("every").intValue(),
+                                                            time.get("deadline").doubleValue())),
+                            json.optional("session")
+                                    .map(
+                                            session ->
+                                                    new ServerMessage.Ticket(
+                                                            text(session, "token"),
+                                                            session.get("graceSeconds")
+                                                                    .doubleValue())),
+                            json.has("resumed"),
+                            new ServerMessage.Limits(
+                                    json.at("/limits/lineBytes").intValue(),
+                                    json.at("/limits/messagesPerSecond").intValue(),
+                                    json.at("/limits/actsInFlight").intValue(),
+                                    json.at("/limits/idleSeconds").doubleValue(),
+                                    json.at("/limits/graceSeconds").doubleValue(),
+                                    json.at("/limits/items").intValue(),
+                                    json.at("/limits/worldItems").intValue(),
+                                    json.at("/limits/eventBytes").intValue(),
+                                    json.at("/limits/worldEventBytes").intValue()));
+            case "result" ->
+                    json.get("accepted").booleanValue()
+                            ? new ServerMessage.Accepted(id, json.get("frame").longValue())
+                            : new ServerMessage.Refused(
+                                    id, text(json, "code"), text(json, "reason"));
+            case "image" ->
+                    new ServerMessage.Image(
+                            id,
+                            text(json, "sensor"),
+                            new Cameras.Photo(
+                                    json.get("frame").longValue(),
+                                    json.get("time").doubleValue(),
+                                    json.get("width").intValue(),
+                                    json.get("height").intValue(),
+                                    pixels(json, "colour"),
+                                    pixels(json, "depth"),
+                                    pixels(json, "items"),
+                                    json.path("names")
+                                            .valueStream()
+                                            .map(JsonNode::stringValue)
+                                            .toList()));
             case "event" -> {
                 var fields = new LinkedHashMap<String, Object>();
-                json.get("fields").properties()
+                json.get("fields")
+                        .properties()
                         .forEach(field -> fields.put(field.getKey(), value(field.getValue())));
-                yield new ServerMessage.Event(json.get("frame").longValue(),
-                        text(json, "type"), fields);
+                yield new ServerMessage.Event(
+                        json.get("frame").longValue(), text(json, "type"), fields);
             }
-            case "error" -> new ServerMessage.Error(id, text(json, "code"), text(json, "message"),
-                    text(json, "hint"));
+            case "error" ->
+                    new ServerMessage.Error(
+                            id, text(json, "code"), text(json, "message"), text(json, "hint"));
             case "ping" -> new ServerMessage.Ping();
             case "pong" -> new ServerMessage.Pong(id);
-            case "bye" -> new ServerMessage.Bye(text(json, "code"), text(json, "message"),
-                    json.has("hint") ? Optional.of(text(json, "hint")) : Optional.empty());
+            case "bye" ->
+                    new ServerMessage.Bye(
+                            text(json, "code"),
+                            text(json, "message"),
+                            json.has("hint") ? Optional.of(text(json, "hint")) : Optional.empty());
             default -> throw new AssertionError("no such message: " + json);
         };
     }

@@ -1,12 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import static org.assertj.core.api.Assertions.assertThat;
 
-import java.nio.charset.StandardCharsets;
-import java.util.ArrayList;
-import java.util.List;
-import java.util.Random;
 import org.junit.jupiter.api.Test;
+
 import reve.core.Seed;
 import reve.core.access.DeclaredAction;
 import reve.core.access.Effect;
@@ -22,20 +20,36 @@ import reve.core.world.Shape;
 import reve.core.world.SnapshotRing;
 import reve.core.world.World;
 import reve.core.world.WorldPrototype;
+
 import tools.jackson.databind.JsonNode;
+
+import java.nio.charset.StandardCharsets;
+import java.util.ArrayList;
+import java.util.List;
+import java.util.Random;
 
 class ObservatoryTest {
     private static JsonNode perceived(boolean relations) {
         try (var arena = new OffHeapArena()) {
             World world = new World("test", WorldPrototype.standard("si-f64"), arena);
-            var take = new DeclaredAction("take", "",
-                    List.of(Parameter.number("speed", 1, Unit.parse("m/s"), "").within(0, 2),
-                            Parameter.item("to", "")),
-                    new Terms(List.of("grip"), List.of()),
-                    List.of(new Effect.Raise("taken", "take")));
+            var take =
+                    new DeclaredAction(
+                            "take",
+                            "",
+                            List.of(
+                                    Parameter.number("speed", 1, Unit.parse("m/s"), "")
+                                            .within(0, 2),
+                                    Parameter.item("to", "")),
+                            new Terms(List.of("grip"), List.of()),
+                            List.of(new Effect.Raise("taken", "take")));
             world.add(ItemDefinition.named("table").shape(Shape.box(1, 1, 1)).build());
-            world.add(ItemDefinition.named("cup").shape(Shape.box(0.1, 0.1, 0.1)).at(0, 0.55, 0)
-                    .symbol("tags", List.of("red", 2, true)).action(take).build());
+            world.add(
+                    ItemDefinition.named("cup")
+                            .shape(Shape.box(0.1, 0.1, 0.1))
+                            .at(0, 0.55, 0)
+                            .symbol("tags", List.of("red", 2, true))
+                            .action(take)
+                            .build());
             world.add(ItemDefinition.named("hand").capability("grip").capability("push").build());
             new BoundingBoxes().update(world);
             var ring = new SnapshotRing(world, 2);
@@ -44,12 +58,17 @@ class ObservatoryTest {
                 var observatory = new Observatory();
                 assertThat(observatory.read(snapshot)).isTrue();
                 View all = observatory.everything();
-                View view = relations
-                        ? observatory.withRelations(all, snapshot).orElseThrow() : all;
+                View view =
+                        relations ? observatory.withRelations(all, snapshot).orElseThrow() : all;
                 var out = new Bytes();
-                new Telling().write(out, new Difference(), Encoding.JSON,
-                        new Outbox.Perception(ClientMessage.NO_ID, view, null));
-                return Json.MAPPER.readTree(new String(out.toArray(), StandardCharsets.UTF_8))
+                new Telling()
+                        .write(
+                                out,
+                                new Difference(),
+                                Encoding.JSON,
+                                new Outbox.Perception(ClientMessage.NO_ID, view, null));
+                return Json.MAPPER
+                        .readTree(new String(out.toArray(), StandardCharsets.UTF_8))
                         .get("items");
             }
         }
@@ -60,9 +79,11 @@ class ObservatoryTest {
         JsonNode items = perceived(false);
 
         JsonNode cup = items.get(1);
-        assertThat(cup.get("actions").get("take")).hasToString("{\"speed\":{\"type\":\"number\","
-                + "\"components\":1,\"unit\":\"m/s\",\"min\":0.0,\"max\":2.0},"
-                + "\"to\":{\"type\":\"item\"}}");
+        assertThat(cup.get("actions").get("take"))
+                .hasToString(
+                        "{\"speed\":{\"type\":\"number\","
+                                + "\"components\":1,\"unit\":\"m/s\",\"min\":0.0,\"max\":2.0},"
+                                + "\"to\":{\"type\":\"item\"}}");
         assertThat(cup.get("needs")).hasToString("{\"take\":[\"grip\"]}");
         assertThat(cup.has("capabilities")).isFalse();
         assertThat(cup.get("symbols").get("tags")).hasToString("[\"red\",2.0,true]");
@@ -74,10 +95,13 @@ class ObservatoryTest {
     void relationsAreWorkedOutOnceInAFrameAndUnchangedItemsStayTheSame() {
         try (var arena = new OffHeapArena()) {
             World world = new World("test", WorldPrototype.standard("si-f64"), arena);
-            Item table = world.add(
-                    ItemDefinition.named("table").shape(Shape.box(1, 1, 1)).build());
-            Item cup = world.add(ItemDefinition.named("cup").shape(Shape.box(0.1, 0.1, 0.1))
-                    .at(0, 0.55, 0).build());
+            Item table = world.add(ItemDefinition.named("table").shape(Shape.box(1, 1, 1)).build());
+            Item cup =
+                    world.add(
+                            ItemDefinition.named("cup")
+                                    .shape(Shape.box(0.1, 0.1, 0.1))
+                                    .at(0, 0.55, 0)
+                                    .build());
             world.add(ItemDefinition.named("tree").shape(Shape.box(1, 4, 1)).at(9, 2, 0).build());
             var boxes = new BoundingBoxes();
             var ring = new SnapshotRing(world, 2);
@@ -87,16 +111,21 @@ class ObservatoryTest {
             cup.physical().setLocation(3, 0.05, 0);
             List<Seen> moved = related(observatory, world, boxes, ring, 3);
             assertThat(moved.getFirst().id()).isEqualTo(table.id());
-            assertThat(moved.getFirst()).as("nothing is on it any more").isNotSameAs(
-                    first.getFirst());
+            assertThat(moved.getFirst())
+                    .as("nothing is on it any more")
+                    .isNotSameAs(first.getFirst());
             assertThat(moved.getFirst().relations().get("near")).isEmpty();
             assertThat(moved.get(1)).isNotSameAs(first.get(1));
             assertThat(moved.get(2)).as("the tree").isSameAs(first.get(2));
         }
     }
 
-    private static List<Seen> related(Observatory observatory, World world, BoundingBoxes boxes,
-            SnapshotRing ring, long frame) {
+    private static List<Seen> related(
+            Observatory observatory,
+            World world,
+            BoundingBoxes boxes,
+            SnapshotRing ring,
+            long frame) {
         boxes.update(world);
         ring.publish(frame, 0.1 * frame);
         try (var snapshot = ring.acquireLatest().orElseThrow()) {
@@ -125,18 +154,24 @@ class ObservatoryTest {
     void whatIsSensedDoesNotDependOnWhatWasAroundInEarlierFrames() {
         long seed = Seed.of("what drifts");
         var random = new Random(seed);
-        var sensors = List.of(Sensor.sight("eyes", 4), Sensor.touch("skin").withRange(0.5),
-                Sensor.sight("far", 8).withFieldOfView(2),
-                Sensor.sight("sharp", 3).withLineOfSight());
+        var sensors =
+                List.of(
+                        Sensor.sight("eyes", 4),
+                        Sensor.touch("skin").withRange(0.5),
+                        Sensor.sight("far", 8).withFieldOfView(2),
+                        Sensor.sight("sharp", 3).withLineOfSight());
         int changes = 0;
         try (var arena = new OffHeapArena()) {
             World world = new World("test", WorldPrototype.standard("si-f64"), arena);
             for (int i = 0; i < 150; i++) {
                 world.add(thing(random, "thing-" + i));
             }
-            var remembering = world.items().stream()
-                    .filter(item -> !item.kind().equals("world")).limit(10)
-                    .map(item -> new Senses(item.id(), sensors)).toList();
+            var remembering =
+                    world.items().stream()
+                            .filter(item -> !item.kind().equals("world"))
+                            .limit(10)
+                            .map(item -> new Senses(item.id(), sensors))
+                            .toList();
             var ring = new SnapshotRing(world, 2);
             var observatory = new Observatory();
             var last = new ArrayList<List<String>>();
@@ -150,10 +185,11 @@ class ObservatoryTest {
                 }
                 var sensed = new ArrayList<List<String>>();
                 for (Senses senses : remembering) {
-                    List<String> names = senses.look(observatory).items().stream()
-                            .map(Seen::name).toList();
-                    List<String> expected = new Senses(senses.body(), sensors).look(fresh)
-                            .items().stream().map(Seen::name).toList();
+                    List<String> names =
+                            senses.look(observatory).items().stream().map(Seen::name).toList();
+                    List<String> expected =
+                            new Senses(senses.body(), sensors)
+                                    .look(fresh).items().stream().map(Seen::name).toList();
                     assertThat(names).as("seed %d frame %d", seed, frame).isEqualTo(expected);
                     sensed.add(names);
                 }
@@ -169,8 +205,12 @@ class ObservatoryTest {
         try (var arena = new OffHeapArena()) {
             World world = new World("test", WorldPrototype.standard("si-f64"), arena);
             Item eye = world.add(ItemDefinition.named("eye").sensor(Sensor.sight("s", 4)).build());
-            Item ball = world.add(ItemDefinition.named("ball").shape(Shape.sphere(1)).at(2, 0, 0)
-                    .build());
+            Item ball =
+                    world.add(
+                            ItemDefinition.named("ball")
+                                    .shape(Shape.sphere(1))
+                                    .at(2, 0, 0)
+                                    .build());
             var senses = new Senses(eye.id(), eye.sensors());
             var ring = new SnapshotRing(world, 2);
             var observatory = new Observatory();
@@ -188,7 +228,8 @@ class ObservatoryTest {
     }
 
     private static ItemDefinition thing(Random random, String name) {
-        return ItemDefinition.named(name).shape(Shape.box(0.5, 1, random.nextDouble(0.1, 2)))
+        return ItemDefinition.named(name)
+                .shape(Shape.box(0.5, 1, random.nextDouble(0.1, 2)))
                 .at(random.nextDouble(-8, 8), random.nextDouble(-8, 8), random.nextDouble(-8, 8))
                 .build();
     }
@@ -206,12 +247,22 @@ class ObservatoryTest {
         switch (random.nextInt(20)) {
             case 0 -> world.add(thing(random, "new-" + frame));
             case 1 -> world.remove(world.find("thing-" + (149 - frame)).orElseThrow().id());
-            case 2 -> world.find("thing-20").orElseThrow().physical()
-                    .setLocation(random.nextBoolean() ? 1e30 : random.nextDouble(-8, 8), 0, 0);
-            case 3, 4, 5, 6 -> world.find("thing-" + random.nextInt(10)).orElseThrow().physical()
-                    .setOrientation(random.nextGaussian(), random.nextGaussian(),
-                            random.nextGaussian(), 1);
-            default -> { }
+            case 2 ->
+                    world.find("thing-20")
+                            .orElseThrow()
+                            .physical()
+                            .setLocation(
+                                    random.nextBoolean() ? 1e30 : random.nextDouble(-8, 8), 0, 0);
+            case 3, 4, 5, 6 ->
+                    world.find("thing-" + random.nextInt(10))
+                            .orElseThrow()
+                            .physical()
+                            .setOrientation(
+                                    random.nextGaussian(),
+                                    random.nextGaussian(),
+                                    random.nextGaussian(),
+                                    1);
+            default -> {}
         }
     }
 }

@@ -1,16 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import static org.assertj.core.api.Assertions.assertThat;
 
+import org.junit.jupiter.api.Test;
+
 import java.nio.charset.StandardCharsets;
 import java.util.ArrayList;
 import java.util.List;
-import org.junit.jupiter.api.Test;
 
 /** The order in which one client is told things. */
 class OutboxTest {
 
-    private final Outbox outbox = new Outbox(2, 100, () -> { });
+    private final Outbox outbox = new Outbox(2, 100, () -> {});
 
     @Test
     void whatHappenedComesBeforeThePerceptionsThatShowIt() {
@@ -111,7 +113,8 @@ class OutboxTest {
     void aDifferenceIsToWhatTheClientWasHandedLastHoweverManyItMissed() {
         outbox.offerLatest(1, view(1));
         outbox.offerLatest(1, view(2));
-        assertThat(outbox.poll()).as("nobody has read the first")
+        assertThat(outbox.poll())
+                .as("nobody has read the first")
                 .isEqualTo(new Outbox.Perception(1, view(2), null));
         outbox.offerLatest(1, view(3));
         outbox.offerLatest(1, view(4));
@@ -141,8 +144,8 @@ class OutboxTest {
     private String take() {
         return switch (outbox.poll()) {
             case Outbox.Message message -> new String(message.bytes(), StandardCharsets.UTF_8);
-            case Outbox.Missed missed -> "missed " + missed.events() + " of " + missed.first()
-                    + " to " + missed.last();
+            case Outbox.Missed missed ->
+                    "missed " + missed.events() + " of " + missed.first() + " to " + missed.last();
             case Outbox.Perception perception -> "perception " + perception.id();
             case null -> null;
         };

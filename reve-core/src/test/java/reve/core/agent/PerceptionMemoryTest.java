@@ -1,18 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import static org.assertj.core.api.Assertions.assertThat;
 
 import com.sun.management.ThreadMXBean;
+
+import org.junit.jupiter.api.Test;
+
+import reve.core.file.AgentPolicy;
+import reve.core.world.ItemDefinition;
+import reve.core.world.Sensor;
+import reve.core.world.Shape;
+
 import java.io.IOException;
 import java.lang.management.ManagementFactory;
 import java.util.ArrayList;
 import java.util.List;
 import java.util.Optional;
-import org.junit.jupiter.api.Test;
-import reve.core.file.AgentPolicy;
-import reve.core.world.ItemDefinition;
-import reve.core.world.Sensor;
-import reve.core.world.Shape;
 
 /**
  * What the event loop leaves to the collector of garbage, which stops the world when there is much.
@@ -22,6 +26,7 @@ class PerceptionMemoryTest {
     private static final int AGENTS = 20;
     private static final int ITEMS = 50;
     private static final int MOVING = 5;
+
     /** A view of 50 items is 200 of them; it lives until the next one. */
     private static final long MOST_BYTES = 1536;
 
@@ -31,21 +36,31 @@ class PerceptionMemoryTest {
         var items = new ArrayList<ItemDefinition>();
         for (int i = 0; i < AGENTS; i++) {
             bodies.add("agent-" + i);
-            items.add(ItemDefinition.named("agent-" + i).at(0, i, 0)
-                    .sensor(Sensor.sight("eyes", 100)).build());
+            items.add(
+                    ItemDefinition.named("agent-" + i)
+                            .at(0, i, 0)
+                            .sensor(Sensor.sight("eyes", 100))
+                            .build());
         }
         for (int i = AGENTS; i < ITEMS; i++) {
-            items.add(ItemDefinition.named("item-" + i).shape(Shape.sphere(0.5))
-                    .at(i, 0, 0).build());
+            items.add(
+                    ItemDefinition.named("item-" + i).shape(Shape.sphere(0.5)).at(i, 0, 0).build());
         }
-        try (var room = new AgentRoom(AgentRoom.CONFIG, new AgentPolicy(bodies, Optional.empty()),
-                64, items)) {
+        try (var room =
+                new AgentRoom(
+                        AgentRoom.CONFIG, new AgentPolicy(bodies, Optional.empty()), 64, items)) {
             var clients = new ArrayList<TestClient>();
             for (String body : bodies) {
-                clients.add(room.connect()
-                        .say("{'t':'hello','protocol':1,'name':'" + body + "','body':'"
-                                + body + "'}")
-                        .say("{'t':'perceive','every':1}").sync());
+                clients.add(
+                        room.connect()
+                                .say(
+                                        "{'t':'hello','protocol':1,'name':'"
+                                                + body
+                                                + "','body':'"
+                                                + body
+                                                + "'}")
+                                .say("{'t':'perceive','every':1}")
+                                .sync());
             }
             frames(room, clients, 400);
             long before = allocatedByEventLoop();
@@ -77,6 +92,7 @@ class PerceptionMemoryTest {
         var threads = (ThreadMXBean) ManagementFactory.getThreadMXBean();
         return Thread.getAllStackTraces().keySet().stream()
                 .filter(thread -> thread.getName().equals("agents"))
-                .mapToLong(thread -> threads.getThreadAllocatedBytes(thread.threadId())).sum();
+                .mapToLong(thread -> threads.getThreadAllocatedBytes(thread.threadId()))
+                .sum();
     }
 }

@@ -1,11 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import static org.assertj.core.api.Assertions.assertThat;
 
+import org.junit.jupiter.api.Test;
+
 import java.util.ArrayList;
 import java.util.List;
 import java.util.Optional;
-import org.junit.jupiter.api.Test;
 
 /** Costs and times are told, so that each run is the same. */
 class PerceptionSharesTest {
@@ -15,8 +17,9 @@ class PerceptionSharesTest {
     private final List<Perceiver> all = new ArrayList<>();
     private long now;
 
-    private record Perceiver(String name, PerceptionShares.Cost perceptionCost,
-            boolean isInLockStep) implements PerceptionShares.Client {
+    private record Perceiver(
+            String name, PerceptionShares.Cost perceptionCost, boolean isInLockStep)
+            implements PerceptionShares.Client {
 
         @Override
         public boolean perceives(long frame) {
@@ -73,7 +76,8 @@ class PerceptionSharesTest {
 
     @Test
     void theSessionsOfOneTokenHaveOneShare() {
-        var token = Optional.of(new AgentToken("class", "0".repeat(64), Rights.ALL, Optional.empty()));
+        var token =
+                Optional.of(new AgentToken("class", "0".repeat(64), Rights.ALL, Optional.empty()));
         var many = new ArrayList<Perceiver>();
         for (int i = 0; i < 50; i++) {
             many.add(new Perceiver("many-" + i, shares.cost(token), false));

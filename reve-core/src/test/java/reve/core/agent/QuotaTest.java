@@ -1,6 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import static org.assertj.core.api.Assertions.assertThat;
+
+import org.junit.jupiter.api.Test;
 
 import java.io.IOException;
 import java.time.Duration;
@@ -13,7 +16,6 @@ import java.util.concurrent.Future;
 import java.util.concurrent.atomic.AtomicBoolean;
 import java.util.stream.Collectors;
 import java.util.stream.IntStream;
-import org.junit.jupiter.api.Test;
 
 /** How many messages of a client are taken, and what becomes of one that sends more. */
 class QuotaTest {
@@ -68,18 +70,37 @@ class QuotaTest {
     private static AgentServerConfig config(int messagesPerSecond, Duration flood) {
         AgentServerConfig c = AgentRoom.CONFIG;
         AgentLimits l = c.limits();
-        var limits = new AgentLimits(l.maxConnections(), l.helloBytes(), l.lineBytes(),
-                messagesPerSecond, l.actsInFlight(), l.outboxMessages(), l.outboxBytes(),
-                l.maxErrors(), l.kept(), l.resumes());
+        var limits =
+                new AgentLimits(
+                        l.maxConnections(),
+                        l.helloBytes(),
+                        l.lineBytes(),
+                        messagesPerSecond,
+                        l.actsInFlight(),
+                        l.outboxMessages(),
+                        l.outboxBytes(),
+                        l.maxErrors(),
+                        l.kept(),
+                        l.resumes());
         AgentTimeouts t = c.timeouts();
-        var timeouts = new AgentTimeouts(t.hello(), t.line(), t.idle(), flood, t.write(), t.grace(),
-                t.deadline(), t.waiting(), t.linger());
+        var timeouts =
+                new AgentTimeouts(
+                        t.hello(),
+                        t.line(),
+                        t.idle(),
+                        flood,
+                        t.write(),
+                        t.grace(),
+                        t.deadline(),
+                        t.waiting(),
+                        t.linger());
         return new AgentServerConfig(c.address(), limits, timeouts, c.audit(), c.security());
     }
 
     /** Messages, one a line, whose ids are 1, 2, … */
     private static String numbered(String message, int count) {
-        return IntStream.rangeClosed(1, count).mapToObj(message::formatted)
+        return IntStream.rangeClosed(1, count)
+                .mapToObj(message::formatted)
                 .collect(Collectors.joining("\n"));
     }
 
@@ -103,8 +124,11 @@ class QuotaTest {
 
     @Test
     void whoAlwaysSendsMoreIsCutWhateverItSends() throws IOException {
-        for (String message : List.of("{'t':'ping','id':%d}", "{'t':'perceive','every':%d}",
-                "{'t':'act','id':%d,'item':'duck','action':'wind-up'}")) {
+        for (String message :
+                List.of(
+                        "{'t':'ping','id':%d}",
+                        "{'t':'perceive','every':%d}",
+                        "{'t':'act','id':%d,'item':'duck','action':'wind-up'}")) {
             try (AgentRoom room = new AgentRoom(config(300, FLOOD));
                     TestClient ada = room.join("ada")) {
                 ada.say(numbered(message, 3000)).skipToBye("too-many-messages");
@@ -117,7 +141,7 @@ class QuotaTest {
     void whoWaitsForAnswersInBetweenIsNotCut() throws IOException {
         try (AgentRoom room = new AgentRoom(config(3000, Duration.ofSeconds(1)));
                 TestClient ada = room.join("ada")) {
-            for (long end = System.nanoTime() + 2 * SECOND; System.nanoTime() < end;) {
+            for (long end = System.nanoTime() + 2 * SECOND; System.nanoTime() < end; ) {
                 ada.say(numbered("{'t':'ping','id':%d}", 200));
                 for (int i = 1; i <= 200; i++) {
                     ada.expect("pong");
@@ -128,8 +152,8 @@ class QuotaTest {
     }
 
     /**
-     * Floods for as long as the good agents need, and until they are cut, each by a
-     * client that comes again.
+     * Floods for as long as the good agents need, and until they are cut, each by a client that
+     * comes again.
      */
     @Test
     void floodsCostTheOthersNoneOfTheirActs() throws Exception {
@@ -159,7 +183,9 @@ class QuotaTest {
         }
     }
 
-    /** @return how often it was cut */
+    /**
+     * @return how often it was cut
+     */
     private static int flood(AgentRoom room, String name, AtomicBoolean over) throws IOException {
         int cut = 0;
         for (; cut == 0 || !over.get(); cut++) {
@@ -172,7 +198,9 @@ class QuotaTest {
         return cut;
     }
 
-    /** @return how many of its acts were accepted */
+    /**
+     * @return how many of its acts were accepted
+     */
     private static Callable<Integer> agent(AgentRoom room, String name, int rounds) {
         return () -> {
             int accepted = 0;

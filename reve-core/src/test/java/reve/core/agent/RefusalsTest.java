@@ -1,13 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import static org.assertj.core.api.Assertions.assertThat;
 
-import java.io.IOException;
-import java.util.Map;
 import org.junit.jupiter.api.Test;
+
 import reve.core.frame.FramePhase;
 import reve.core.world.WorldEvent;
+
 import tools.jackson.databind.JsonNode;
+
+import java.io.IOException;
+import java.util.Map;
 
 /** What only a long time, or much of something, brings about. */
 class RefusalsTest {
@@ -17,7 +21,8 @@ class RefusalsTest {
 
     @Test
     void aCommandThatMayHaveBeenDoneLongAgoIsNotDoneAgain() throws IOException {
-        try (AgentRoom room = new AgentRoom(); TestClient ada = room.join("ada")) {
+        try (AgentRoom room = new AgentRoom();
+                TestClient ada = room.join("ada")) {
             int atOnce = AgentRoom.CONFIG.limits().actsInFlight();
             for (int id = 0; id < REMEMBERED + atOnce; id += atOnce) {
                 for (int i = 0; i < atOnce; i++) {
@@ -39,44 +44,59 @@ class RefusalsTest {
 
     @Test
     void whoMissedMoreThanIsRememberedGoesOnAndIsToldSo() throws IOException {
-        try (AgentRoom room = new AgentRoom(); TestClient ada = room.connect()) {
+        try (AgentRoom room = new AgentRoom();
+                TestClient ada = room.connect()) {
             ada.say("{'t':'hello','protocol':1,'name':'ada','graceSeconds':60}").sync();
             room.step();
             JsonNode welcome = ada.expect("welcome");
             ada.socket.close();
             room.stepUntil("its connection is gone", () -> room.server.stats().open() == 0);
             String text = "x".repeat(4000);
-            var speech = room.bus.subscribe(FramePhase.ACT, "much", event -> {
-                for (int i = 0; i < EventLog.MAX_BYTES / text.length(); i++) {
-                    room.world.raise(new WorldEvent(event.frame(), "said", Map.of("text", text)));
-                }
-            });
+            var speech =
+                    room.bus.subscribe(
+                            FramePhase.ACT,
+                            "much",
+                            event -> {
+                                for (int i = 0; i < EventLog.MAX_BYTES / text.length(); i++) {
+                                    room.world.raise(
+                                            new WorldEvent(
+                                                    event.frame(), "said", Map.of("text", text)));
+                                }
+                            });
             room.step();
             speech.close();
             long much = room.loop.frame();
             room.step();
             try (TestClient back = room.connect()) {
-                back.say("{'t':'hello','protocol':1,'name':'ada','resume':{'session':'"
-                        + welcome.at("/session/token").stringValue() + "','frame':1}}");
+                back.say(
+                        "{'t':'hello','protocol':1,'name':'ada','resume':{'session':'"
+                                + welcome.at("/session/token").stringValue()
+                                + "','frame':1}}");
                 assertThat(back.expect("welcome").get("resumed").booleanValue()).isTrue();
-                assertThat(back.expect("event")).isEqualTo(TestClient.json(("{'t':'event',"
-                        + "'frame':%1$d,'type':'missed','fields':{'first':2,'last':%1$d}}")
-                        .formatted(much)));
+                assertThat(back.expect("event"))
+                        .isEqualTo(
+                                TestClient.json(
+                                        ("{'t':'event',"
+                                                        + "'frame':%1$d,'type':'missed','fields':{'first':2,'last':%1$d}}")
+                                                .formatted(much)));
                 back.say("{'t':'perceive','id':1}").sync();
                 room.step();
                 assertThat(back.expect("perception").get("id").intValue())
-                        .as("none of the frame's other events").isEqualTo(1);
+                        .as("none of the frame's other events")
+                        .isEqualTo(1);
             }
         }
     }
 
     @Test
     void whenAllImagesAreTakenAnotherReplacesOneOrIsRefused() throws IOException {
-        try (AgentRoom room = new AgentRoom(); TestClient boss = room.connect()) {
+        try (AgentRoom room = new AgentRoom();
+                TestClient boss = room.connect()) {
             boss.say("{'t':'hello','protocol':1,'name':'boss','role':'control'}").expect("welcome");
             for (int id = 0; id <= IMAGES; id++) {
                 JsonNode result = snapshot(room, boss, id, "image " + id);
-                assertThat(result.get("accepted").booleanValue()).as("%s", result)
+                assertThat(result.get("accepted").booleanValue())
+                        .as("%s", result)
                         .isEqualTo(id < IMAGES);
                 if (id == IMAGES) {
                     assertThat(result.get("code").stringValue()).isEqualTo("too-many-images");

@@ -1,6 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import static org.assertj.core.api.Assertions.assertThat;
+
+import org.junit.jupiter.api.Test;
+
+import tools.jackson.databind.JsonNode;
 
 import java.io.IOException;
 import java.util.ArrayList;
@@ -8,8 +13,6 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.stream.IntStream;
-import org.junit.jupiter.api.Test;
-import tools.jackson.databind.JsonNode;
 
 /** What a session that is resumed again and again costs the server. */
 class ResumesTest {
@@ -37,12 +40,15 @@ class ResumesTest {
 
     @Test
     void whoResumesTooOftenIsRefusedAndKeepsItsSession() throws IOException {
-        try (var room = new AgentRoom(); TestClient ada = room.connect()) {
+        try (var room = new AgentRoom();
+                TestClient ada = room.connect()) {
             ada.say("{'t':'hello','protocol':1,'name':'ada','graceSeconds':60}").sync();
             room.step();
             token = ada.expect("welcome").at("/session/token").stringValue();
-            String resume = "{'t':'hello','protocol':1,'name':'ada','resume':{'session':'" + token
-                    + "','frame':0}}";
+            String resume =
+                    "{'t':'hello','protocol':1,'name':'ada','resume':{'session':'"
+                            + token
+                            + "','frame':0}}";
             var clients = new ArrayList<TestClient>(List.of(ada));
             long begun = System.nanoTime();
             int resumed = 0;
@@ -71,13 +77,14 @@ class ResumesTest {
         var log = new EventLog(SECOND, EventLog.MAX_BYTES);
         var shared = new ArrayList<byte[]>();
         for (int frame = 1; frame <= 100; frame++) {
-            var told = HeardEvent.Told.of(
-                    new ServerMessage.Event(frame, "rang", Map.of()), Encoding.JSON);
+            var told =
+                    HeardEvent.Told.of(
+                            new ServerMessage.Event(frame, "rang", Map.of()), Encoding.JSON);
             shared.add(told.bytes());
             log.add(told, 0);
         }
         for (int resume = 0; resume < 3; resume++) {
-            var outbox = new Outbox(2, 100, () -> { });
+            var outbox = new Outbox(2, 100, () -> {});
             outbox.begin(new byte[10], log.after(0, Encoding.JSON), Encoding.JSON);
             assertThat(outbox.bytes()).as("memory of its own").isEqualTo(100 * 8);
             assertThat(bytes(outbox)).hasSize(10);
@@ -92,7 +99,7 @@ class ResumesTest {
     @Test
     void aResumeInAnotherEncodingGetsTheSameEvents() {
         var told = HeardEvent.Told.of(new ServerMessage.Event(7, "rang", Map.of()), Encoding.JSON);
-        var outbox = new Outbox(2, 100, () -> { });
+        var outbox = new Outbox(2, 100, () -> {});
         outbox.begin(new byte[10], List.of(told), Encoding.MESSAGEPACK);
         bytes(outbox);
         assertThat(bytes(outbox)).isEqualTo(told.message().in(Encoding.MESSAGEPACK));
@@ -100,9 +107,13 @@ class ResumesTest {
 
     @Test
     void whatWaitedForTheOlderConnectionIsDiscarded() {
-        var outbox = new Outbox(10, 1000, () -> { });
-        outbox.begin(new byte[10], List.of(HeardEvent.Told.of(
-                new ServerMessage.Event(7, "rang", Map.of()), Encoding.JSON)), Encoding.JSON);
+        var outbox = new Outbox(10, 1000, () -> {});
+        outbox.begin(
+                new byte[10],
+                List.of(
+                        HeardEvent.Told.of(
+                                new ServerMessage.Event(7, "rang", Map.of()), Encoding.JSON)),
+                Encoding.JSON);
         outbox.offer(new byte[100]);
         outbox.offer(new byte[100], 8);
         outbox.miss(9);
@@ -132,19 +143,38 @@ class ResumesTest {
 
     private static AgentRoom talkative() throws IOException {
         AgentLimits l = AgentRoom.CONFIG.limits();
-        var limits = new AgentLimits(l.maxConnections(), l.helloBytes(), l.lineBytes(), 10_000_000,
-                l.actsInFlight(), 100_000, 10_000_000, l.maxErrors(), l.kept(), l.resumes());
-        return new AgentRoom(new AgentServerConfig(AgentRoom.CONFIG.address(), limits,
-                AgentRoom.CONFIG.timeouts(), Optional.empty(), AgentSecurity.NONE));
+        var limits =
+                new AgentLimits(
+                        l.maxConnections(),
+                        l.helloBytes(),
+                        l.lineBytes(),
+                        10_000_000,
+                        l.actsInFlight(),
+                        100_000,
+                        10_000_000,
+                        l.maxErrors(),
+                        l.kept(),
+                        l.resumes());
+        return new AgentRoom(
+                new AgentServerConfig(
+                        AgentRoom.CONFIG.address(),
+                        limits,
+                        AgentRoom.CONFIG.timeouts(),
+                        Optional.empty(),
+                        AgentSecurity.NONE));
     }
 
     @Test
     void whatWaitsInTheQueueOfASlowReaderCountsUntilItsSessionIsResumed() throws IOException {
-        try (AgentRoom room = talkative(); TestClient ada = stuck(room);
+        try (AgentRoom room = talkative();
+                TestClient ada = stuck(room);
                 TestClient again = room.connect()) {
             assertThat(ada.hasNews()).as("something to read").isTrue();
-            again.say("{'t':'hello','protocol':1,'name':'ada','resume':{'session':'" + token
-                    + "','frame':0}}").expect("welcome");
+            again.say(
+                            "{'t':'hello','protocol':1,'name':'ada','resume':{'session':'"
+                                    + token
+                                    + "','frame':0}}")
+                    .expect("welcome");
             assertThat(room.server.slowReaders().bytes()).isZero();
             assertThat(room.server.stats().open()).as("connections").isEqualTo(1);
         }

@@ -1,20 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import static org.assertj.core.api.Assertions.assertThat;
+
+import org.junit.jupiter.api.AfterEach;
+import org.junit.jupiter.api.BeforeEach;
+import org.junit.jupiter.api.Test;
+
+import reve.core.file.AgentPolicy;
+import reve.core.world.ItemDefinition;
+import reve.core.world.Sensor;
+import reve.core.world.Shape;
+
+import tools.jackson.databind.JsonNode;
 
 import java.io.IOException;
 import java.util.List;
 import java.util.Optional;
 import java.util.concurrent.ExecutorService;
 import java.util.concurrent.Executors;
-import org.junit.jupiter.api.AfterEach;
-import org.junit.jupiter.api.BeforeEach;
-import org.junit.jupiter.api.Test;
-import reve.core.file.AgentPolicy;
-import reve.core.world.ItemDefinition;
-import reve.core.world.Sensor;
-import reve.core.world.Shape;
-import tools.jackson.databind.JsonNode;
 
 /** Going back to what was kept of a world, with the agents that are in it then. */
 class RewindTest {
@@ -91,8 +95,11 @@ class RewindTest {
                 seen = boss.skipTo("perception").get("frame").longValue();
             }
             for (int id = 4; id < 200; id++) {
-                long frame = boss.say("{'t':'step','id':" + id + "}").expect("result").get("frame")
-                        .longValue();
+                long frame =
+                        boss.say("{'t':'step','id':" + id + "}")
+                                .expect("result")
+                                .get("frame")
+                                .longValue();
                 assertThat(boss.expect("perception").get("frame").longValue()).isEqualTo(frame);
             }
         }
@@ -100,7 +107,8 @@ class RewindTest {
 
     @Test
     void agentsStayWithTheBodiesThatTheyHadOrGetThemAnew() throws IOException {
-        try (TestClient ada = room.join("ada"); TestClient bob = room.join("bob")) {
+        try (TestClient ada = room.join("ada");
+                TestClient bob = room.join("bob")) {
             keep("two");
             bob.say("{'t':'bye'}").skipToBye("goodbye");
             room.step();
@@ -143,7 +151,8 @@ class RewindTest {
     @Test
     void aLentBodyIsWhereItWasAndStaysWithItsAgent() throws IOException {
         try (AgentRoom lending = new AgentRoom(AgentRoom.CONFIG, AgentRoom.lending("duck"), 64);
-                TestClient chief = control(lending); TestClient ada = lending.join("ada")) {
+                TestClient chief = control(lending);
+                TestClient ada = lending.join("ada")) {
             lending.item("duck").physical().setLocation(3, 3, 3);
             chief.say("{'t':'rewind','id':1}").sync();
             lending.step();
@@ -160,13 +169,21 @@ class RewindTest {
 
     @Test
     void whoSensesGoesOnSensingFromTheBodyThatItHasThen() throws IOException {
-        ItemDefinition body = ItemDefinition.named("body").shape(Shape.box(0.5, 1, 0.5))
-                .at(0, 0.5, 0).sensor(Sensor.sight("eyes", 5)).build();
-        try (AgentRoom sensing = new AgentRoom(AgentRoom.CONFIG,
-                new AgentPolicy(List.of(), Optional.of(body)), 64);
-                TestClient chief = control(sensing); TestClient ada = sensing.join("ada")) {
-            sensing.world.add(ItemDefinition.named("far").shape(Shape.sphere(1))
-                    .at(50, 0, 0).build());
+        ItemDefinition body =
+                ItemDefinition.named("body")
+                        .shape(Shape.box(0.5, 1, 0.5))
+                        .at(0, 0.5, 0)
+                        .sensor(Sensor.sight("eyes", 5))
+                        .build();
+        try (AgentRoom sensing =
+                        new AgentRoom(
+                                AgentRoom.CONFIG,
+                                new AgentPolicy(List.of(), Optional.of(body)),
+                                64);
+                TestClient chief = control(sensing);
+                TestClient ada = sensing.join("ada")) {
+            sensing.world.add(
+                    ItemDefinition.named("far").shape(Shape.sphere(1)).at(50, 0, 0).build());
             ada.say("{'t':'perceive','id':1,'every':1}").sync();
             sensing.step();
             ada.skipTo("perception");
@@ -176,7 +193,9 @@ class RewindTest {
             chief.say("{'t':'rewind','id':1}").sync();
             sensing.step();
             JsonNode seen = ada.skipTo("perception");
-            assertThat(seen.get("items").toString()).contains("duck").contains("ada")
+            assertThat(seen.get("items").toString())
+                    .contains("duck")
+                    .contains("ada")
                     .doesNotContain("far");
         }
     }

@@ -1,6 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import static org.assertj.core.api.Assertions.assertThat;
+
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+
+import reve.core.Seed;
+import reve.core.access.DeclaredAction;
+import reve.core.access.Effect;
+import reve.core.access.Operand;
+import reve.core.access.Terms;
+import reve.core.file.AgentPolicy;
+import reve.core.unit.Unit;
+import reve.core.world.ItemDefinition;
+import reve.core.world.Parameter;
+import reve.core.world.Sensor;
+import reve.core.world.Shape;
+
+import tools.jackson.databind.JsonNode;
 
 import java.io.IOException;
 import java.net.InetAddress;
@@ -19,20 +37,6 @@ import java.util.Random;
 import java.util.Set;
 import java.util.TreeMap;
 import java.util.TreeSet;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.api.io.TempDir;
-import reve.core.Seed;
-import reve.core.access.DeclaredAction;
-import reve.core.access.Effect;
-import reve.core.access.Operand;
-import reve.core.access.Terms;
-import reve.core.file.AgentPolicy;
-import reve.core.unit.Unit;
-import reve.core.world.ItemDefinition;
-import reve.core.world.Parameter;
-import reve.core.world.Sensor;
-import reve.core.world.Shape;
-import tools.jackson.databind.JsonNode;
 
 /**
  * Random operations of clients with all kinds of tokens against a small model of their rights:
@@ -53,41 +57,92 @@ class RightsModelTest {
 
     // ---- the world, as data for both the real one and the model ----
 
-    /** @param needs capabilities by action; every action pushes its item by 1 N s */
-    private record Thing(String name, double x, Set<String> capabilities, boolean sensing,
-            boolean sensesActions, Map<String, List<String>> needs) {
+    /**
+     * @param needs capabilities by action; every action pushes its item by 1 N s
+     */
+    private record Thing(
+            String name,
+            double x,
+            Set<String> capabilities,
+            boolean sensing,
+            boolean sensesActions,
+            Map<String, List<String>> needs) {
 
         ItemDefinition definition() {
-            ItemDefinition.Builder item = ItemDefinition.named(name).shape(Shape.sphere(0.25))
-                    .at(x, 0, 0).physics("mass", 1).physics("velocity", 0, 0, 0);
+            ItemDefinition.Builder item =
+                    ItemDefinition.named(name)
+                            .shape(Shape.sphere(0.25))
+                            .at(x, 0, 0)
+                            .physics("mass", 1)
+                            .physics("velocity", 0, 0, 0);
             capabilities.forEach(item::capability);
             if (sensing) {
                 Sensor eyes = Sensor.sight("eyes", NEAR);
-                item.sensor(sensesActions ? eyes : new Sensor("eyes", false, NEAR, Sensor.ALL_ROUND,
-                        false, 1, Optional.empty(),
-                        EnumSet.of(Sensor.Aspect.PHYSICAL, Sensor.Aspect.SEMANTIC),
-                        Optional.empty()));
+                item.sensor(
+                        sensesActions
+                                ? eyes
+                                : new Sensor(
+                                        "eyes",
+                                        false,
+                                        NEAR,
+                                        Sensor.ALL_ROUND,
+                                        false,
+                                        1,
+                                        Optional.empty(),
+                                        EnumSet.of(Sensor.Aspect.PHYSICAL, Sensor.Aspect.SEMANTIC),
+                                        Optional.empty()));
             }
-            needs.forEach((action, capable) -> item.action(new DeclaredAction(action, "Pushes it.",
-                    action.equals("throw") ? List.of(IMPULSE, OTHER) : List.of(IMPULSE),
-                    new Terms(capable, List.of()),
-                    List.of(new Effect.Impulse(new Operand.Argument(IMPULSE))))));
+            needs.forEach(
+                    (action, capable) ->
+                            item.action(
+                                    new DeclaredAction(
+                                            action,
+                                            "Pushes it.",
+                                            action.equals("throw")
+                                                    ? List.of(IMPULSE, OTHER)
+                                                    : List.of(IMPULSE),
+                                            new Terms(capable, List.of()),
+                                            List.of(
+                                                    new Effect.Impulse(
+                                                            new Operand.Argument(IMPULSE))))));
             return item.build();
         }
     }
 
     private static final Map<String, List<String>> NO_NEEDS = Map.of("push", List.of());
-    private static final List<Thing> THINGS = List.of(
-            new Thing("boat", 0, Set.of("lift", "push"), true, true, NO_NEEDS),
-            new Thing("raft", 1, Set.of("push"), true, false, NO_NEEDS),
-            new Thing("kite", 2, Set.of("fly", "lift"), false, true, NO_NEEDS),
-            new Thing("duck", 5, Set.of(), false, true,
-                    Map.of("push", List.of(), "throw", List.of())),
-            new Thing("crate", 6, Set.of(), false, true,
-                    Map.of("push", List.of("lift"), "throw", List.of("push"))),
-            new Thing("gem", 7, Set.of(), false, true, Map.of("push", List.of("lift", "fly"))),
-            new Thing("star", 500, Set.of(), false, true,
-                    Map.of("push", List.of(), "throw", List.of("fly"))));
+    private static final List<Thing> THINGS =
+            List.of(
+                    new Thing("boat", 0, Set.of("lift", "push"), true, true, NO_NEEDS),
+                    new Thing("raft", 1, Set.of("push"), true, false, NO_NEEDS),
+                    new Thing("kite", 2, Set.of("fly", "lift"), false, true, NO_NEEDS),
+                    new Thing(
+                            "duck",
+                            5,
+                            Set.of(),
+                            false,
+                            true,
+                            Map.of("push", List.of(), "throw", List.of())),
+                    new Thing(
+                            "crate",
+                            6,
+                            Set.of(),
+                            false,
+                            true,
+                            Map.of("push", List.of("lift"), "throw", List.of("push"))),
+                    new Thing(
+                            "gem",
+                            7,
+                            Set.of(),
+                            false,
+                            true,
+                            Map.of("push", List.of("lift", "fly"))),
+                    new Thing(
+                            "star",
+                            500,
+                            Set.of(),
+                            false,
+                            true,
+                            Map.of("push", List.of(), "throw", List.of("fly"))));
     private static final Map<String, Thing> BY_NAME = new HashMap<>();
     private static final List<String> ITEMS = new ArrayList<>(List.of("nothing"));
     private static final List<String> ACTIONS = List.of("push", "throw", "explode");
@@ -120,7 +175,8 @@ class RightsModelTest {
         }
 
         boolean senses(Thing thing) {
-            return body.isEmpty() || !body.get().sensing
+            return body.isEmpty()
+                    || !body.get().sensing
                     || Math.abs(body.get().x - thing.x) <= NEAR;
         }
 
@@ -135,7 +191,8 @@ class RightsModelTest {
             if (blind || !thing.needs.containsKey(action)) {
                 return "no-such-action";
             }
-            if (action.equals("throw") && mine.sensing
+            if (action.equals("throw")
+                    && mine.sensing
                     && (!BY_NAME.containsKey(other) || !senses(BY_NAME.get(other)))) {
                 return "no-such-item";
             }
@@ -163,18 +220,23 @@ class RightsModelTest {
     private AgentRoom room;
     private Random random;
 
-    @TempDir
-    private Path folder;
+    @TempDir private Path folder;
 
     @Test
     void everyAnswerIsAsTheRightsSay() throws IOException {
         long seed = Seed.of("the rights");
         random = new Random(seed);
         Path file = issueTokens();
-        AgentServerConfig config = AgentServerConfig.on(AgentRoom.CONFIG.address(),
-                new AgentSecurity(Optional.of(TokenFile.open(file)), Optional.empty()));
-        try (AgentRoom open = new AgentRoom(config, new AgentPolicy(LENT, Optional.empty()), 4096,
-                THINGS.stream().map(Thing::definition).toList())) {
+        AgentServerConfig config =
+                AgentServerConfig.on(
+                        AgentRoom.CONFIG.address(),
+                        new AgentSecurity(Optional.of(TokenFile.open(file)), Optional.empty()));
+        try (AgentRoom open =
+                new AgentRoom(
+                        config,
+                        new AgentPolicy(LENT, Optional.empty()),
+                        4096,
+                        THINGS.stream().map(Thing::definition).toList())) {
             room = open;
             while (operations < OPERATIONS) {
                 comeOrGo();
@@ -191,17 +253,27 @@ class RightsModelTest {
         }
         System.out.println(operations + " operations: " + seen);
         assertThat(seen.keySet())
-                .contains("done", "bad-token", "not-permitted", "no-such-item", "no-such-action",
-                        "not-capable", "again", "perceived");
+                .contains(
+                        "done",
+                        "bad-token",
+                        "not-permitted",
+                        "no-such-item",
+                        "no-such-action",
+                        "not-capable",
+                        "again",
+                        "perceived");
     }
 
     private Path issueTokens() throws IOException {
         Path file = folder.resolve("tokens.json");
         for (int i = 0; i < 12; i++) {
-            Rights rights = new Rights(some(List.of(Role.values()), 0.5).orElse(Set.of(Role.AGENT)),
-                    i % 4 == 3 ? Optional.of(Set.of("sea")) : some(List.of("pond"), 1),
-                    i % 2 == 0 ? Optional.empty() : some(LENT, 0.6),
-                    some(CAPABILITIES, 0.6), false);
+            Rights rights =
+                    new Rights(
+                            some(List.of(Role.values()), 0.5).orElse(Set.of(Role.AGENT)),
+                            i % 4 == 3 ? Optional.of(Set.of("sea")) : some(List.of("pond"), 1),
+                            i % 2 == 0 ? Optional.empty() : some(LENT, 0.6),
+                            some(CAPABILITIES, 0.6),
+                            false);
             AgentToken.Issued issued = AgentToken.issue("agent" + i % 8, rights, Optional.empty());
             TokenFile.add(file, issued.token());
             holders.add(new Holder(issued.token().name(), issued.secret(), rights));
@@ -236,29 +308,38 @@ class RightsModelTest {
         String name = random.nextInt(8) == 0 ? "agent" + random.nextInt(9) : holder.name;
         Role role = random.nextInt(3) > 0 ? Role.AGENT : any(List.of(Role.values()));
         Optional<String> body = random.nextInt(3) > 0 ? Optional.empty() : Optional.of(any(ITEMS));
-        Optional<String> secret = switch (random.nextInt(10)) {
-            case 0 -> Optional.empty();
-            case 1 -> Optional.of(AgentToken.newSecret());
-            default -> Optional.of(holder.secret);
-        };
+        Optional<String> secret =
+                switch (random.nextInt(10)) {
+                    case 0 -> Optional.empty();
+                    case 1 -> Optional.of(AgentToken.newSecret());
+                    default -> Optional.of(holder.secret);
+                };
         hello(holder, name, role, body, secret);
     }
 
-    private void hello(Holder holder, String name, Role role, Optional<String> body,
-            Optional<String> secret) throws IOException {
+    private void hello(
+            Holder holder, String name, Role role, Optional<String> body, Optional<String> secret)
+            throws IOException {
         boolean right = secret.isPresent() && secret.get().equals(holder.secret);
         TestClient connection = new TestClient(connected(!right));
-        connection.say("{'t':'hello','protocol':1,'name':'" + name + "'"
-                + ",'role':'" + role.wireName() + "'"
-                + body.map(item -> ",'body':'" + item + "'").orElse("")
-                + secret.map(token -> ",'token':'" + token + "'").orElse("") + "}");
+        connection.say(
+                "{'t':'hello','protocol':1,'name':'"
+                        + name
+                        + "'"
+                        + ",'role':'"
+                        + role.wireName()
+                        + "'"
+                        + body.map(item -> ",'body':'" + item + "'").orElse("")
+                        + secret.map(token -> ",'token':'" + token + "'").orElse("")
+                        + "}");
         room.stepUntil("hello is answered", connection::hasNews);
         JsonNode answer = connection.next();
         var client = new Client(holder, role, connection);
         String verdict = verdict(holder, name, role, body, right, client);
         if (!verdict.isEmpty()) {
             assertThat(answer.path("code").asString(answer.toString()))
-                    .as("%s as %s wants %s of %s", name, role, body, holder).isEqualTo(verdict);
+                    .as("%s as %s wants %s of %s", name, role, body, holder)
+                    .isEqualTo(verdict);
             connection.close();
             count(verdict);
             return;
@@ -271,16 +352,22 @@ class RightsModelTest {
     }
 
     /**
-     * What becomes of a hello: a code, or empty if it is welcome, and then the model's
-     * client has its body.
+     * What becomes of a hello: a code, or empty if it is welcome, and then the model's client has
+     * its body.
      */
-    private String verdict(Holder holder, String name, Role role, Optional<String> body,
-            boolean right, Client client) {
+    private String verdict(
+            Holder holder,
+            String name,
+            Role role,
+            Optional<String> body,
+            boolean right,
+            Client client) {
         if (!right) {
             return "bad-token";
         }
         Rights rights = holder.rights;
-        if (!holder.name.equals(name) || !rights.roles().contains(role)
+        if (!holder.name.equals(name)
+                || !rights.roles().contains(role)
                 || !opens(rights.worlds(), "pond")) {
             return "not-permitted";
         }
@@ -303,9 +390,11 @@ class RightsModelTest {
             client.body = Optional.of(BY_NAME.get(wanted));
             return taken.contains(wanted) ? "body-taken" : "";
         }
-        client.body = LENT.stream()
-                .filter(item -> !taken.contains(item) && opens(rights.bodies(), item)).findFirst()
-                .map(BY_NAME::get);
+        client.body =
+                LENT.stream()
+                        .filter(item -> !taken.contains(item) && opens(rights.bodies(), item))
+                        .findFirst()
+                        .map(BY_NAME::get);
         return client.body.isEmpty() ? "no-body-free" : "";
     }
 
@@ -316,9 +405,14 @@ class RightsModelTest {
         var socket = new Socket();
         if (fromElsewhere) {
             wrongTokens++;
-            InetAddress elsewhere = InetAddress.getByAddress(new byte[] {
-                127, (byte) (1 + wrongTokens / 60_000),
-                (byte) (wrongTokens / 250), (byte) (1 + wrongTokens % 250)});
+            InetAddress elsewhere =
+                    InetAddress.getByAddress(
+                            new byte[] {
+                                127,
+                                (byte) (1 + wrongTokens / 60_000),
+                                (byte) (wrongTokens / 250),
+                                (byte) (1 + wrongTokens % 250)
+                            });
             socket.bind(new InetSocketAddress(elsewhere, 0));
         }
         socket.connect(room.server.address());
@@ -371,8 +465,12 @@ class RightsModelTest {
                 return expected;
             } else if (random.nextInt(12) == 0 && client.errors < MAX_ERRORS) {
                 long id = ++client.lastId;
-                client.connection.say("{'t':'edit','id':" + id
-                        + ",'item':'duck','property':'semantic.note','value':" + id + "}");
+                client.connection.say(
+                        "{'t':'edit','id':"
+                                + id
+                                + ",'item':'duck','property':'semantic.note','value':"
+                                + id
+                                + "}");
                 expected.put(id, client.role == Role.CONTROL ? "edited" : "not-permitted");
                 client.errors += client.role == Role.CONTROL ? 0 : 1;
             } else if (client.role == Role.AGENT || client.errors < MAX_ERRORS) {
@@ -404,9 +502,15 @@ class RightsModelTest {
     }
 
     private static String act(long id, String item, String action, String other) {
-        return "{'t':'act','id':" + id + ",'item':'" + item + "','action':'" + action
+        return "{'t':'act','id':"
+                + id
+                + ",'item':'"
+                + item
+                + "','action':'"
+                + action
                 + "','arguments':{'impulse':[1,0,0]"
-                + (action.equals("throw") ? ",'other':'" + other + "'" : "") + "}}";
+                + (action.equals("throw") ? ",'other':'" + other + "'" : "")
+                + "}}";
     }
 
     private long perceive(Client client) throws IOException {
@@ -428,18 +532,23 @@ class RightsModelTest {
             switch (type) {
                 case "perception" -> {
                     assertThat(wanted).isEqualTo("perceived");
-                    assertThat(names(message)).as("what %s perceives", client.holder)
+                    assertThat(names(message))
+                            .as("what %s perceives", client.holder)
                             .isEqualTo(sensed(client));
                 }
                 case "result" -> {
                     String done = client.role == Role.CONTROL ? "edited" : "done";
-                    assertThat(message.get("accepted").booleanValue()
-                            ? done : message.get("code").stringValue())
+                    assertThat(
+                                    message.get("accepted").booleanValue()
+                                            ? done
+                                            : message.get("code").stringValue())
                             .as("%s with %s gets %s", client.holder, client.body, message)
                             .isEqualTo(wanted);
                 }
-                default -> assertThat(message.path("code").asString("")).as("%s", message)
-                        .isEqualTo(wanted);
+                default ->
+                        assertThat(message.path("code").asString(""))
+                                .as("%s", message)
+                                .isEqualTo(wanted);
             }
             count(wanted);
         }
@@ -447,9 +556,13 @@ class RightsModelTest {
 
     private static Set<String> names(JsonNode perception) {
         Set<String> names = new TreeSet<>();
-        perception.get("items").values().forEach(item -> {
-            names.add(item.get("name").stringValue());
-        });
+        perception
+                .get("items")
+                .values()
+                .forEach(
+                        item -> {
+                            names.add(item.get("name").stringValue());
+                        });
         return names;
     }
 

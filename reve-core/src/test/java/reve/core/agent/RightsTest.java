@@ -1,6 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import static org.assertj.core.api.Assertions.assertThat;
+
+import org.junit.jupiter.api.AfterEach;
+import org.junit.jupiter.api.BeforeEach;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.ValueSource;
+
+import reve.core.access.DeclaredAction;
+import reve.core.access.Effect;
+import reve.core.access.Operand;
+import reve.core.access.Terms;
+import reve.core.file.AgentPolicy;
+import reve.core.world.ItemDefinition;
+
+import tools.jackson.databind.JsonNode;
 
 import java.io.IOException;
 import java.nio.file.Path;
@@ -8,19 +25,6 @@ import java.time.Instant;
 import java.util.List;
 import java.util.Optional;
 import java.util.Set;
-import org.junit.jupiter.api.AfterEach;
-import org.junit.jupiter.api.BeforeEach;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.api.io.TempDir;
-import org.junit.jupiter.params.ParameterizedTest;
-import org.junit.jupiter.params.provider.ValueSource;
-import reve.core.access.DeclaredAction;
-import reve.core.access.Effect;
-import reve.core.access.Operand;
-import reve.core.access.Terms;
-import reve.core.file.AgentPolicy;
-import reve.core.world.ItemDefinition;
-import tools.jackson.databind.JsonNode;
 
 /** Who comes in with which token, and what it may do then. */
 class RightsTest {
@@ -28,8 +32,7 @@ class RightsTest {
     private static final Instant NOW = Instant.parse("2030-01-01T00:00:00Z");
     private static final Optional<Set<String>> ANY = Optional.empty();
 
-    @TempDir
-    private Path folder;
+    @TempDir private Path folder;
     private Path file;
     private volatile Instant now = NOW;
     private AgentRoom room;
@@ -38,11 +41,17 @@ class RightsTest {
     void openARoomWithTokens() throws IOException {
         file = folder.resolve("tokens.json");
         issue("nobody", new Rights(Set.of(Role.OBSERVER), ANY, ANY, ANY, false));
-        AgentServerConfig config = AgentServerConfig.on(AgentRoom.CONFIG.address(),
-                new AgentSecurity(Optional.of(TokenFile.open(file, () -> now)), Optional.empty()));
-        room = new AgentRoom(config,
-                new AgentPolicy(List.of("boat", "raft"), AgentRoom.making().template()), 4096,
-                List.of(AgentRoom.duck(), item("boat"), item("raft"), crate()));
+        AgentServerConfig config =
+                AgentServerConfig.on(
+                        AgentRoom.CONFIG.address(),
+                        new AgentSecurity(
+                                Optional.of(TokenFile.open(file, () -> now)), Optional.empty()));
+        room =
+                new AgentRoom(
+                        config,
+                        new AgentPolicy(List.of("boat", "raft"), AgentRoom.making().template()),
+                        4096,
+                        List.of(AgentRoom.duck(), item("boat"), item("raft"), crate()));
     }
 
     @AfterEach
@@ -55,10 +64,15 @@ class RightsTest {
     }
 
     private static ItemDefinition crate() {
-        return ItemDefinition.named("crate").at(1, 0, 0)
-                .action(new DeclaredAction("lift", "Lifts it.", List.of(),
-                        new Terms(List.of("lift"), List.of()),
-                        List.of(new Effect.SetSymbol("lifted", new Operand.Symbol(true)))))
+        return ItemDefinition.named("crate")
+                .at(1, 0, 0)
+                .action(
+                        new DeclaredAction(
+                                "lift",
+                                "Lifts it.",
+                                List.of(),
+                                new Terms(List.of("lift"), List.of()),
+                                List.of(new Effect.SetSymbol("lifted", new Operand.Symbol(true)))))
                 .build();
     }
 
@@ -72,15 +86,17 @@ class RightsTest {
         return issued.secret();
     }
 
-    private static Rights agent(Optional<Set<String>> worlds, Optional<Set<String>> bodies,
+    private static Rights agent(
+            Optional<Set<String>> worlds,
+            Optional<Set<String>> bodies,
             Optional<Set<String>> capabilities) {
         return new Rights(Set.of(Role.AGENT), worlds, bodies, capabilities, false);
     }
 
     /** Says hello and waits for the answer. */
     private TestClient hello(String name, String rest) throws IOException {
-        TestClient client = room.connect()
-                .say("{'t':'hello','protocol':1,'name':'" + name + "'" + rest + "}");
+        TestClient client =
+                room.connect().say("{'t':'hello','protocol':1,'name':'" + name + "'" + rest + "}");
         room.stepUntil("hello was answered", client::hasNews);
         return client;
     }
@@ -165,7 +181,8 @@ class RightsTest {
         assertThat(refused("crate", ",'body':'boat','token':'" + crate + "'", "name-taken"))
                 .isEqualTo(taken);
         assertThat(refused("boat", ",'token':'" + boat + "'", "name-taken").toString())
-                .as("alike").isEqualTo(taken.toString().replace("crate", "boat"));
+                .as("alike")
+                .isEqualTo(taken.toString().replace("crate", "boat"));
         refused("raft", ",'body':'boat','token':'" + raft + "'", "name-taken");
         try (TestClient client = hello("raft", ",'token':'" + raft + "'")) {
             assertThat(client.expect("welcome").get("body").stringValue()).isEqualTo("raft");
@@ -176,13 +193,15 @@ class RightsTest {
     void aTokenWithCapabilitiesLimitsThoseOfTheBody() throws IOException {
         String ada = issue("ada", agent(ANY, ANY, Optional.of(Set.of("push", "fly"))));
         String bob = issue("bob", agent(ANY, ANY, Optional.of(Set.of("lift"))));
-        try (TestClient weak = welcomed("ada", ada); TestClient strong = welcomed("bob", bob)) {
+        try (TestClient weak = welcomed("ada", ada);
+                TestClient strong = welcomed("bob", bob)) {
             weak.say("{'t':'act','id':1,'item':'crate','action':'lift'}").sync();
             strong.say("{'t':'act','id':1,'item':'crate','action':'lift'}").sync();
             room.step();
             JsonNode refusal = weak.skipTo("result");
             assertThat(refusal.path("code").asString("")).isEqualTo("not-capable");
-            assertThat(refusal.get("reason").stringValue()).contains("only `push`")
+            assertThat(refusal.get("reason").stringValue())
+                    .contains("only `push`")
                     .contains("token");
             assertThat(strong.skipTo("result").get("accepted").booleanValue()).isTrue();
         }
@@ -219,7 +238,8 @@ class RightsTest {
                 last = client.expect("bye").get("code").stringValue();
                 assertThat(last).isIn("bad-token", "too-many-attempts");
                 assertThat(i < Attempts.BURST && !last.equals("bad-token"))
-                        .as("attempt %s was %s", i, last).isFalse();
+                        .as("attempt %s was %s", i, last)
+                        .isFalse();
             }
         }
         assertThat(last).isEqualTo("too-many-attempts");
@@ -245,7 +265,8 @@ class RightsTest {
 
     @Test
     void aServerWithoutTokensOnLoopbackIgnoresThem() throws IOException {
-        try (AgentRoom open = new AgentRoom(); TestClient client = open.connect()) {
+        try (AgentRoom open = new AgentRoom();
+                TestClient client = open.connect()) {
             client.say("{'t':'hello','protocol':1,'name':'ada','token':'whatever'}").sync();
             open.step();
             client.expect("welcome");

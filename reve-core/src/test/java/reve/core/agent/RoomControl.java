@@ -1,14 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
-import java.util.Collection;
-import java.util.Map;
-import java.util.function.Consumer;
 import reve.core.frame.FrameLoop;
 import reve.core.world.ActionRefused;
 import reve.core.world.ItemId;
 import reve.core.world.World;
 import reve.core.world.WorldImage;
 import reve.core.world.WorldSnapshot;
+
+import java.util.Collection;
+import java.util.Map;
+import java.util.function.Consumer;
 
 /** Keeps images of a world without physics, and can do nothing else. */
 record RoomControl(World world, FrameLoop loop, Image beginning) implements WorldControl {

@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import static org.assertj.core.api.Assertions.assertThat;
 
-import java.util.Random;
 import org.junit.jupiter.api.Test;
+
 import reve.core.Seed;
 import reve.core.derive.BoundingBoxes;
 import reve.core.world.ItemDefinition;
@@ -13,6 +14,8 @@ import reve.core.world.Shape;
 import reve.core.world.Table;
 import reve.core.world.World;
 import reve.core.world.WorldPrototype;
+
+import java.util.Random;
 
 /** What hides an item is found in a tree of boxes; here every box is looked at. */
 class SensedWorldTest {
@@ -66,17 +69,20 @@ class SensedWorldTest {
             case 0 -> item.build();
             case 1 -> item.shape(Shape.box(1, 1, 1)).build();
             case 2 -> item.shape(Shape.sphere(random.nextDouble(0.1, 1))).build();
-            default -> item
-                    .shape(Shape.box(random.nextDouble(0.1, 4), 0.5, random.nextDouble(0.1, 4)))
-                    .orientation(random.nextGaussian(), random.nextGaussian(),
-                            random.nextGaussian(), 1)
-                    .build();
+            default ->
+                    item.shape(Shape.box(random.nextDouble(0.1, 4), 0.5, random.nextDouble(0.1, 4)))
+                            .orientation(
+                                    random.nextGaussian(),
+                                    random.nextGaussian(),
+                                    random.nextGaussian(),
+                                    1)
+                            .build();
         };
     }
 
     /**
-     * The nearest point of the box, its middle and its corners: whether one is in reach
-     * and not hidden.
+     * The nearest point of the box, its middle and its corners: whether one is in reach and not
+     * hidden.
      */
     private static boolean sees(Table bodies, int eye, int row) {
         double[] from = read(bodies, "position", eye);
@@ -86,9 +92,12 @@ class SensedWorldTest {
             double[] to = new double[3];
             double square = 0;
             for (int axis = 0; axis < 3; axis++) {
-                to[axis] = point == 8 ? Math.clamp(from[axis], low[axis], high[axis])
-                        : point == 9 ? 0.5 * (low[axis] + high[axis])
-                        : (point >> axis & 1) == 0 ? low[axis] : high[axis];
+                to[axis] =
+                        point == 8
+                                ? Math.clamp(from[axis], low[axis], high[axis])
+                                : point == 9
+                                        ? 0.5 * (low[axis] + high[axis])
+                                        : (point >> axis & 1) == 0 ? low[axis] : high[axis];
                 square += (to[axis] - from[axis]) * (to[axis] - from[axis]);
             }
             if (Math.sqrt(square) <= REACH && !isHidden(bodies, eye, row, from, to)) {
@@ -100,9 +109,13 @@ class SensedWorldTest {
 
     private static boolean isHidden(Table bodies, int eye, int row, double[] from, double[] to) {
         for (int other = 0; other < bodies.rowCount(); other++) {
-            if (other != eye && other != row
+            if (other != eye
+                    && other != row
                     && bodies.column("shape").getInt(other, 0) != Shape.NONE
-                    && isBetween(from, to, read(bodies, "boundsMin", other),
+                    && isBetween(
+                            from,
+                            to,
+                            read(bodies, "boundsMin", other),
                             read(bodies, "boundsMax", other))) {
                 return true;
             }

@@ -1,6 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import static org.assertj.core.api.Assertions.assertThat;
+
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.CsvSource;
+import org.junit.jupiter.params.provider.ValueSource;
+
+import reve.core.Seed;
+import reve.core.access.DeclaredAction;
+import reve.core.access.Effect;
+import reve.core.access.Operand;
+import reve.core.file.AgentPolicy;
+import reve.core.world.ActionRefused;
+import reve.core.world.Item;
+import reve.core.world.ItemDefinition;
+import reve.core.world.Parameter;
+import reve.core.world.Sensor;
+import reve.core.world.Sensor.Aspect;
+import reve.core.world.Shape;
+import reve.core.world.TestAction;
+
+import tools.jackson.databind.JsonNode;
 
 import java.io.IOException;
 import java.util.ArrayList;
@@ -15,24 +37,6 @@ import java.util.Random;
 import java.util.Set;
 import java.util.TreeSet;
 import java.util.stream.IntStream;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.params.ParameterizedTest;
-import org.junit.jupiter.params.provider.CsvSource;
-import org.junit.jupiter.params.provider.ValueSource;
-import reve.core.Seed;
-import reve.core.access.DeclaredAction;
-import reve.core.access.Effect;
-import reve.core.access.Operand;
-import reve.core.file.AgentPolicy;
-import reve.core.world.ActionRefused;
-import reve.core.world.Item;
-import reve.core.world.ItemDefinition;
-import reve.core.world.Parameter;
-import reve.core.world.Sensor.Aspect;
-import reve.core.world.Sensor;
-import reve.core.world.Shape;
-import reve.core.world.TestAction;
-import tools.jackson.databind.JsonNode;
 
 /** What a body's sensors do not sense is never sent, and cannot be acted on. */
 class SensorsTest {
@@ -43,16 +47,23 @@ class SensorsTest {
 
     @Test
     void aRangeIsMeasuredToTheNearestPointOfTheBox() throws IOException {
-        assertThat(sensed(Sensor.sight("eyes", 5), box("near", 7, 0, 0, 4),
-                box("far", 7.1, 0, 0, 4)))
+        assertThat(
+                        sensed(
+                                Sensor.sight("eyes", 5),
+                                box("near", 7, 0, 0, 4),
+                                box("far", 7.1, 0, 0, 4)))
                 .containsExactly("ada", "near");
     }
 
     @Test
     void theFieldOfViewIsAroundTheBodysOwnZ() throws IOException {
         Sensor eyes = Sensor.sight("eyes", 100).withFieldOfView(Math.PI / 2);
-        ItemDefinition[] around = {ball("ahead", 0, 0, 9), ball("left", 9, 0, 0),
-                ball("behind", 0, 0, -9), ball("edge", 8.9, 0, 9)};
+        ItemDefinition[] around = {
+            ball("ahead", 0, 0, 9),
+            ball("left", 9, 0, 0),
+            ball("behind", 0, 0, -9),
+            ball("edge", 8.9, 0, 9)
+        };
         assertThat(sensed(eyes, around)).containsExactly("ada", "ahead", "edge");
         assertThat(sensed(body(eyes).orientation(0, QUARTER_TURN, 0, QUARTER_TURN).build(), around))
                 .containsExactly("ada", "left", "edge");
@@ -61,30 +72,44 @@ class SensorsTest {
     @Test
     void aBoxHidesWhatIsWhollyBehindIt() throws IOException {
         Sensor eyes = Sensor.sight("eyes", 100).withLineOfSight();
-        assertThat(sensed(eyes, box("wall", 0, 0, 5, 2), ball("hidden", 0, 0, 9),
-                ball("beside", 9, 0, 9), box("peeking", 0, 0, 12, 8)))
+        assertThat(
+                        sensed(
+                                eyes,
+                                box("wall", 0, 0, 5, 2),
+                                ball("hidden", 0, 0, 9),
+                                ball("beside", 9, 0, 9),
+                                box("peeking", 0, 0, 12, 8)))
                 .containsExactly("ada", "wall", "beside", "peeking");
     }
 
     @Test
     void aBoxThatHoldsTheEyeHidesNothingAndAPointHidesNothing() throws IOException {
         Sensor eyes = Sensor.sight("eyes", 100).withLineOfSight();
-        assertThat(sensed(eyes, box("room", 0, 0, 0, 30), place("mark", 0, 0, 4),
-                ball("ball", 0, 0, 9)))
+        assertThat(
+                        sensed(
+                                eyes,
+                                box("room", 0, 0, 0, 30),
+                                place("mark", 0, 0, 4),
+                                ball("ball", 0, 0, 9)))
                 .containsExactly("ada", "room", "mark", "ball");
     }
 
     @Test
     void touchSensesWhatTheBodysBoxComesCloseTo() throws IOException {
-        assertThat(sensed(Sensor.touch("skin"), box("touching", 1.5, 0, 0, 2),
-                box("apart", -1.6, 0, 0, 2)))
+        assertThat(
+                        sensed(
+                                Sensor.touch("skin"),
+                                box("touching", 1.5, 0, 0, 2),
+                                box("apart", -1.6, 0, 0, 2)))
                 .containsExactly("ada", "touching");
     }
 
     @Test
     void onlyTheSymbolsAndAspectsOfTheSensorAreSent() throws IOException {
-        Sensor eyes = Sensor.sight("eyes", 100).withSymbols(Set.of("class", "smell"))
-                .withAspects(EnumSet.of(Aspect.SEMANTIC));
+        Sensor eyes =
+                Sensor.sight("eyes", 100)
+                        .withSymbols(Set.of("class", "smell"))
+                        .withAspects(EnumSet.of(Aspect.SEMANTIC));
         try (AgentRoom room = room(body(eyes).build(), AgentRoom.duck());
                 TestClient ada = room.join("ada")) {
             JsonNode duck = perceive(room, ada).get("items").get(0);
@@ -96,15 +121,19 @@ class SensorsTest {
     @Test
     void severalSensorsShowTogetherWhatEachShows() throws IOException {
         Sensor far = Sensor.sight("far", 100).withAspects(EnumSet.of(Aspect.PHYSICAL));
-        Sensor near = Sensor.sight("near", 5).withSymbols(Set.of("class"))
-                .withAspects(EnumSet.of(Aspect.SEMANTIC, Aspect.ACCESS));
+        Sensor near =
+                Sensor.sight("near", 5)
+                        .withSymbols(Set.of("class"))
+                        .withAspects(EnumSet.of(Aspect.SEMANTIC, Aspect.ACCESS));
         ItemDefinition body = body(far).sensor(near).build();
         try (AgentRoom room = room(body, ball("close", 2, 0, 0), ball("away", 50, 0, 0));
                 TestClient ada = room.join("ada")) {
             JsonNode items = perceive(room, ada).get("items");
             assertThat(items.get(0))
-                    .isEqualTo(TestClient.json("{'name':'close','location':[2.0,0.0,0.0],"
-                            + "'symbols':{'class':'body'},'actions':{}}"));
+                    .isEqualTo(
+                            TestClient.json(
+                                    "{'name':'close','location':[2.0,0.0,0.0],"
+                                            + "'symbols':{'class':'body'},'actions':{}}"));
             assertThat(items.get(1))
                     .isEqualTo(TestClient.json("{'name':'away','location':[50.0,0.0,0.0]}"));
         }
@@ -112,8 +141,10 @@ class SensorsTest {
 
     @Test
     void aSlowSensorKeepsWhatItSensedUntilItIsItsTurn() throws IOException {
-        try (AgentRoom room = room(body(Sensor.sight("eyes", 100).withEvery(3)).build(),
-                ball("ball", 1, 0, 0));
+        try (AgentRoom room =
+                        room(
+                                body(Sensor.sight("eyes", 100).withEvery(3)).build(),
+                                ball("ball", 1, 0, 0));
                 TestClient ada = room.join("ada")) {
             var seen = new ArrayList<Double>();
             for (int i = 0; i < 7; i++) {
@@ -128,18 +159,31 @@ class SensorsTest {
 
     @Test
     void anEventAboutWhatIsNotSensedIsNotHeardAndUnsensedNamesAreLeftOut() throws IOException {
-        ItemDefinition bell = ItemDefinition.named("bell").shape(Shape.sphere(1)).at(0, 0, 3)
-                .action(new DeclaredAction("ring", "Rings.", List.of(),
-                        List.of(new Effect.Raise("rang", "ring"))))
-                .build();
+        ItemDefinition bell =
+                ItemDefinition.named("bell")
+                        .shape(Shape.sphere(1))
+                        .at(0, 0, 3)
+                        .action(
+                                new DeclaredAction(
+                                        "ring",
+                                        "Rings.",
+                                        List.of(),
+                                        List.of(new Effect.Raise("rang", "ring"))))
+                        .build();
         var policy = new AgentPolicy(List.of("mole", "owl"), Optional.empty());
         ItemDefinition mole = body("mole", Sensor.sight("nose", 5)).build();
         ItemDefinition owl = body("owl", Sensor.sight("eyes", 500)).at(0, 90, 0).build();
-        ItemDefinition gong = ItemDefinition.named("gong").shape(Shape.sphere(1)).at(0, 95, 0)
-                .action(bell.actions().getFirst()).build();
-        try (AgentRoom room = new AgentRoom(AgentRoom.CONFIG, policy, 64,
-                List.of(mole, owl, bell, gong));
-                TestClient ada = room.connect(); TestClient bob = room.connect()) {
+        ItemDefinition gong =
+                ItemDefinition.named("gong")
+                        .shape(Shape.sphere(1))
+                        .at(0, 95, 0)
+                        .action(bell.actions().getFirst())
+                        .build();
+        try (AgentRoom room =
+                        new AgentRoom(
+                                AgentRoom.CONFIG, policy, 64, List.of(mole, owl, bell, gong));
+                TestClient ada = room.connect();
+                TestClient bob = room.connect()) {
             ada.say("{'t':'hello','protocol':1,'name':'ada','body':'mole'}").sync();
             bob.say("{'t':'hello','protocol':1,'name':'bob','body':'owl'}").sync();
             room.step();
@@ -150,10 +194,10 @@ class SensorsTest {
             room.step();
             bob.say("{'t':'act','id':2,'item':'bell','action':'ring'}").sync();
             room.step();
-            assertThat(ada.expect("event").get("fields")).isEqualTo(
-                    TestClient.json("{'item':'bell','action':'ring'}"));
-            assertThat(ada.expect("event").get("fields")).isEqualTo(
-                    TestClient.json("{'item':'bell','action':'ring'}"));
+            assertThat(ada.expect("event").get("fields"))
+                    .isEqualTo(TestClient.json("{'item':'bell','action':'ring'}"));
+            assertThat(ada.expect("event").get("fields"))
+                    .isEqualTo(TestClient.json("{'item':'bell','action':'ring'}"));
             ada.say("{'t':'ping','id':1}").expect("pong");
         }
     }
@@ -177,18 +221,30 @@ class SensorsTest {
     }
 
     @ParameterizedTest
-    @ValueSource(strings = {"condition-failed", "no-value", "out-of-range", "not-a-rotation",
-            "not-a-colour", "not-a-symbol"})
+    @ValueSource(
+            strings = {
+                "condition-failed",
+                "no-value",
+                "out-of-range",
+                "not-a-rotation",
+                "not-a-colour",
+                "not-a-symbol"
+            })
     void whoSensesOnlySomeThingsIsNotToldWhatAnActionFound(String code) throws IOException {
-        var open = new TestAction("open", "Opens.", call -> {
-            throw new ActionRefused(code, "its number is 4711");
-        });
+        var open =
+                new TestAction(
+                        "open",
+                        "Opens.",
+                        call -> {
+                            throw new ActionRefused(code, "its number is 4711");
+                        });
         ItemDefinition safe = ItemDefinition.named("safe").at(1, 0, 0).action(open).build();
         try (AgentRoom room = room(body(Sensor.sight("eyes", 2)).build(), safe);
                 TestClient ada = room.join("ada")) {
             ada.say("{'t':'act','id':1,'item':'safe','action':'open'}").sync();
             room.step();
-            assertThat(ada.expect("result", code).get("reason").stringValue()).contains("safe")
+            assertThat(ada.expect("result", code).get("reason").stringValue())
+                    .contains("safe")
                     .doesNotContain("4711");
         }
     }
@@ -196,15 +252,24 @@ class SensorsTest {
     @Test
     void anItemThatIsNotSensedCannotBeNamedInAnArgument() throws IOException {
         Parameter whom = Parameter.item("whom", "Whom to greet.");
-        ItemDefinition hand = ItemDefinition.named("hand").at(1, 0, 0)
-                .action(new DeclaredAction("greet", "Waves.", List.of(whom),
-                        List.of(new Effect.Raise("greeted", "greet")))).build();
+        ItemDefinition hand =
+                ItemDefinition.named("hand")
+                        .at(1, 0, 0)
+                        .action(
+                                new DeclaredAction(
+                                        "greet",
+                                        "Waves.",
+                                        List.of(whom),
+                                        List.of(new Effect.Raise("greeted", "greet"))))
+                        .build();
         try (AgentRoom room = room(body(Sensor.sight("eyes", 2)).build(), hand, AgentRoom.duck());
                 TestClient ada = room.join("ada")) {
             String act =
                     "{'t':'act','id':%d,'item':'hand','action':'greet','arguments':{'whom':'%s'}}";
-            ada.say(act.formatted(1, "duck")).say(act.formatted(2, "swan"))
-                    .say(act.formatted(3, "hand")).sync();
+            ada.say(act.formatted(1, "duck"))
+                    .say(act.formatted(2, "swan"))
+                    .say(act.formatted(3, "hand"))
+                    .sync();
             room.step();
             String duck = ada.expect("result", "no-such-item").get("reason").stringValue();
             String swan = ada.expect("result", "no-such-item").get("reason").stringValue();
@@ -218,11 +283,15 @@ class SensorsTest {
     @CsvSource({"1, 3", "3, 1", "3, 2"})
     void whatASlowSensorShowsIsAsItSensedItThoughAnotherIsFaster(int placesEvery, int symbolsEvery)
             throws IOException {
-        ItemDefinition body = body(Sensor.sight("where", 50)
-                .withAspects(EnumSet.of(Sensor.Aspect.PHYSICAL)).withEvery(placesEvery))
-                .sensor(Sensor.sight("what", 50)
-                        .withAspects(EnumSet.of(Sensor.Aspect.SEMANTIC)).withEvery(symbolsEvery))
-                .build();
+        ItemDefinition body =
+                body(Sensor.sight("where", 50)
+                                .withAspects(EnumSet.of(Sensor.Aspect.PHYSICAL))
+                                .withEvery(placesEvery))
+                        .sensor(
+                                Sensor.sight("what", 50)
+                                        .withAspects(EnumSet.of(Sensor.Aspect.SEMANTIC))
+                                        .withEvery(symbolsEvery))
+                        .build();
         try (AgentRoom room = room(body, ball("ball", 3, 0, 0));
                 TestClient ada = room.join("ada")) {
             ada.say("{'t':'perceive','id':1,'every':1}").sync();
@@ -240,16 +309,22 @@ class SensorsTest {
                         Integer.parseInt(known.get("ball").at("/symbols/mood").asString("-1"));
             }
             assertThat(isSensedEvery(placesEvery, places))
-                    .as("%s", Arrays.toString(places)).isTrue();
+                    .as("%s", Arrays.toString(places))
+                    .isTrue();
             assertThat(isSensedEvery(symbolsEvery, symbols))
-                    .as("%s", Arrays.toString(symbols)).isTrue();
+                    .as("%s", Arrays.toString(symbols))
+                    .isTrue();
         }
     }
 
     @Test
     void relationsAreAsOfWhenTheyWereSensed() throws IOException {
-        try (AgentRoom room = room(body(Sensor.sight("slow", 50).withEvery(3)).build(),
-                ball("ball", 3, 0, 0), ball("other", 4, 0, 0)); TestClient ada = room.join("ada")) {
+        try (AgentRoom room =
+                        room(
+                                body(Sensor.sight("slow", 50).withEvery(3)).build(),
+                                ball("ball", 3, 0, 0),
+                                ball("other", 4, 0, 0));
+                TestClient ada = room.join("ada")) {
             ada.say("{'t':'perceive','id':1,'every':1,'relations':true}").sync();
             Map<String, JsonNode> known = new LinkedHashMap<>();
             boolean[] touching = new boolean[12];
@@ -259,9 +334,18 @@ class SensorsTest {
                 apply(ada.expect("perception"), known);
                 touching[frame] = known.get("ball").at("/symbols/touching").size() > 0;
             }
-            assertThat(IntStream.range(0, 3)).as("%s", Arrays.toString(touching)).anyMatch(turn ->
-                    IntStream.range(turn, touching.length).allMatch(frame ->
-                            touching[frame] != isApart(frame - (frame - turn) % 3)));
+            assertThat(IntStream.range(0, 3))
+                    .as("%s", Arrays.toString(touching))
+                    .anyMatch(
+                            turn ->
+                                    IntStream.range(turn, touching.length)
+                                            .allMatch(
+                                                    frame ->
+                                                            touching[frame]
+                                                                    != isApart(
+                                                                            frame
+                                                                                    - (frame - turn)
+                                                                                            % 3)));
         }
     }
 
@@ -271,8 +355,14 @@ class SensorsTest {
 
     /** Whether what is known in each frame is of the last that was the sensor's turn. */
     private static boolean isSensedEvery(int every, int[] known) {
-        return IntStream.range(0, every).anyMatch(turn -> IntStream.range(turn, known.length)
-                .allMatch(frame -> known[frame] == frame - (frame - turn) % every));
+        return IntStream.range(0, every)
+                .anyMatch(
+                        turn ->
+                                IntStream.range(turn, known.length)
+                                        .allMatch(
+                                                frame ->
+                                                        known[frame]
+                                                                == frame - (frame - turn) % every));
     }
 
     // ---- against an oracle ----
@@ -290,7 +380,8 @@ class SensorsTest {
             }
             turn(random, body);
             ItemDefinition made = body.build();
-            try (AgentRoom room = room(made); TestClient ada = room.join("ada")) {
+            try (AgentRoom room = room(made);
+                    TestClient ada = room.join("ada")) {
                 int items = random.nextInt(20);
                 for (int i = 0; i < items; i++) {
                     room.world.add(randomItem(random, "item-" + i + "-"));
@@ -301,19 +392,24 @@ class SensorsTest {
                     change(random, room, frame);
                     room.step();
                     JsonNode update = ada.next();
-                    for (; !update.get("t").stringValue().equals("perception");
+                    for (;
+                            !update.get("t").stringValue().equals("perception");
                             update = ada.next()) {
                         assertThat(update.get("t").stringValue()).isEqualTo("event");
                     }
                     apply(update, known);
                     JsonNode whole = perceiveSame(room, ada, update);
                     Set<String> expected = oracle(room, made.sensors());
-                    assertThat(known.keySet()).as("seed %d world %d frame %d", seed, world, frame)
+                    assertThat(known.keySet())
+                            .as("seed %d world %d frame %d", seed, world, frame)
                             .isEqualTo(expected);
-                    room.world.items().stream().map(Item::name)
+                    room.world.items().stream()
+                            .map(Item::name)
                             .filter(name -> !expected.contains(name))
-                            .forEach(name -> assertThat(whole.toString())
-                                    .doesNotContain("\"" + name + "\""));
+                            .forEach(
+                                    name ->
+                                            assertThat(whole.toString())
+                                                    .doesNotContain("\"" + name + "\""));
                     assertThat(Set.copyOf(known.values()))
                             .as("seed %d world %d frame %d", seed, world, frame)
                             .isEqualTo(Set.copyOf(whole.get("items").valueStream().toList()));
@@ -327,8 +423,8 @@ class SensorsTest {
     }
 
     /**
-     * The whole of a frame without changing the world: the next frame is as the last,
-     * but for its number.
+     * The whole of a frame without changing the world: the next frame is as the last, but for its
+     * number.
      */
     private static JsonNode perceiveSame(AgentRoom room, TestClient ada, JsonNode update)
             throws IOException {
@@ -340,7 +436,8 @@ class SensorsTest {
         JsonNode difference = first ? other : message;
         assertThat(difference.get("since").longValue()).isEqualTo(update.get("frame").longValue());
         assertThat(difference.has("entered") || difference.has("left") || difference.has("changed"))
-                .as("%s", difference).isFalse();
+                .as("%s", difference)
+                .isFalse();
         return first ? message : other;
     }
 
@@ -351,16 +448,25 @@ class SensorsTest {
         }
         update.path("left")
                 .forEach(name -> assertThat(known.remove(name.stringValue())).isNotNull());
-        update.path("entered").forEach(item ->
-                assertThat(known.put(item.get("name").stringValue(), item)).isNull());
-        update.path("changed").forEach(change -> {
-            var item = known.get(change.get("name").stringValue()).asObject().deepCopy();
-            item.setAll(change.asObject());
-            if (item.path("orientation").equals(TestClient.json("[0.0,0.0,0.0,1.0]"))) {
-                item.remove("orientation");
-            }
-            known.put(change.get("name").stringValue(), item);
-        });
+        update.path("entered")
+                .forEach(
+                        item ->
+                                assertThat(known.put(item.get("name").stringValue(), item))
+                                        .isNull());
+        update.path("changed")
+                .forEach(
+                        change -> {
+                            var item =
+                                    known.get(change.get("name").stringValue())
+                                            .asObject()
+                                            .deepCopy();
+                            item.setAll(change.asObject());
+                            if (item.path("orientation")
+                                    .equals(TestClient.json("[0.0,0.0,0.0,1.0]"))) {
+                                item.remove("orientation");
+                            }
+                            known.put(change.get("name").stringValue(), item);
+                        });
     }
 
     private static void change(Random random, AgentRoom room, int frame) {
@@ -368,12 +474,19 @@ class SensorsTest {
         items.removeIf(item -> item.kind().equals("world"));
         for (Item item : items) {
             switch (random.nextInt(12)) {
-                case 0, 1, 2 -> item.physical()
-                        .setLocation(random.nextDouble(-6, 6), random.nextDouble(-6, 6),
-                                random.nextDouble(-6, 6));
-                case 3 -> item.physical()
-                        .setOrientation(random.nextGaussian(), random.nextGaussian(),
-                                random.nextGaussian(), 1);
+                case 0, 1, 2 ->
+                        item.physical()
+                                .setLocation(
+                                        random.nextDouble(-6, 6),
+                                        random.nextDouble(-6, 6),
+                                        random.nextDouble(-6, 6));
+                case 3 ->
+                        item.physical()
+                                .setOrientation(
+                                        random.nextGaussian(),
+                                        random.nextGaussian(),
+                                        random.nextGaussian(),
+                                        1);
                 case 4 -> item.physical().setOrientation(0, 0, 0, 1);
                 case 5 -> item.semantic().set("mood", "mood " + random.nextInt(3));
                 case 6 -> {
@@ -386,40 +499,50 @@ class SensorsTest {
                         room.world.remove(item.id());
                     }
                 }
-                default -> { }
+                default -> {}
             }
         }
         room.world.add(randomItem(random, "new-" + frame + "-"));
     }
 
     private static ItemDefinition randomItem(Random random, String name) {
-        ItemDefinition.Builder item = ItemDefinition.named(name + random.nextInt(1_000_000))
-                .at(random.nextDouble(-6, 6), random.nextDouble(-6, 6), random.nextDouble(-6, 6));
+        ItemDefinition.Builder item =
+                ItemDefinition.named(name + random.nextInt(1_000_000))
+                        .at(
+                                random.nextDouble(-6, 6),
+                                random.nextDouble(-6, 6),
+                                random.nextDouble(-6, 6));
         turn(random, item);
         switch (random.nextInt(4)) {
             case 0 -> item.shape(Shape.sphere(random.nextDouble(0.1, 2)));
             case 1 ->
                     item.shape(Shape.box(random.nextDouble(0.1, 4), random.nextDouble(0.1, 4), 1));
             case 2 -> item.shape(Shape.plane(random.nextDouble(1, 6), random.nextDouble(1, 6)));
-            default -> { }
+            default -> {}
         }
         if (random.nextBoolean()) {
-            item.action(new DeclaredAction("wind-up", "Winds it.", List.of(),
-                    List.of(new Effect.SetSymbol("wound", new Operand.Symbol(true)))));
+            item.action(
+                    new DeclaredAction(
+                            "wind-up",
+                            "Winds it.",
+                            List.of(),
+                            List.of(new Effect.SetSymbol("wound", new Operand.Symbol(true)))));
         }
         return item.build();
     }
 
     private static void turn(Random random, ItemDefinition.Builder item) {
         if (random.nextBoolean()) {
-            item.orientation(random.nextGaussian(), random.nextGaussian(),
-                    random.nextGaussian(), 1);
+            item.orientation(
+                    random.nextGaussian(), random.nextGaussian(), random.nextGaussian(), 1);
         }
     }
 
     private static Sensor randomSensor(Random random, String name) {
-        Sensor sensor = random.nextInt(4) == 0 ? Sensor.touch(name)
-                : Sensor.sight(name, random.nextDouble(1, 12));
+        Sensor sensor =
+                random.nextInt(4) == 0
+                        ? Sensor.touch(name)
+                        : Sensor.sight(name, random.nextDouble(1, 12));
         if (!sensor.touch() && random.nextBoolean()) {
             sensor = sensor.withFieldOfView(random.nextDouble(0.2, 2 * Math.PI));
         }
@@ -443,8 +566,10 @@ class SensorsTest {
         Item body = room.item("ada");
         var sensed = new TreeSet<String>();
         for (Item item : room.world.items()) {
-            if (!item.kind().equals("world") && (item == body
-                    || sensors.stream().anyMatch(sensor -> senses(room, sensor, body, item)))) {
+            if (!item.kind().equals("world")
+                    && (item == body
+                            || sensors.stream()
+                                    .anyMatch(sensor -> senses(room, sensor, body, item)))) {
                 sensed.add(item.name());
             }
         }
@@ -466,10 +591,16 @@ class SensorsTest {
         }
         double[] eye = body.physical().location();
         var points = new ArrayList<double[]>();
-        points.add(new double[] {nearest(eye[0], low[0], high[0]), nearest(eye[1], low[1], high[1]),
-            nearest(eye[2], low[2], high[2])});
-        points.add(new double[] {(low[0] + high[0]) / 2, (low[1] + high[1]) / 2,
-                (low[2] + high[2]) / 2});
+        points.add(
+                new double[] {
+                    nearest(eye[0], low[0], high[0]),
+                    nearest(eye[1], low[1], high[1]),
+                    nearest(eye[2], low[2], high[2])
+                });
+        points.add(
+                new double[] {
+                    (low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2
+                });
         for (double x : new double[] {low[0], high[0]}) {
             for (double y : new double[] {low[1], high[1]}) {
                 for (double z : new double[] {low[2], high[2]}) {
@@ -484,8 +615,8 @@ class SensorsTest {
         return at < low ? low : at > high ? high : at;
     }
 
-    private static boolean isSeen(AgentRoom room, Sensor sensor, Item body, Item item, double[] eye,
-            double[] point) {
+    private static boolean isSeen(
+            AgentRoom room, Sensor sensor, Item body, Item item, double[] eye, double[] point) {
         double[] way = {point[0] - eye[0], point[1] - eye[1], point[2] - eye[2]};
         double distance = Math.hypot(Math.hypot(way[0], way[1]), way[2]);
         if (distance > sensor.range()) {
@@ -498,23 +629,32 @@ class SensorsTest {
                 return false;
             }
         }
-        return !sensor.lineOfSight() || room.world.items().stream()
-                .filter(other -> !other.kind().equals("world") && other != body && other != item
-                        && other.physical().shape() != Shape.none())
-                .noneMatch(other -> crosses(eye, way, other));
+        return !sensor.lineOfSight()
+                || room.world.items().stream()
+                        .filter(
+                                other ->
+                                        !other.kind().equals("world")
+                                                && other != body
+                                                && other != item
+                                                && other.physical().shape() != Shape.none())
+                        .noneMatch(other -> crosses(eye, way, other));
     }
 
     /** q v q*, by two cross products. */
     private static double[] rotate(double[] q, double[] v) {
         double[] t = cross(q, v);
         double[] u = cross(q, t);
-        return new double[] {v[0] + 2 * (q[3] * t[0] + u[0]), v[1] + 2 * (q[3] * t[1] + u[1]),
-            v[2] + 2 * (q[3] * t[2] + u[2])};
+        return new double[] {
+            v[0] + 2 * (q[3] * t[0] + u[0]),
+            v[1] + 2 * (q[3] * t[1] + u[1]),
+            v[2] + 2 * (q[3] * t[2] + u[2])
+        };
     }
 
     private static double[] cross(double[] a, double[] b) {
-        return new double[] {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2],
-                a[0] * b[1] - a[1] * b[0]};
+        return new double[] {
+            a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+        };
     }
 
     /**
@@ -537,7 +677,11 @@ class SensorsTest {
                 int c = (axis + 2) % 3;
                 double atB = eye[b] + t * way[b];
                 double atC = eye[c] + t * way[c];
-                if (t > 1e-9 && t < 1 - 1e-9 && low[b] <= atB && atB <= high[b] && low[c] <= atC
+                if (t > 1e-9
+                        && t < 1 - 1e-9
+                        && low[b] <= atB
+                        && atB <= high[b]
+                        && low[c] <= atC
                         && atC <= high[c]) {
                     return true;
                 }
@@ -554,9 +698,11 @@ class SensorsTest {
 
     private static List<String> sensed(ItemDefinition body, ItemDefinition... items)
             throws IOException {
-        try (AgentRoom room = room(body, items); TestClient ada = room.join("ada")) {
+        try (AgentRoom room = room(body, items);
+                TestClient ada = room.join("ada")) {
             var names = new ArrayList<String>();
-            perceive(room, ada).get("items")
+            perceive(room, ada)
+                    .get("items")
                     .forEach(item -> names.add(item.get("name").stringValue()));
             // the body was made last
             names.sort((a, b) -> a.equals("ada") ? -1 : b.equals("ada") ? 1 : 0);
@@ -565,7 +711,10 @@ class SensorsTest {
     }
 
     private static AgentRoom room(ItemDefinition body, ItemDefinition... items) throws IOException {
-        return new AgentRoom(AgentRoom.CONFIG, new AgentPolicy(List.of(), Optional.of(body)), 64,
+        return new AgentRoom(
+                AgentRoom.CONFIG,
+                new AgentPolicy(List.of(), Optional.of(body)),
+                64,
                 List.of(items));
     }
 

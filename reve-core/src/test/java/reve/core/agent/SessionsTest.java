@@ -1,6 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import static org.assertj.core.api.Assertions.assertThat;
+
+import org.junit.jupiter.api.AfterEach;
+import org.junit.jupiter.api.BeforeEach;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.CsvSource;
+
+import reve.core.Seed;
+import reve.core.access.DeclaredAction;
+import reve.core.access.Effect;
+import reve.core.world.ItemDefinition;
+
+import tools.jackson.databind.JsonNode;
 
 import java.io.IOException;
 import java.time.Duration;
@@ -12,30 +26,24 @@ import java.util.Optional;
 import java.util.OptionalLong;
 import java.util.Random;
 import java.util.TreeSet;
-import org.junit.jupiter.api.AfterEach;
-import org.junit.jupiter.api.BeforeEach;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.params.ParameterizedTest;
-import org.junit.jupiter.params.provider.CsvSource;
-import reve.core.Seed;
-import reve.core.access.DeclaredAction;
-import reve.core.access.Effect;
-import reve.core.world.ItemDefinition;
-import tools.jackson.databind.JsonNode;
 
 /** Roles, commands that are done at most once, and connections that break and come back. */
 class SessionsTest {
 
     /** Of an agent whose connection breaks after every third; thirty thousand for a whole run. */
     private static final int CUT_COMMANDS = Integer.getInteger("reve.abuse.commands", 60);
+
     private static final String WIND_UP = "{'t':'act','id':%d,'item':'duck','action':'wind-up'}";
 
     private AgentRoom room;
 
     @BeforeEach
     void open() throws IOException {
-        room = new AgentRoom(AgentRoom.resumedOften(),
-                AgentRoom.making().withEvents(1_000_000, 1_000_000), 4096);
+        room =
+                new AgentRoom(
+                        AgentRoom.resumedOften(),
+                        AgentRoom.making().withEvents(1_000_000, 1_000_000),
+                        4096);
     }
 
     @AfterEach
@@ -62,7 +70,8 @@ class SessionsTest {
 
     @Test
     void anObserverHearsWhatHappensFromItsWelcomeOn() throws IOException {
-        try (TestClient eye = guest("eye", "observer"); TestClient ada = room.join("ada")) {
+        try (TestClient eye = guest("eye", "observer");
+                TestClient ada = room.join("ada")) {
             assertThat(eye.expect("event").get("type").stringValue()).isEqualTo("joined");
             ada.say("{'t':'bye'}").expectBye("goodbye");
             room.step();
@@ -75,7 +84,8 @@ class SessionsTest {
         try (TestClient first = guest("eye", "observer")) {
             first.say("{'t':'bye'}").expectBye("goodbye");
         }
-        try (TestClient second = guest("eye", "observer"); TestClient ada = room.join("ada")) {
+        try (TestClient second = guest("eye", "observer");
+                TestClient ada = room.join("ada")) {
             assertThat(second.expect("event").get("type").stringValue()).isEqualTo("joined");
             ada.say("{'t':'bye'}").expectBye("goodbye");
             room.step();
@@ -84,23 +94,27 @@ class SessionsTest {
     }
 
     @ParameterizedTest
-    @CsvSource(delimiter = '|', quoteCharacter = '`', value = {
-        "observer | {'t':'act','id':1,'item':'duck','action':'wind-up'} | agent",
-        "observer | {'t':'pause','id':1} | control",
-        "control | {'t':'act','id':1,'item':'duck','action':'wind-up'} | agent",
-        "agent | {'t':'pause','id':1} | control",
-        "agent | {'t':'run','id':1} | control",
-        "agent | {'t':'step','id':1} | control",
-        "agent | {'t':'load-law','id':1,'library':'x'} | control",
-        "agent | {'t':'unload-law','id':1,'library':'x'} | control",
-        "agent | {'t':'edit','id':1,'item':'duck','property':'physics.mass','value':3} | control",
-        "agent | {'t':'picture','id':1} | control",
-        "agent | {'t':'snapshot','id':1,'image':'x'} | control",
-        "agent | {'t':'rewind','id':1} | control",
-        "agent | {'t':'save','id':1,'file':'x'} | control",
-        "agent | {'t':'fork','id':1,'frames':1} | control",
-        "agent | {'t':'shut-down','id':1} | control",
-    })
+    @CsvSource(
+            delimiter = '|',
+            quoteCharacter = '`',
+            value = {
+                "observer | {'t':'act','id':1,'item':'duck','action':'wind-up'} | agent",
+                "observer | {'t':'pause','id':1} | control",
+                "control | {'t':'act','id':1,'item':'duck','action':'wind-up'} | agent",
+                "agent | {'t':'pause','id':1} | control",
+                "agent | {'t':'run','id':1} | control",
+                "agent | {'t':'step','id':1} | control",
+                "agent | {'t':'load-law','id':1,'library':'x'} | control",
+                "agent | {'t':'unload-law','id':1,'library':'x'} | control",
+                "agent | {'t':'edit','id':1,'item':'duck','property':'physics.mass','value':3} |"
+                        + " control",
+                "agent | {'t':'picture','id':1} | control",
+                "agent | {'t':'snapshot','id':1,'image':'x'} | control",
+                "agent | {'t':'rewind','id':1} | control",
+                "agent | {'t':'save','id':1,'file':'x'} | control",
+                "agent | {'t':'fork','id':1,'frames':1} | control",
+                "agent | {'t':'shut-down','id':1} | control",
+            })
     void aRoleMaySayOnlyWhatIsItsOwn(String role, String message, String needed)
             throws IOException {
         try (TestClient client = role.equals("agent") ? room.join("ada") : guest("ada", role)) {
@@ -116,7 +130,8 @@ class SessionsTest {
 
     @Test
     void aNameIsTakenByAnyRole() throws IOException {
-        try (TestClient eye = guest("eye", "observer"); TestClient second = room.connect()) {
+        try (TestClient eye = guest("eye", "observer");
+                TestClient second = room.connect()) {
             second.say("{'t':'hello','protocol':1,'name':'eye'}").expectBye("name-taken");
             eye.say("{'t':'bye'}").expectBye("goodbye");
         }
@@ -132,7 +147,8 @@ class SessionsTest {
             boss.say(edit.formatted(1, "physics.velocity", "[0,3,0]"))
                     .say(edit.formatted(2, "physical.location", "[4,5,6]"))
                     .say(edit.formatted(3, "semantic.class", "'bird'"))
-                    .say(edit.formatted(4, "physical.colour", "'#ff0000'")).sync();
+                    .say(edit.formatted(4, "physical.colour", "'#ff0000'"))
+                    .sync();
             room.step();
             for (int i = 1; i <= 4; i++) {
                 JsonNode result = boss.expect("result");
@@ -147,35 +163,50 @@ class SessionsTest {
     }
 
     @ParameterizedTest
-    @CsvSource(delimiter = '|', quoteCharacter = '`', value = {
-        "swan | physics.mass | 1 | no-such-item | swan",
-        "duck | mass | 1 | no-such-property | physics.NAME",
-        "duck | soul.mass | 1 | no-such-property | soul.mass",
-        "duck | physical.smell | 1 | no-such-property | physical.smell",
-        "duck | physics.smell | 1 | edit-refused | smell",
-        "duck | physics.velocity | [1,2] | edit-refused | velocity",
-        "duck | physics.mass | 'heavy' | edit-refused | "
-                + "item duck: physics.mass is \"heavy\", expected numbers",
-        "duck | physical.location | [1,2] | edit-refused | "
-                + "item duck: location is 2 numbers, expected 3",
-        "duck | physical.colour | 'red' | edit-refused | "
-                + "item duck: colour \"red\": expected #rrggbb",
-        "duck | semantic.name | 'swan' | edit-refused | name",
-        "duck | semantic.class | 1 | edit-refused | item duck: class is 1.0, expected a text such "
-                + "as \"toy\"",
-        "duck | semantic.a: {b} | 'x' | edit-refused | \"a: {b}\" is no name of a symbol",
-        "duck | physical.location | [1e308,0,0] | out-of-range | item duck: location is 1.0E308; "
-                + "an action or an edit sets 0 or a magnitude from 1.0E-100 to 1.0E100",
-        "duck | physics.mass | 1e-160 | out-of-range | item duck: physics.mass is 1.0E-160; an",
-        "duck | physics.mass | -1 | out-of-range | physics.mass is -1.0; expected 0 or more [kg]",
-        "duck | physics.inertia | [1,1,3] | out-of-range | item duck: physics.inertia is "
-                + "[1.0, 1.0, 3.0]; no body has moments of 1.0, 1.0 and 3.0 kg*m^2; expected none",
-    })
-    void anEditThatDoesNotFitIsRefusedWithAReason(String item, String property, String value,
-            String code, String reason) throws IOException {
+    @CsvSource(
+            delimiter = '|',
+            quoteCharacter = '`',
+            value = {
+                "swan | physics.mass | 1 | no-such-item | swan",
+                "duck | mass | 1 | no-such-property | physics.NAME",
+                "duck | soul.mass | 1 | no-such-property | soul.mass",
+                "duck | physical.smell | 1 | no-such-property | physical.smell",
+                "duck | physics.smell | 1 | edit-refused | smell",
+                "duck | physics.velocity | [1,2] | edit-refused | velocity",
+                "duck | physics.mass | 'heavy' | edit-refused | "
+                        + "item duck: physics.mass is \"heavy\", expected numbers",
+                "duck | physical.location | [1,2] | edit-refused | "
+                        + "item duck: location is 2 numbers, expected 3",
+                "duck | physical.colour | 'red' | edit-refused | "
+                        + "item duck: colour \"red\": expected #rrggbb",
+                "duck | semantic.name | 'swan' | edit-refused | name",
+                "duck | semantic.class | 1 | edit-refused | item duck: class is 1.0, expected a"
+                        + " text such as \"toy\"",
+                "duck | semantic.a: {b} | 'x' | edit-refused | \"a: {b}\" is no name of a symbol",
+                "duck | physical.location | [1e308,0,0] | out-of-range | item duck: location is"
+                        + " 1.0E308; an action or an edit sets 0 or a magnitude from 1.0E-100 to"
+                        + " 1.0E100",
+                "duck | physics.mass | 1e-160 | out-of-range | item duck: physics.mass is 1.0E-160;"
+                        + " an",
+                "duck | physics.mass | -1 | out-of-range | physics.mass is -1.0; expected 0 or more"
+                        + " [kg]",
+                "duck | physics.inertia | [1,1,3] | out-of-range | item duck: physics.inertia is"
+                        + " [1.0, 1.0, 3.0]; no body has moments of 1.0, 1.0 and 3.0 kg*m^2; expected"
+                        + " none",
+            })
+    void anEditThatDoesNotFitIsRefusedWithAReason(
+            String item, String property, String value, String code, String reason)
+            throws IOException {
         try (TestClient boss = guest("boss", "control")) {
-            boss.say("{'t':'edit','id':1,'item':'" + item + "','property':'" + property
-                    + "','value':" + value + "}").sync();
+            boss.say(
+                            "{'t':'edit','id':1,'item':'"
+                                    + item
+                                    + "','property':'"
+                                    + property
+                                    + "','value':"
+                                    + value
+                                    + "}")
+                    .sync();
             room.step();
             assertThat(boss.expect("result", code).get("reason").stringValue()).contains(reason);
         }
@@ -195,10 +226,13 @@ class SessionsTest {
         room.loop.pause();
         Thread runner = Thread.ofPlatform().start(room.loop::run);
         try (TestClient boss = guest("boss", "control")) {
-            long before = boss.say("{'t':'pause','id':1}").expect("result").get("frame")
-                    .longValue();
-            long after = boss.say("{'t':'step','id':2,'frames':3}").expect("result").get("frame")
-                    .longValue();
+            long before =
+                    boss.say("{'t':'pause','id':1}").expect("result").get("frame").longValue();
+            long after =
+                    boss.say("{'t':'step','id':2,'frames':3}")
+                            .expect("result")
+                            .get("frame")
+                            .longValue();
             assertThat(after).isEqualTo(before + 3);
             while (room.loop.frame() < after) {
                 Thread.onSpinWait();
@@ -209,7 +243,8 @@ class SessionsTest {
             long next = before + 4;
             String result = "{'t':'result','id':%d,'accepted':true,'frame':%d}";
             assertThat(List.of(boss.expect("result"), boss.expect("result")))
-                    .containsExactlyInAnyOrder(TestClient.json(result.formatted(3, next)),
+                    .containsExactlyInAnyOrder(
+                            TestClient.json(result.formatted(3, next)),
                             TestClient.json(result.formatted(4, next)));
             boss.say("{'t':'perceive','id':5}").sync();
             boss.say("{'t':'run','id':6}").expect("result");
@@ -290,7 +325,8 @@ class SessionsTest {
         ada.say(WIND_UP.formatted(1)).sync();
         reset(ada);
         room.step();
-        try (TestClient bob = room.join("bob"); TestClient again = room.connect()) {
+        try (TestClient bob = room.join("bob");
+                TestClient again = room.connect()) {
             assertThat(room.has("ada")).isTrue();
             again.say(resume("ada", token, 1)).sync();
             JsonNode welcome = again.expect("welcome");
@@ -310,7 +346,8 @@ class SessionsTest {
 
     @Test
     void anotherConnectionTakesOverFromOneThatSeemsAlive() throws IOException {
-        try (TestClient ada = room.connect(); TestClient again = room.connect()) {
+        try (TestClient ada = room.connect();
+                TestClient again = room.connect()) {
             String token = joinAsAda(ada, 60);
             again.say(resume("ada", token, 1)).expect("welcome");
             ada.expectBye("resumed");
@@ -321,7 +358,8 @@ class SessionsTest {
 
     @Test
     void whoHasAnotherTokenOrNoGraceCannotTakeOver() throws IOException {
-        try (TestClient ada = room.join("ada"); TestClient eve = room.connect();
+        try (TestClient ada = room.join("ada");
+                TestClient eve = room.connect();
                 TestClient eva = room.connect()) {
             eve.say(resume("ada", "00112233445566778899aabbccddeeff", 1))
                     .expectBye("no-such-session");
@@ -505,8 +543,14 @@ class SessionsTest {
 
     /** Something that tells when it is rung. */
     private static ItemDefinition bell() {
-        return ItemDefinition.named("bell").action(new DeclaredAction("ring", "Once.", List.of(),
-                List.of(new Effect.Raise("rang", "ring")))).build();
+        return ItemDefinition.named("bell")
+                .action(
+                        new DeclaredAction(
+                                "ring",
+                                "Once.",
+                                List.of(),
+                                List.of(new Effect.Raise("rang", "ring"))))
+                .build();
     }
 
     /**
@@ -519,8 +563,13 @@ class SessionsTest {
     }
 
     private String join(TestClient client, String name, double graceSeconds) throws IOException {
-        client.say("{'t':'hello','protocol':1,'name':'" + name + "','graceSeconds':" + graceSeconds
-                + "}").sync();
+        client.say(
+                        "{'t':'hello','protocol':1,'name':'"
+                                + name
+                                + "','graceSeconds':"
+                                + graceSeconds
+                                + "}")
+                .sync();
         room.step();
         String token = client.expect("welcome").at("/session/token").stringValue();
         client.expect("event");
@@ -535,8 +584,13 @@ class SessionsTest {
     }
 
     private static String resume(String name, String token, long frame) {
-        return "{'t':'hello','protocol':1,'name':'" + name + "','resume':{'session':'" + token
-                + "','frame':" + frame + "}}";
+        return "{'t':'hello','protocol':1,'name':'"
+                + name
+                + "','resume':{'session':'"
+                + token
+                + "','frame':"
+                + frame
+                + "}}";
     }
 
     /** As when a machine crashes. */

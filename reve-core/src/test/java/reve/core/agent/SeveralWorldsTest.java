@@ -1,12 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import static org.assertj.core.api.Assertions.assertThat;
 
-import java.io.IOException;
-import java.util.List;
 import org.junit.jupiter.api.AfterEach;
 import org.junit.jupiter.api.BeforeEach;
 import org.junit.jupiter.api.Test;
+
 import reve.core.derive.DerivedColumns;
 import reve.core.frame.CommandQueue;
 import reve.core.frame.FrameBus;
@@ -18,6 +18,9 @@ import reve.core.world.OffHeapArena;
 import reve.core.world.SnapshotRing;
 import reve.core.world.World;
 import reve.core.world.WorldPrototype;
+
+import java.io.IOException;
+import java.util.List;
 
 /** Two worlds behind one port, stepped by hand, each by itself. */
 class SeveralWorldsTest {
@@ -39,18 +42,30 @@ class SeveralWorldsTest {
             commands.subscribeTo(bus);
             DerivedColumns.subscribeTo(bus);
             var snapshots = new SnapshotRing(world, 3);
-            bus.subscribe(FramePhase.PUBLISH, "snapshots",
+            bus.subscribe(
+                    FramePhase.PUBLISH,
+                    "snapshots",
                     event -> snapshots.publish(event.frame(), event.timeSeconds()));
             loop = new FrameLoop(world, bus, Timing.DEFAULT, Pacing.FAST);
-            port = new WorldPort(name, 60, AgentRoom.making(), bus, commands, snapshots, loop,
-                    new RoomControl(world, loop), Cameras.none());
+            port =
+                    new WorldPort(
+                            name,
+                            60,
+                            AgentRoom.making(),
+                            bus,
+                            commands,
+                            snapshots,
+                            loop,
+                            new RoomControl(world, loop),
+                            Cameras.none());
         }
     }
 
     @BeforeEach
     void open() throws IOException {
-        server = AgentServer.start(AgentRoom.CONFIG, List.of(pond.port, lake.port),
-                (source, message) -> { });
+        server =
+                AgentServer.start(
+                        AgentRoom.CONFIG, List.of(pond.port, lake.port), (source, message) -> {});
     }
 
     @AfterEach
@@ -60,7 +75,8 @@ class SeveralWorldsTest {
 
     @Test
     void helloSaysWhichWorldAndTheWelcomeNamesIt() throws IOException {
-        try (TestClient _ = join("ada", pond); TestClient _ = join("bob", lake)) {
+        try (TestClient _ = join("ada", pond);
+                TestClient _ = join("bob", lake)) {
             assertThat(pond.world.find("ada")).isPresent();
             assertThat(pond.world.find("bob")).isEmpty();
             assertThat(lake.world.find("bob")).isPresent();
@@ -69,18 +85,22 @@ class SeveralWorldsTest {
 
     @Test
     void whoNamesNoWorldOrAnotherIsToldWhichThereAre() throws IOException {
-        for (String hello : List.of("{'t':'hello','protocol':1,'name':'ada'}",
-                "{'t':'hello','protocol':1,'name':'ada','world':'sea'}")) {
+        for (String hello :
+                List.of(
+                        "{'t':'hello','protocol':1,'name':'ada'}",
+                        "{'t':'hello','protocol':1,'name':'ada','world':'sea'}")) {
             try (TestClient ada = new TestClient(server.address())) {
                 assertThat(ada.say(hello).expectBye("no-such-world").get("hint").stringValue())
-                        .contains("\"pond\"").contains("\"lake\"");
+                        .contains("\"pond\"")
+                        .contains("\"lake\"");
             }
         }
     }
 
     @Test
     void worldsShareNeitherNamesNorEventsNorFrames() throws IOException {
-        try (TestClient ada = join("ada", pond); TestClient other = join("ada", lake)) {
+        try (TestClient ada = join("ada", pond);
+                TestClient other = join("ada", lake)) {
             ada.say("{'t':'act','id':1,'item':'duck','action':'wind-up'}").sync();
             pond.loop.step();
             assertThat(ada.expect("result").get("accepted").booleanValue()).isTrue();
@@ -94,7 +114,8 @@ class SeveralWorldsTest {
 
     @Test
     void aWorldThatEndsSaysByeToItsOwnAndIsNotThereAnyMore() throws IOException {
-        try (TestClient ada = join("ada", pond); TestClient bob = join("bob", lake);
+        try (TestClient ada = join("ada", pond);
+                TestClient bob = join("bob", lake);
                 TestClient late = new TestClient(server.address())) {
             server.end("pond");
             ada.expectBye("closing");
@@ -125,8 +146,13 @@ class SeveralWorldsTest {
 
     private TestClient join(String name, Pond in) throws IOException {
         var client = new TestClient(server.address());
-        client.say("{'t':'hello','protocol':1,'name':'" + name + "','world':'" + in.world.name()
-                + "'}").sync();
+        client.say(
+                        "{'t':'hello','protocol':1,'name':'"
+                                + name
+                                + "','world':'"
+                                + in.world.name()
+                                + "'}")
+                .sync();
         in.loop.step();
         assertThat(client.expect("welcome").get("world").stringValue()).isEqualTo(in.world.name());
         client.expect("event");

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import static org.assertj.core.api.Assertions.assertThat;
@@ -47,8 +48,10 @@ class StepBudgetTest {
     void manyAgentsTogetherTakeWhatAFrameHas() {
         int frames = 1000;
         long steps = (long) acts(50, 1, frames, DEAR) * (DEAR + StepBudget.OF_ACT);
-        assertThat(steps).isBetween((long) (0.9 * frames * StepBudget.OF_FRAME),
-                (long) (1.1 * frames * StepBudget.OF_FRAME));
+        assertThat(steps)
+                .isBetween(
+                        (long) (0.9 * frames * StepBudget.OF_FRAME),
+                        (long) (1.1 * frames * StepBudget.OF_FRAME));
     }
 
     @Test

@@ -1,6 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import static org.assertj.core.api.Assertions.assertThat;
+
+import tools.jackson.databind.JsonNode;
+import tools.jackson.databind.json.JsonMapper;
 
 import java.io.BufferedReader;
 import java.io.IOException;
@@ -13,8 +17,6 @@ import java.net.SocketTimeoutException;
 import java.nio.charset.StandardCharsets;
 import java.util.ArrayDeque;
 import java.util.Deque;
-import tools.jackson.databind.JsonNode;
-import tools.jackson.databind.json.JsonMapper;
 
 /** A client by hand: raw lines over a real socket. */
 final class TestClient implements AutoCloseable {
@@ -32,19 +34,24 @@ final class TestClient implements AutoCloseable {
         this(address, 0);
     }
 
-    /** @param receiveBytes size of the receive buffer, 0 for the system's */
+    /**
+     * @param receiveBytes size of the receive buffer, 0 for the system's
+     */
     TestClient(InetSocketAddress address, int receiveBytes) throws IOException {
         this(connected(address, receiveBytes));
     }
 
-    /** @param socket connected, and closed by the client */
+    /**
+     * @param socket connected, and closed by the client
+     */
     TestClient(Socket socket) throws IOException {
         this.socket = socket;
         socket.setTcpNoDelay(true);
         socket.setSoTimeout(PATIENCE_MILLIS);
         out = socket.getOutputStream();
-        in = new BufferedReader(
-                new InputStreamReader(socket.getInputStream(), StandardCharsets.UTF_8));
+        in =
+                new BufferedReader(
+                        new InputStreamReader(socket.getInputStream(), StandardCharsets.UTF_8));
     }
 
     private static Socket connected(InetSocketAddress address, int receiveBytes)
@@ -104,8 +111,8 @@ final class TestClient implements AutoCloseable {
     }
 
     /**
-     * The next message must be of that type and have that code; then the other fields
-     * are told by the caller.
+     * The next message must be of that type and have that code; then the other fields are told by
+     * the caller.
      */
     JsonNode expect(String type, String code) throws IOException {
         JsonNode message = expect(type);

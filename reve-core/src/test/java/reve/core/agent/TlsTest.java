@@ -1,7 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatThrownBy;
+
+import org.junit.jupiter.api.AfterAll;
+import org.junit.jupiter.api.AfterEach;
+import org.junit.jupiter.api.BeforeAll;
+import org.junit.jupiter.api.BeforeEach;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.ValueSource;
+
+import reve.core.Seed;
+import reve.core.world.ItemDefinition;
+
+import tools.jackson.databind.JsonNode;
 
 import java.io.IOException;
 import java.net.InetSocketAddress;
@@ -19,20 +34,10 @@ import java.util.List;
 import java.util.Optional;
 import java.util.Random;
 import java.util.concurrent.atomic.AtomicReference;
+
 import javax.net.ssl.SSLContext;
 import javax.net.ssl.SSLException;
 import javax.net.ssl.SSLSocket;
-import org.junit.jupiter.api.AfterAll;
-import org.junit.jupiter.api.AfterEach;
-import org.junit.jupiter.api.BeforeAll;
-import org.junit.jupiter.api.BeforeEach;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.api.io.TempDir;
-import org.junit.jupiter.params.ParameterizedTest;
-import org.junit.jupiter.params.provider.ValueSource;
-import reve.core.Seed;
-import reve.core.world.ItemDefinition;
-import tools.jackson.databind.JsonNode;
 
 /** Private connections. */
 class TlsTest {
@@ -41,8 +46,7 @@ class TlsTest {
     private static final Duration SOON = Duration.ofMillis(150);
     private static final String HELLO = "{'t':'hello','protocol':1,'name':'ada'}";
 
-    @TempDir
-    private static Path folder;
+    @TempDir private static Path folder;
     private static Certificate server;
     private static SSLContext trusting;
 
@@ -71,14 +75,18 @@ class TlsTest {
 
     private static AgentServerConfig with(AgentServerConfig c, Certificate certificate)
             throws IOException {
-        return new AgentServerConfig(c.address(), c.limits(), c.timeouts(), c.audit(),
+        return new AgentServerConfig(
+                c.address(),
+                c.limits(),
+                c.timeouts(),
+                c.audit(),
                 new AgentSecurity(Optional.empty(), Optional.of(certificate.tls())));
     }
 
     private static SSLSocket secure(SSLContext context, InetSocketAddress address)
             throws IOException {
-        return (SSLSocket) context.getSocketFactory()
-                .createSocket(address.getAddress(), address.getPort());
+        return (SSLSocket)
+                context.getSocketFactory().createSocket(address.getAddress(), address.getPort());
     }
 
     private TestClient connect() throws IOException {
@@ -112,10 +120,14 @@ class TlsTest {
         Random random = new Random(seed);
         try (TestClient ada = join(room)) {
             for (int i = 0; i < 200; i++) {
-                byte[] line = ("{\"t\":\"ping\",\"id\":" + i + ",\"padding\":\""
-                        + "x".repeat(random.nextInt(40_000))
-                        + "\"}\n").getBytes(StandardCharsets.US_ASCII);
-                for (int at = 0; at < line.length;) {
+                byte[] line =
+                        ("{\"t\":\"ping\",\"id\":"
+                                        + i
+                                        + ",\"padding\":\""
+                                        + "x".repeat(random.nextInt(40_000))
+                                        + "\"}\n")
+                                .getBytes(StandardCharsets.US_ASCII);
+                for (int at = 0; at < line.length; ) {
                     int next = Math.min(line.length, at + 1 + random.nextInt(20_000));
                     ada.send(Arrays.copyOfRange(line, at, next));
                     at = next;
@@ -128,8 +140,8 @@ class TlsTest {
     @Test
     void perceptionsLongerThanASocketsBufferArriveWhole() throws IOException {
         for (int i = 0; i < 3000; i++) {
-            room.world.add(ItemDefinition.named("stone " + i)
-                    .symbol("note", "x".repeat(500)).build());
+            room.world.add(
+                    ItemDefinition.named("stone " + i).symbol("note", "x".repeat(500)).build());
         }
         try (TestClient ada = join(room)) {
             for (int i = 0; i < 3; i++) {
@@ -185,8 +197,10 @@ class TlsTest {
         try (AgentRoom brief = new AgentRoom(config)) {
             List<Socket> silent = new ArrayList<>();
             for (int i = 0; i < 50; i++) {
-                Socket socket = new Socket(brief.server.address().getAddress(),
-                        brief.server.address().getPort());
+                Socket socket =
+                        new Socket(
+                                brief.server.address().getAddress(),
+                                brief.server.address().getPort());
                 socket.getOutputStream().write(new byte[] {0x16, 3, 1, 2}, 0, i % 5);
                 silent.add(socket);
             }
@@ -203,11 +217,14 @@ class TlsTest {
     void aRecordThatIsNeverFinishedDoesNotKeepAConnectionOpen() throws IOException {
         AgentServerConfig config = with(AgentRoom.config(NEVER, SOON, SOON, NEVER), server);
         try (AgentRoom brief = new AgentRoom(config);
-                Socket raw = new Socket(brief.server.address().getAddress(),
-                        brief.server.address().getPort());
-                TestClient ada = new TestClient(
-                        trusting.getSocketFactory()
-                                .createSocket(raw, "localhost", raw.getPort(), true))) {
+                Socket raw =
+                        new Socket(
+                                brief.server.address().getAddress(),
+                                brief.server.address().getPort());
+                TestClient ada =
+                        new TestClient(
+                                trusting.getSocketFactory()
+                                        .createSocket(raw, "localhost", raw.getPort(), true))) {
             ada.say(HELLO).sync();
             raw.getOutputStream().write(new byte[] {0x17, 3, 3, 0x40, 0, 1, 2, 3});
             brief.step();
@@ -221,8 +238,8 @@ class TlsTest {
         AgentServerConfig config = with(AgentRoom.config(NEVER, NEVER, NEVER, SOON), server);
         try (AgentRoom brief = new AgentRoom(config)) {
             for (int i = 0; i < 3000; i++) {
-                brief.world.add(ItemDefinition.named("stone " + i)
-                        .symbol("note", "x".repeat(200)).build());
+                brief.world.add(
+                        ItemDefinition.named("stone " + i).symbol("note", "x".repeat(200)).build());
             }
             try (TestClient blind = join(brief)) {
                 blind.say("{'t':'perceive','every':1}");
@@ -240,8 +257,9 @@ class TlsTest {
             byte[] noise = new byte[1 + random.nextInt(2000)];
             random.nextBytes(noise);
             noise[0] = 0x16;
-            try (Socket socket = new Socket(room.server.address().getAddress(),
-                    room.server.address().getPort())) {
+            try (Socket socket =
+                    new Socket(
+                            room.server.address().getAddress(), room.server.address().getPort())) {
                 socket.getOutputStream().write(noise);
                 socket.shutdownOutput();
                 socket.getInputStream().readAllBytes();
@@ -256,19 +274,30 @@ class TlsTest {
     @ParameterizedTest
     @ValueSource(strings = {"rw-r-----", "rw--w----", "rw----r--", "rw----r-x"})
     void aKeyThatOthersReadOrWriteIsRefused(String mode) throws Exception {
-        Path key = Files.copy(server.key(), folder.resolve("open.key"),
-                StandardCopyOption.REPLACE_EXISTING);
+        Path key =
+                Files.copy(
+                        server.key(),
+                        folder.resolve("open.key"),
+                        StandardCopyOption.REPLACE_EXISTING);
         Files.setPosixFilePermissions(key, PosixFilePermissions.fromString(mode));
         assertThatThrownBy(() -> ServerTls.of(server.certificate(), key))
-                .hasMessage(key + " is open to others (mode " + mode + "); run `chmod 600 " + key
-                        + "`");
+                .hasMessage(
+                        key
+                                + " is open to others (mode "
+                                + mode
+                                + "); run `chmod 600 "
+                                + key
+                                + "`");
         Files.setPosixFilePermissions(key, PosixFilePermissions.fromString("r--------"));
         assertThat(ServerTls.of(server.certificate(), key)).isNotNull();
     }
 
     private static void replace(Certificate files, Certificate by) throws IOException {
         Files.copy(by.certificate(), files.certificate(), StandardCopyOption.REPLACE_EXISTING);
-        Files.copy(by.key(), files.key(), StandardCopyOption.REPLACE_EXISTING,
+        Files.copy(
+                by.key(),
+                files.key(),
+                StandardCopyOption.REPLACE_EXISTING,
                 StandardCopyOption.COPY_ATTRIBUTES);
     }
 
@@ -278,8 +307,8 @@ class TlsTest {
         Certificate next = Certificate.make(folder, "next");
         SSLContext trustingNext = next.trusting();
         try (AgentRoom own = new AgentRoom(with(AgentRoom.CONFIG, files));
-                TestClient before = new TestClient(secure(files.trusting(),
-                        own.server.address()))) {
+                TestClient before =
+                        new TestClient(secure(files.trusting(), own.server.address()))) {
             before.say("{'t':'hello','protocol':1,'name':'bob'}").sync();
             replace(files, next);
             own.stepUntil("it is used", () -> isTrusted(trustingNext, own));
@@ -292,8 +321,11 @@ class TlsTest {
             replace(files, next);
             own.stepUntil("it is over", () -> own.problems.size() > 1);
             assertThat(own.problems).hasSize(2);
-            assertThat(own.problems.poll()).startsWith("tls: connections go on with the "
-                    + "certificate read before: " + files.certificate());
+            assertThat(own.problems.poll())
+                    .startsWith(
+                            "tls: connections go on with the "
+                                    + "certificate read before: "
+                                    + files.certificate());
             assertThat(own.problems.poll())
                     .contains("new connections use the certificate of " + files.certificate());
         }
@@ -337,7 +369,9 @@ class TlsTest {
         ServerTls tls = ServerTls.of(server.certificate(), server.key(), now::get);
         assertThat(tls.problem()).isEmpty();
         now.set(start.plus(Duration.ofDays(10_000)));
-        assertThat(tls.problem()).get().asString()
+        assertThat(tls.problem())
+                .get()
+                .asString()
                 .contains(server.certificate() + " has expired", "replace it and its key");
     }
 
@@ -348,13 +382,15 @@ class TlsTest {
                 .hasMessageContaining("other.key is not the key of the certificate in")
                 .hasMessageContaining("server.crt");
         assertThatThrownBy(() -> ServerTls.of(server.certificate(), server.certificate()))
-                .hasMessageContaining("server.crt").hasMessageContaining("chmod 600");
+                .hasMessageContaining("server.crt")
+                .hasMessageContaining("chmod 600");
         Path nothing = Files.writeString(folder.resolve("nothing.pem"), "nothing");
         assertThatThrownBy(() -> ServerTls.of(nothing, server.key()))
                 .hasMessageContaining("nothing.pem");
         Files.setPosixFilePermissions(nothing, PosixFilePermissions.fromString("rw-------"));
         assertThatThrownBy(() -> ServerTls.of(server.certificate(), nothing))
-                .hasMessageContaining("nothing.pem").hasMessageContaining("openssl pkcs8");
+                .hasMessageContaining("nothing.pem")
+                .hasMessageContaining("openssl pkcs8");
         Path missing = folder.resolve("missing.pem");
         assertThatThrownBy(() -> ServerTls.of(missing, server.key()))
                 .hasMessage("there is no file " + missing + ", expected one in PEM");

@@ -1,7 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatThrownBy;
+
+import org.junit.jupiter.api.BeforeEach;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.CsvSource;
+import org.junit.jupiter.params.provider.ValueSource;
 
 import java.io.IOException;
 import java.net.InetAddress;
@@ -15,20 +23,13 @@ import java.util.List;
 import java.util.Optional;
 import java.util.Set;
 import java.util.concurrent.TimeUnit;
-import org.junit.jupiter.api.BeforeEach;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.api.io.TempDir;
-import org.junit.jupiter.params.ParameterizedTest;
-import org.junit.jupiter.params.provider.CsvSource;
-import org.junit.jupiter.params.provider.ValueSource;
 
 /** Tokens and the file they are kept in. */
 class TokensTest {
 
     private static final Instant NOW = Instant.parse("2030-01-01T00:00:00Z");
 
-    @TempDir
-    private Path folder;
+    @TempDir private Path folder;
     private Path file;
     private Instant now = NOW;
 
@@ -49,14 +50,24 @@ class TokensTest {
 
     @Test
     void aTokenIsFoundByItsSecretWithAllThatItSays() throws IOException {
-        var rights = new Rights(Set.of(Role.AGENT, Role.OBSERVER), Optional.of(Set.of("pond")),
-                Optional.of(Set.of()), Optional.of(Set.of("push", "lift heavy")), true);
+        var rights =
+                new Rights(
+                        Set.of(Role.AGENT, Role.OBSERVER),
+                        Optional.of(Set.of("pond")),
+                        Optional.of(Set.of()),
+                        Optional.of(Set.of("push", "lift heavy")),
+                        true);
         add("bob");
         String secret = add("ada", rights, Optional.of(NOW.plusNanos(1)));
         TokenFile tokens = TokenFile.open(file, () -> now);
-        assertThat(tokens.find(secret)).get()
-                .isEqualTo(new AgentToken("ada", AgentToken.hash(secret), rights,
-                        Optional.of(NOW.plusNanos(1))));
+        assertThat(tokens.find(secret))
+                .get()
+                .isEqualTo(
+                        new AgentToken(
+                                "ada",
+                                AgentToken.hash(secret),
+                                rights,
+                                Optional.of(NOW.plusNanos(1))));
         assertThat(tokens.find(secret.substring(1))).isEmpty();
         assertThat(tokens.find("")).isEmpty();
         now = NOW.plusNanos(1);
@@ -68,7 +79,8 @@ class TokensTest {
         String first = add("ada");
         String second = add("ada");
         assertThat(first).matches("[0-9a-f]{32}").isNotEqualTo(second);
-        assertThat(Files.readString(file)).doesNotContain(first, second)
+        assertThat(Files.readString(file))
+                .doesNotContain(first, second)
                 .contains(AgentToken.hash(first));
         assertThat(AgentToken.issue("ada", Rights.ALL, Optional.empty()).toString())
                 .doesNotContain("secret");
@@ -86,9 +98,12 @@ class TokensTest {
         assertThat(PosixFilePermissions.toString(Files.getPosixFilePermissions(file)))
                 .isEqualTo("rw-------");
         Files.setPosixFilePermissions(file, PosixFilePermissions.fromString("rw-r-----"));
-        assertThatThrownBy(() -> TokenFile.open(file)).isInstanceOf(IOException.class)
-                .hasMessageContaining("rw-r-----").hasMessageContaining("chmod 600 " + file);
-        assertThatThrownBy(() -> add("bob")).isInstanceOf(IOException.class)
+        assertThatThrownBy(() -> TokenFile.open(file))
+                .isInstanceOf(IOException.class)
+                .hasMessageContaining("rw-r-----")
+                .hasMessageContaining("chmod 600 " + file);
+        assertThatThrownBy(() -> add("bob"))
+                .isInstanceOf(IOException.class)
                 .hasMessageContaining("chmod 600");
     }
 
@@ -98,17 +113,24 @@ class TokensTest {
         Path pipe = file.resolveSibling("pipe");
         assertThat(new ProcessBuilder("mkfifo", "-m", "600", pipe.toString()).start().waitFor())
                 .isZero();
-        assertThatThrownBy(() -> TokenFile.open(pipe)).isInstanceOf(IOException.class)
-                .hasMessage(pipe + " is a pipe or a device, expected a file of tokens; name that "
-                        + "file");
-        assertThatThrownBy(() -> ServerTls.of(pipe, pipe)).isInstanceOf(IOException.class)
-                .hasMessage(pipe + " is a pipe or a device, expected a file in PEM; name that "
-                        + "file");
+        assertThatThrownBy(() -> TokenFile.open(pipe))
+                .isInstanceOf(IOException.class)
+                .hasMessage(
+                        pipe
+                                + " is a pipe or a device, expected a file of tokens; name that "
+                                + "file");
+        assertThatThrownBy(() -> ServerTls.of(pipe, pipe))
+                .isInstanceOf(IOException.class)
+                .hasMessage(
+                        pipe
+                                + " is a pipe or a device, expected a file in PEM; name that "
+                                + "file");
     }
 
     @Test
     void aMissingFileIsNamedWithTheCommandThatMakesIt() {
-        assertThatThrownBy(() -> TokenFile.open(file)).isInstanceOf(NoSuchFileException.class)
+        assertThatThrownBy(() -> TokenFile.open(file))
+                .isInstanceOf(NoSuchFileException.class)
                 .hasMessageContaining("the command `token new NAME --file " + file);
     }
 
@@ -120,8 +142,10 @@ class TokensTest {
                 .hasMessage(folder + " is a folder, expected a file of tokens");
         Path missing = folder.resolve("missing").resolve("tokens.json");
         assertThatThrownBy(() -> TokenFile.add(missing, token))
-                .hasMessage("there is no folder " + missing.getParent()
-                        + " for tokens.json; make it first");
+                .hasMessage(
+                        "there is no folder "
+                                + missing.getParent()
+                                + " for tokens.json; make it first");
     }
 
     @Test
@@ -160,38 +184,46 @@ class TokensTest {
     }
 
     @ParameterizedTest
-    @CsvSource(delimiter = '|', textBlock = """
-            []                                                            | expected {"reveTokens": 1
-            {"reveTokens":2,"tokens":[]}                                  | expected {"reveTokens": 1
-            {"reveTokens":1,"tokens":[{"name":"a","bodys":["x"]}]}        | token 1 has the field "bodys"
-            {"reveTokens":1,"tokens":[{"name":"a","roles":["agent"]}]}    | sha256 is not a text
-            {"reveTokens":1,"tokens":[{"name":"a","sha256":"00"}]}        | sha256 of the token of a is not 64
-            {"reveTokens":1,"tokens":[{"name":"a","roles":["king"]}]}     | the role "king"
-            {"reveTokens":1,"tokens":[{"name":"a","roles":"agent"}]}      | roles is not a list of texts
-            {"reveTokens":1,"tokens":[{"name":"a b","sha256":"00"}]}      | "a b" is no name
-            {"reveTokens":1,"reveTokens":1,"tokens":[]}                   | it is not JSON: line 1, column 2
-            {"reveTokens":1,"tokens":[]}{"at":"2030"}                     | it is not JSON: line 1, column 2
-            """)
+    @CsvSource(
+            delimiter = '|',
+            textBlock =
+                    """
+                    []                                                            | expected {"reveTokens": 1
+                    {"reveTokens":2,"tokens":[]}                                  | expected {"reveTokens": 1
+                    {"reveTokens":1,"tokens":[{"name":"a","bodys":["x"]}]}        | token 1 has the field "bodys"
+                    {"reveTokens":1,"tokens":[{"name":"a","roles":["agent"]}]}    | sha256 is not a text
+                    {"reveTokens":1,"tokens":[{"name":"a","sha256":"00"}]}        | sha256 of the token of a is not 64
+                    {"reveTokens":1,"tokens":[{"name":"a","roles":["king"]}]}     | the role "king"
+                    {"reveTokens":1,"tokens":[{"name":"a","roles":"agent"}]}      | roles is not a list of texts
+                    {"reveTokens":1,"tokens":[{"name":"a b","sha256":"00"}]}      | "a b" is no name
+                    {"reveTokens":1,"reveTokens":1,"tokens":[]}                   | it is not JSON: line 1, column 2
+                    {"reveTokens":1,"tokens":[]}{"at":"2030"}                     | it is not JSON: line 1, column 2
+                    """)
     void aFileThatSaysSomethingElseIsRefusedWhole(String content, String reason)
             throws IOException {
         add("ada");
         Files.writeString(file, content);
-        assertThatThrownBy(() -> TokenFile.open(file)).isInstanceOf(IOException.class)
-                .hasMessageContaining(file.toString()).hasMessageContaining(reason)
+        assertThatThrownBy(() -> TokenFile.open(file))
+                .isInstanceOf(IOException.class)
+                .hasMessageContaining(file.toString())
+                .hasMessageContaining(reason)
                 .hasMessageNotContainingAny("JsonToken", "Feature", "Source:");
     }
 
     @ParameterizedTest
-    @ValueSource(strings = {"\"expires\":\"soon\"", "\"expires\":5", "\"roles\":[]",
-            "\"worlds\":[1]"})
+    @ValueSource(
+            strings = {"\"expires\":\"soon\"", "\"expires\":5", "\"roles\":[]", "\"worlds\":[1]"})
     void aFieldThatIsNotAsItShouldBeIsRefused(String field) throws IOException {
         add("ada");
         String known = Files.readString(file);
         String name = field.substring(0, field.indexOf(':'));
-        Files.writeString(file,
-                known.contains(name) ? known.replaceFirst(name + " : \\[[^]]*]", field)
-                : known.replace("\"name\"", field + ",\"name\""));
-        assertThatThrownBy(() -> TokenFile.open(file)).isInstanceOf(IOException.class)
+        Files.writeString(
+                file,
+                known.contains(name)
+                        ? known.replaceFirst(name + " : \\[[^]]*]", field)
+                        : known.replace("\"name\"", field + ",\"name\""));
+        assertThatThrownBy(() -> TokenFile.open(file))
+                .isInstanceOf(IOException.class)
                 .hasMessageContaining("token 1");
     }
 
@@ -205,7 +237,8 @@ class TokensTest {
         }
         assertThat(attempts.take(mallory, now)).isFalse();
         assertThat(attempts.take(InetAddress.getByName("192.0.2.2"), now))
-                .as("another address").isTrue();
+                .as("another address")
+                .isTrue();
         now += TimeUnit.SECONDS.toNanos(1);
         assertThat(attempts.take(mallory, now)).isTrue();
         assertThat(attempts.take(mallory, now)).isFalse();

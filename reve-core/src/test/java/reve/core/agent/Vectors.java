@@ -1,14 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
 import static org.assertj.core.api.Assertions.assertThat;
+
+import tools.jackson.databind.JsonNode;
+import tools.jackson.databind.json.JsonMapper;
 
 import java.io.IOException;
 import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.List;
 import java.util.Objects;
-import tools.jackson.databind.JsonNode;
-import tools.jackson.databind.json.JsonMapper;
 
 /** The protocol's page and test vectors, as clients have them too. */
 final class Vectors {
@@ -24,7 +26,8 @@ final class Vectors {
     /** Both are the same JSON: the order of fields and the way a number is written are free. */
     static void assertSame(JsonNode actual, JsonNode expected) {
         assertThat(actual.equals(Vectors::compareLeaves, expected))
-                .as("expected %s%n but was %s", expected, actual).isTrue();
+                .as("expected %s%n but was %s", expected, actual)
+                .isTrue();
     }
 
     private static int compareLeaves(JsonNode a, JsonNode b) {
@@ -35,8 +38,10 @@ final class Vectors {
     }
 
     static String text(String file) {
-        String root = Objects.requireNonNull(System.getProperty("reve.root"),
-                "set -Dreve.root to the folder of the project");
+        String root =
+                Objects.requireNonNull(
+                        System.getProperty("reve.root"),
+                        "set -Dreve.root to the folder of the project");
         Path path = Path.of(root, "agents/protocol", file);
         try {
             return Files.readString(path);

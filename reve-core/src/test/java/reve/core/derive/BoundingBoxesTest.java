@@ -1,12 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.derive;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.within;
 
-import java.util.Random;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.params.ParameterizedTest;
 import org.junit.jupiter.params.provider.CsvSource;
+
 import reve.core.Seed;
 import reve.core.frame.FrameBus;
 import reve.core.frame.FrameLoop;
@@ -19,6 +20,8 @@ import reve.core.world.OffHeapArena;
 import reve.core.world.Shape;
 import reve.core.world.World;
 import reve.core.world.WorldPrototype;
+
+import java.util.Random;
 
 class BoundingBoxesTest {
 
@@ -33,17 +36,22 @@ class BoundingBoxesTest {
         var random = new Random(seed);
         World world = world(prototype);
         for (int i = 0; i < 300; i++) {
-            world.add(ItemDefinition.named("b" + i).shape(shape(random, i % 4))
-                    .at(number(random), number(random), number(random))
-                    .orientation(number(random), number(random), number(random), 0.1).build());
+            world.add(
+                    ItemDefinition.named("b" + i)
+                            .shape(shape(random, i % 4))
+                            .at(number(random), number(random), number(random))
+                            .orientation(number(random), number(random), number(random), 0.1)
+                            .build());
         }
         new BoundingBoxes().update(world);
         for (Item item : world.items()) {
             if (!item.physical().isEmpty()) {
                 double[][] expected = turnedCorners(item);
-                assertThat(item.physical().boundsMin()).as("seed %d %s", seed, item)
+                assertThat(item.physical().boundsMin())
+                        .as("seed %d %s", seed, item)
                         .containsExactly(expected[0], within(tolerance));
-                assertThat(item.physical().boundsMax()).as("seed %d %s", seed, item)
+                assertThat(item.physical().boundsMax())
+                        .as("seed %d %s", seed, item)
                         .containsExactly(expected[1], within(tolerance));
             }
         }
@@ -52,18 +60,26 @@ class BoundingBoxesTest {
     /** Around the mesh's own box, turned; after quarter turns that is as close as can be. */
     @ParameterizedTest
     @CsvSource({"si-f64, 1e-12", "si-f32, 1e-5"})
-    void holdEveryVertexOfATurnedMeshAndTouchThemAfterQuarterTurns(String prototype,
-            double tolerance) {
+    void holdEveryVertexOfATurnedMeshAndTouchThemAfterQuarterTurns(
+            String prototype, double tolerance) {
         long seed = Seed.of("turned meshes in " + prototype);
         var random = new Random(seed);
         World world = world(prototype);
         for (int i = 0; i < 100; i++) {
             boolean quarters = i % 2 == 0;
-            double[] q = quarters ? quarterTurns(random) : new double[] {
-                number(random), number(random), number(random), number(random)};
-            Item item = world.add(ItemDefinition.named("mesh" + i).shape(mesh(random))
-                    .at(number(random), number(random), number(random))
-                    .orientation(q[0], q[1], q[2], q[3]).build());
+            double[] q =
+                    quarters
+                            ? quarterTurns(random)
+                            : new double[] {
+                                number(random), number(random), number(random), number(random)
+                            };
+            Item item =
+                    world.add(
+                            ItemDefinition.named("mesh" + i)
+                                    .shape(mesh(random))
+                                    .at(number(random), number(random), number(random))
+                                    .orientation(q[0], q[1], q[2], q[3])
+                                    .build());
             new BoundingBoxes().update(world);
             double[][] vertices = verticesInWorld(item);
             double[] low = item.physical().boundsMin();
@@ -113,8 +129,10 @@ class BoundingBoxesTest {
         double[] at = item.physical().location();
         var vertices = ((Mesh) item.physical().shape()).vertices();
         while (vertices.hasRemaining()) {
-            double[] turned = turn(item.physical().orientation(),
-                    new double[] {vertices.get(), vertices.get(), vertices.get()});
+            double[] turned =
+                    turn(
+                            item.physical().orientation(),
+                            new double[] {vertices.get(), vertices.get(), vertices.get()});
             for (int axis = 0; axis < 3; axis++) {
                 low[axis] = Math.min(low[axis], at[axis] + turned[axis]);
                 high[axis] = Math.max(high[axis], at[axis] + turned[axis]);
@@ -127,21 +145,31 @@ class BoundingBoxesTest {
     void aQuarterTurnSwapsTheSidesOfABox() {
         World world = world("si-f64");
         double half = Math.sqrt(0.5);
-        Item box = world.add(ItemDefinition.named("box").shape(Shape.box(2, 4, 6)).at(10, 0, 0)
-                .orientation(0, 0, half, half).build());
+        Item box =
+                world.add(
+                        ItemDefinition.named("box")
+                                .shape(Shape.box(2, 4, 6))
+                                .at(10, 0, 0)
+                                .orientation(0, 0, half, half)
+                                .build());
         new BoundingBoxes().update(world);
-        assertThat(box.physical().boundsMin()).containsExactly(new double[] {8, -1, -3},
-                within(1e-12));
-        assertThat(box.physical().boundsMax()).containsExactly(new double[] {12, 1, 3},
-                within(1e-12));
+        assertThat(box.physical().boundsMin())
+                .containsExactly(new double[] {8, -1, -3}, within(1e-12));
+        assertThat(box.physical().boundsMax())
+                .containsExactly(new double[] {12, 1, 3}, within(1e-12));
     }
 
     @Test
     void aShapelessItemIsAPointAndATurnedSphereStaysASphere() {
         World world = world("si-f64");
         Item point = world.add(ItemDefinition.named("point").at(1, 2, 3).build());
-        Item ball = world.add(ItemDefinition.named("ball").shape(Shape.sphere(2)).at(1, 2, 3)
-                .orientation(1, 2, 3, 4).build());
+        Item ball =
+                world.add(
+                        ItemDefinition.named("ball")
+                                .shape(Shape.sphere(2))
+                                .at(1, 2, 3)
+                                .orientation(1, 2, 3, 4)
+                                .build());
         new BoundingBoxes().update(world);
         assertThat(point.physical().boundsMin()).containsExactly(1, 2, 3);
         assertThat(point.physical().boundsMax()).containsExactly(1, 2, 3);
@@ -169,9 +197,12 @@ class BoundingBoxesTest {
             case 0 -> Shape.sphere(0.1 + random.nextDouble());
             case 1 -> Shape.box(0.1 + random.nextDouble(), 2, 0.1 + random.nextDouble());
             case 2 -> Shape.plane(0.1 + random.nextDouble(), 3);
-            default -> Shape.mesh(new float[] {
-                1, 1, 1, 2, random.nextFloat(), 1, 1, 5, 3 + random.nextFloat()
-            }, new int[] {0, 1, 2});
+            default ->
+                    Shape.mesh(
+                            new float[] {
+                                1, 1, 1, 2, random.nextFloat(), 1, 1, 5, 3 + random.nextFloat()
+                            },
+                            new int[] {0, 1, 2});
         };
     }
 
@@ -190,11 +221,13 @@ class BoundingBoxesTest {
             for (int axis = 0; axis < 3; axis++) {
                 boolean upper = (corner >> axis & 1) == 1;
                 double half = shape.size(axis) / 2;
-                own[axis] = shape instanceof Mesh mesh ? (upper ? mesh.max(axis) : mesh.min(axis))
-                        : upper ? half : -half;
+                own[axis] =
+                        shape instanceof Mesh mesh
+                                ? (upper ? mesh.max(axis) : mesh.min(axis))
+                                : upper ? half : -half;
             }
-            double[] turned = shape instanceof Shape.Sphere ? own
-                    : turn(item.physical().orientation(), own);
+            double[] turned =
+                    shape instanceof Shape.Sphere ? own : turn(item.physical().orientation(), own);
             for (int axis = 0; axis < 3; axis++) {
                 low[axis] = Math.min(low[axis], at[axis] + turned[axis]);
                 high[axis] = Math.max(high[axis], at[axis] + turned[axis]);

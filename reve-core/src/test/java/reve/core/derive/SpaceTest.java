@@ -1,15 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.derive;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatIllegalArgumentException;
 import static org.assertj.core.api.Assertions.assertThatIllegalStateException;
 
-import java.util.ArrayList;
-import java.util.List;
-import java.util.Random;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.params.ParameterizedTest;
 import org.junit.jupiter.params.provider.ValueSource;
+
 import reve.core.Seed;
 import reve.core.frame.FrameBus;
 import reve.core.frame.FrameLoop;
@@ -27,6 +26,10 @@ import reve.core.world.World;
 import reve.core.world.WorldImage;
 import reve.core.world.WorldPrototype;
 
+import java.util.ArrayList;
+import java.util.List;
+import java.util.Random;
+
 class SpaceTest {
 
     private static final Box NEAR = Box.around(0, 0, 0, 10);
@@ -41,8 +44,8 @@ class SpaceTest {
     }
 
     private Item ball(String name, double x, double radius) {
-        return world.add(ItemDefinition.named(name).at(x, 0, 0).shape(Shape.sphere(radius))
-                .build());
+        return world.add(
+                ItemDefinition.named(name).at(x, 0, 0).shape(Shape.sphere(radius)).build());
     }
 
     @Test
@@ -106,7 +109,9 @@ class SpaceTest {
     void readersAskTheirSnapshot() {
         Item ball = ball("ball", 0, 1);
         var ring = new SnapshotRing(world, 2);
-        bus.subscribe(FramePhase.PUBLISH, "snapshots",
+        bus.subscribe(
+                FramePhase.PUBLISH,
+                "snapshots",
                 event -> ring.publish(event.frame(), event.timeSeconds()));
         loop.step();
         var snapshot = ring.acquireLatest().orElseThrow();
@@ -137,12 +142,19 @@ class SpaceTest {
         List<Item> items = new ArrayList<>();
         for (int step = 0; step < 400; step++) {
             if (items.size() < 20 || random.nextInt(3) > 0) {
-                items.add(world.add(ItemDefinition.named("i" + step).at(random.nextDouble() * 50,
-                        random.nextDouble() * 50, random.nextDouble() * 50)
-                        .shape(Shape.box(1 + random.nextInt(5), 2, 3))
-                        .orientation(1, random.nextDouble(), 0, 1).build()));
+                items.add(
+                        world.add(
+                                ItemDefinition.named("i" + step)
+                                        .at(
+                                                random.nextDouble() * 50,
+                                                random.nextDouble() * 50,
+                                                random.nextDouble() * 50)
+                                        .shape(Shape.box(1 + random.nextInt(5), 2, 3))
+                                        .orientation(1, random.nextDouble(), 0, 1)
+                                        .build()));
             } else if (random.nextBoolean()) {
-                items.get(random.nextInt(items.size())).physical()
+                items.get(random.nextInt(items.size()))
+                        .physical()
                         .setLocation(random.nextDouble() * 50, 0, 0);
             } else {
                 world.remove(items.remove(random.nextInt(items.size())).id());
@@ -150,9 +162,14 @@ class SpaceTest {
             if (step % 3 == 0) {
                 loop.step();
                 Box box = Box.around(random.nextDouble() * 50, random.nextDouble() * 50, 25, 10);
-                assertThat(world.space().inBox(box)).as("seed %d step %d", seed, step)
-                        .isEqualTo(items.stream().filter(item -> meets(item, box)).map(Item::id)
-                                .sorted().toList());
+                assertThat(world.space().inBox(box))
+                        .as("seed %d step %d", seed, step)
+                        .isEqualTo(
+                                items.stream()
+                                        .filter(item -> meets(item, box))
+                                        .map(Item::id)
+                                        .sorted()
+                                        .toList());
             }
         }
     }
@@ -160,8 +177,11 @@ class SpaceTest {
     private static boolean meets(Item item, Box box) {
         double[] low = item.physical().boundsMin();
         double[] high = item.physical().boundsMax();
-        return low[0] <= box.maxX() && high[0] >= box.minX()
-                && low[1] <= box.maxY() && high[1] >= box.minY()
-                && low[2] <= box.maxZ() && high[2] >= box.minZ();
+        return low[0] <= box.maxX()
+                && high[0] >= box.minX()
+                && low[1] <= box.maxY()
+                && high[1] >= box.minY()
+                && low[2] <= box.maxZ()
+                && high[2] >= box.minZ();
     }
 }

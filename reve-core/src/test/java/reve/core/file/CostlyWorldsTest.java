@@ -1,7 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.catchThrowableOfType;
+
+import org.junit.jupiter.api.Tag;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.CsvSource;
+
+import reve.core.world.Action;
+import reve.core.world.ItemDefinition;
 
 import java.lang.management.ManagementFactory;
 import java.nio.charset.StandardCharsets;
@@ -9,12 +18,6 @@ import java.util.List;
 import java.util.function.IntFunction;
 import java.util.stream.Collectors;
 import java.util.stream.IntStream;
-import org.junit.jupiter.api.Tag;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.params.ParameterizedTest;
-import org.junit.jupiter.params.provider.CsvSource;
-import reve.core.world.Action;
-import reve.core.world.ItemDefinition;
 
 /**
  * Short files that could keep a reader busy: what is too long is refused before anything is made of
@@ -26,8 +29,8 @@ class CostlyWorldsTest {
     private static final String START = "reve: 1\nname: w\n";
 
     private static List<Problem> problems(String text) {
-        WorldFileException refused = catchThrowableOfType(WorldFileException.class,
-                () -> read(text));
+        WorldFileException refused =
+                catchThrowableOfType(WorldFileException.class, () -> read(text));
         return refused == null ? List.of() : refused.problems();
     }
 
@@ -41,77 +44,150 @@ class CostlyWorldsTest {
 
     /** Each declaration is wrong, too, which would be told if it was looked at. */
     @ParameterizedTest
-    @CsvSource(delimiter = '!', textBlock = """
-            properties: ! - {name: p%d, kind: body, unit: foo} ! a list of 60000
-            symbols:    ! '  s%d: {unit: foo}'                 ! a mapping
-            rules:      ! '  r%d: foo'                         ! a mapping
-            laws:       ! - {name: l%d, parameters: {a: 1 foo}} ! a list of 60000
-            """)
+    @CsvSource(
+            delimiter = '!',
+            textBlock =
+                    """
+                    properties: ! - {name: p%d, kind: body, unit: foo} ! a list of 60000
+                    symbols:    ! '  s%d: {unit: foo}'                 ! a mapping
+                    rules:      ! '  r%d: foo'                         ! a mapping
+                    laws:       ! - {name: l%d, parameters: {a: 1 foo}} ! a list of 60000
+                    """)
     void declarationsAreCountedBeforeAnyIsRead(String key, String line, String found) {
         assertThat(problems(START + key + "\n" + times(60_000, i -> line.formatted(i) + "\n")))
-                .singleElement().satisfies(problem -> assertThat(problem.message())
-                        .contains("found " + found + ", expected at most"));
+                .singleElement()
+                .satisfies(
+                        problem ->
+                                assertThat(problem.message())
+                                        .contains("found " + found + ", expected at most"));
     }
 
     @Test
     void whatFilesDeclareTogetherIsCountedBeforeAnyIsRead() throws Exception {
         var problems = new Problems("w");
-        Node list = YamlReader.read("properties:\n" + times(1001, i -> "- {name: p" + i
-                + ", kind: body, unit: foo}\n"), problems, new Allowance(YamlReader.MAX_VALUES));
-        WorldFileException refused = catchThrowableOfType(WorldFileException.class,
-                () -> new PrototypeReader(problems).read(list,
-                        List.copyOf(list.get("properties").orElseThrow().children())));
-        assertThat(refused.problems()).extracting(Problem::toString).containsExactly(
-                "w:1002:3: properties: found 1001 in all files, expected at most 1000");
+        Node list =
+                YamlReader.read(
+                        "properties:\n"
+                                + times(1001, i -> "- {name: p" + i + ", kind: body, unit: foo}\n"),
+                        problems,
+                        new Allowance(YamlReader.MAX_VALUES));
+        WorldFileException refused =
+                catchThrowableOfType(
+                        WorldFileException.class,
+                        () ->
+                                new PrototypeReader(problems)
+                                        .read(
+                                                list,
+                                                List.copyOf(
+                                                        list.get("properties")
+                                                                .orElseThrow()
+                                                                .children())));
+        assertThat(refused.problems())
+                .extracting(Problem::toString)
+                .containsExactly(
+                        "w:1002:3: properties: found 1001 in all files, expected at most 1000");
     }
 
     /** The name's formula is wrong in each repetition, which would be told if it was worked out. */
     @Test
     void formulasAreCountedBeforeAnyIsWorkedOut() {
-        assertThat(problems(START + "items: [{name: 'a{1/0}', repeat: 20000, semantic: {x: '"
-                + "{i} ".repeat(16_000) + "'}}]\n")).singleElement().satisfies(problem ->
-                assertThat(problem.toString()).startsWith("w:3:9: more than 10000000 formulas"));
+        assertThat(
+                        problems(
+                                START
+                                        + "items: [{name: 'a{1/0}', repeat: 20000, semantic: {x: '"
+                                        + "{i} ".repeat(16_000)
+                                        + "'}}]\n"))
+                .singleElement()
+                .satisfies(
+                        problem ->
+                                assertThat(problem.toString())
+                                        .startsWith("w:3:9: more than 10000000 formulas"));
     }
 
     @Test
     void theLengthOfATextThatFormulasMakeIsCheckedAtTheFirstRepetition() {
-        assertThat(problems(START + "items: [{name: 'a{i}', repeat: 3, semantic: {x: '"
-                + "{i} ".repeat(3_000) + "'}}]\n")).singleElement().satisfies(problem ->
-                assertThat(problem.message()).contains(
-                        "x: formulas make a text of more than 4096 characters where i = 0"));
-        assertThat(problems(START + "items: [{name: 'a{i}', repeat: 3, semantic: {x: '"
-                + "{i} ".repeat(2_000) + "'}}]\n")).isEmpty();
+        assertThat(
+                        problems(
+                                START
+                                        + "items: [{name: 'a{i}', repeat: 3, semantic: {x: '"
+                                        + "{i} ".repeat(3_000)
+                                        + "'}}]\n"))
+                .singleElement()
+                .satisfies(
+                        problem ->
+                                assertThat(problem.message())
+                                        .contains(
+                                                "x: formulas make a text of more than 4096"
+                                                        + " characters where i = 0"));
+        assertThat(
+                        problems(
+                                START
+                                        + "items: [{name: 'a{i}', repeat: 3, semantic: {x: '"
+                                        + "{i} ".repeat(2_000)
+                                        + "'}}]\n"))
+                .isEmpty();
     }
 
     @Test
     void whatWasMeantIsLookedForOnlySoOften() {
-        List<Problem> problems = problems(START + "items:\n" + times(1000, i -> "- {name: body-" + i
-                + ", physics: {mass: 1}}\n") + times(5000, i -> "- {name: s" + i
-                + ", kind: spring, physics: {end1: bodi-" + i % 1000 + ", end2: bodj-" + i % 1000
-                + "}}\n"));
+        List<Problem> problems =
+                problems(
+                        START
+                                + "items:\n"
+                                + times(1000, i -> "- {name: body-" + i + ", physics: {mass: 1}}\n")
+                                + times(
+                                        5000,
+                                        i ->
+                                                "- {name: s"
+                                                        + i
+                                                        + ", kind: spring, physics: {end1: bodi-"
+                                                        + i % 1000
+                                                        + ", end2: bodj-"
+                                                        + i % 1000
+                                                        + "}}\n"));
         assertThat(problems).hasSize(Problems.MAX_REPORTED + 1);
-        assertThat(problems).filteredOn(problem -> problem.message().contains("did you mean"))
+        assertThat(problems)
+                .filteredOn(problem -> problem.message().contains("did you mean"))
                 .hasSize(Problems.MAX_SUGGESTIONS);
     }
 
     /** Repetitions of an item, and items that are like a prefab, have one list of actions. */
     @Test
     void actionsAndSymbolsOfAPrefabAreReadOnce() throws WorldFileException {
-        String prefab = START + "prefabs:\n  p:\n    physics: {mass: 0}\n"
-                + "    semantic: {a: [1, 2]}\n    physical: {shape: mesh, "
-                + "vertices: [[0,0,0],[1,0,0],[0,1,0]], triangles: [[0,1,2]]}\n    access:\n"
-                + times(300, i -> "      a" + i + ": {effects: [{impulse: [1, 0, 0]}]}\n");
-        for (String items : List.of("- {name: 'b{i}', like: p, repeat: 50}\n",
-                times(50, i -> "- {name: b" + i + ", like: p, physics: {charge: " + i + "}}\n"))) {
-            WorldDescription world = WorldFile.parse("w", (prefab + "items:\n" + items)
-                    .getBytes(StandardCharsets.UTF_8));
+        String prefab =
+                START
+                        + "prefabs:\n"
+                        + "  p:\n"
+                        + "    physics: {mass: 0}\n"
+                        + "    semantic: {a: [1, 2]}\n"
+                        + "    physical: {shape: mesh, vertices: [[0,0,0],[1,0,0],[0,1,0]],"
+                        + " triangles: [[0,1,2]]}\n"
+                        + "    access:\n"
+                        + times(300, i -> "      a" + i + ": {effects: [{impulse: [1, 0, 0]}]}\n");
+        for (String items :
+                List.of(
+                        "- {name: 'b{i}', like: p, repeat: 50}\n",
+                        times(
+                                50,
+                                i ->
+                                        "- {name: b"
+                                                + i
+                                                + ", like: p, physics: {charge: "
+                                                + i
+                                                + "}}\n"))) {
+            WorldDescription world =
+                    WorldFile.parse(
+                            "w", (prefab + "items:\n" + items).getBytes(StandardCharsets.UTF_8));
             ItemDefinition first = world.items().getFirst();
             assertThat(first.actions()).hasSize(300);
-            assertThat(world.items()).hasSize(50).allSatisfy(item -> {
-                assertThat(item.actions()).isSameAs(first.actions());
-                assertThat(item.symbols()).isSameAs(first.symbols());
-                assertThat(item.shape()).isSameAs(first.shape());
-            });
+            assertThat(world.items())
+                    .hasSize(50)
+                    .allSatisfy(
+                            item -> {
+                                assertThat(item.actions()).isSameAs(first.actions());
+                                assertThat(item.symbols()).isSameAs(first.symbols());
+                                assertThat(item.shape()).isSameAs(first.shape());
+                            });
             assertThat(world.warnings()).as("each impulse moves nothing").hasSize(100);
         }
     }
@@ -119,74 +195,146 @@ class CostlyWorldsTest {
     /** Items that change one of 300 actions share the 299 others. */
     @Test
     void actionsThatAnItemDoesNotChangeAreReadOnce() throws WorldFileException {
-        List<ItemDefinition> items = read(START + "prefabs:\n  p:\n    access:\n"
-                + times(300, i -> "      a" + i + ": {effects: [{raise: b}]}\n") + "items:\n"
-                + times(50, i -> "- {name: b" + i + ", like: p, access: {a7: {doc: d" + i
-                        + "}}}\n") + "- {name: 'c{i}', like: p, repeat: 50, "
-                + "access: {a7: {doc: 'd{i}'}}}\n");
+        List<ItemDefinition> items =
+                read(
+                        START
+                                + "prefabs:\n  p:\n    access:\n"
+                                + times(300, i -> "      a" + i + ": {effects: [{raise: b}]}\n")
+                                + "items:\n"
+                                + times(
+                                        50,
+                                        i ->
+                                                "- {name: b"
+                                                        + i
+                                                        + ", like: p, access: {a7: {doc: d"
+                                                        + i
+                                                        + "}}}\n")
+                                + "- {name: 'c{i}', like: p, repeat: 50, "
+                                + "access: {a7: {doc: 'd{i}'}}}\n");
         ItemDefinition first = items.getFirst();
-        assertThat(items).hasSize(100).allSatisfy(item -> {
-            assertThat(item.actions()).extracting(Action::name)
-                    .containsExactlyElementsOf(first.actions().stream().map(Action::name).toList());
-            assertThat(item.actions().get(8)).isSameAs(first.actions().get(8));
-        });
-        assertThat(items).extracting(item -> item.actions().get(7).doc())
-                .startsWith("d0", "d1", "d2").endsWith("d48", "d49");
+        assertThat(items)
+                .hasSize(100)
+                .allSatisfy(
+                        item -> {
+                            assertThat(item.actions())
+                                    .extracting(Action::name)
+                                    .containsExactlyElementsOf(
+                                            first.actions().stream().map(Action::name).toList());
+                            assertThat(item.actions().get(8)).isSameAs(first.actions().get(8));
+                        });
+        assertThat(items)
+                .extracting(item -> item.actions().get(7).doc())
+                .startsWith("d0", "d1", "d2")
+                .endsWith("d48", "d49");
     }
 
     /** Each family would read 20 million values or more. */
     @ParameterizedTest
-    @CsvSource(delimiter = '!', textBlock = """
-            items: [{name: 'b{i}', repeat: 5000, access: {               ! a%d: {effects: [{raise: b}]},  ! z: {doc: 'b{i}', effects: [{raise: b}]}}}]
-            items: [{name: 'b{i}', repeat: 20000, physical: {shape: sphere, radius: '{1+i}'}, access: { ! a%d: {effects: [{raise: b}]},  ! }}]
-            items: [{name: 'b{i}', repeat: 20000, physical: {shape: sphere, radius: '{1+i}'}, semantic: { ! s%d: 1,  ! }}]
-            items: [{name: 'b{i}', repeat: 20000, physical: {material: {roughness: '{1/(1+i)}'}, shape: mesh, triangles: [[0, 1, 2]], vertices: [ ! '[%d,0,0],' ! ]}}]
-            """)
+    @CsvSource(
+            delimiter = '!',
+            textBlock =
+                    """
+                    items: [{name: 'b{i}', repeat: 5000, access: {               ! a%d: {effects: [{raise: b}]},  ! z: {doc: 'b{i}', effects: [{raise: b}]}}}]
+                    items: [{name: 'b{i}', repeat: 20000, physical: {shape: sphere, radius: '{1+i}'}, access: { ! a%d: {effects: [{raise: b}]},  ! }}]
+                    items: [{name: 'b{i}', repeat: 20000, physical: {shape: sphere, radius: '{1+i}'}, semantic: { ! s%d: 1,  ! }}]
+                    items: [{name: 'b{i}', repeat: 20000, physical: {material: {roughness: '{1/(1+i)}'}, shape: mesh, triangles: [[0, 1, 2]], vertices: [ ! '[%d,0,0],' ! ]}}]
+                    """)
     void whatIsReadForEachItemIsCounted(String begin, String piece, String end) {
         assertThat(problems(START + begin + times(1000, piece::formatted) + end + "\n"))
-                .singleElement().asString().startsWith("w:3:").contains(
-                        "more than 2000000 in all items", "by a prefab that they are `like`");
+                .singleElement()
+                .asString()
+                .startsWith("w:3:")
+                .contains("more than 2000000 in all items", "by a prefab that they are `like`");
     }
 
     @Test
     void whatItemsThatAreLikeAPrefabChangeIsCounted() {
-        assertThat(problems(START + "prefabs: {p: {access: {a: {effects: ["
-                + times(60, i -> "{raise: b" + i + ", with: {x: 1}},") + "]}}}}\nitems:\n"
-                + times(10_000, i ->
-                        "- {name: b" + i + ", like: p, access: {a: {doc: d}}}\n")))
-                .singleElement().asString().startsWith("w:").contains("a: actions, symbols");
+        assertThat(
+                        problems(
+                                START
+                                        + "prefabs: {p: {access: {a: {effects: ["
+                                        + times(60, i -> "{raise: b" + i + ", with: {x: 1}},")
+                                        + "]}}}}\nitems:\n"
+                                        + times(
+                                                10_000,
+                                                i ->
+                                                        "- {name: b"
+                                                                + i
+                                                                + ", like: p, access: {a: {doc:"
+                                                                + " d}}}\n")))
+                .singleElement()
+                .asString()
+                .startsWith("w:")
+                .contains("a: actions, symbols");
     }
 
     /** 10,000 items that change an action, a symbol and a place of a usual prefab. */
     @Test
     void changesToAUsualPrefabStayWithinTheLimit() throws WorldFileException {
-        assertThat(read(START + "prefabs:\n  p:\n    access:\n" + times(10, i -> "      a" + i
-                + ": {parameters: {x: {min: 0, max: 1}}, effects: [{symbol: s0, to: $x}]}\n")
-                + "    semantic:\n" + times(10, i -> "      s" + i + ": 1\n") + "items:\n"
-                + times(10_000, i -> "- {name: b" + i + ", like: p, access: {a3: {doc: d" + i
-                        + "}}, semantic: {s1: " + i + "}, physical: {location: [" + i
-                        + ", 0, 0]}}\n"))).hasSize(10_000);
+        assertThat(
+                        read(
+                                START
+                                        + "prefabs:\n  p:\n    access:\n"
+                                        + times(
+                                                10,
+                                                i ->
+                                                        "      a"
+                                                                + i
+                                                                + ": {parameters: {x: {min: 0, max:"
+                                                                + " 1}}, effects: [{symbol: s0, to:"
+                                                                + " $x}]}\n")
+                                        + "    semantic:\n"
+                                        + times(10, i -> "      s" + i + ": 1\n")
+                                        + "items:\n"
+                                        + times(
+                                                10_000,
+                                                i ->
+                                                        "- {name: b"
+                                                                + i
+                                                                + ", like: p, access: {a3: {doc: d"
+                                                                + i
+                                                                + "}}, semantic: {s1: "
+                                                                + i
+                                                                + "}, physical: {location: ["
+                                                                + i
+                                                                + ", 0, 0]}}\n")))
+                .hasSize(10_000);
     }
 
     /** Before, a mapping that is made anew counted as one value, however much it holds. */
     @Test
     void whatRepetitionsCopyIsCounted() {
-        assertThat(problems(START + "prefabs: {p: {access: {" + times(4000, i -> "a" + i
-                + ": {effects: [{raise: b}]},") + "}}}\nitems: [{name: 'b{i}', like: p, "
-                + "repeat: 100000, access: {a0: {doc: 'd{i}'}}}]\n"))
-                .singleElement().asString().contains("more than 10000000 values");
+        assertThat(
+                        problems(
+                                START
+                                        + "prefabs: {p: {access: {"
+                                        + times(4000, i -> "a" + i + ": {effects: [{raise: b}]},")
+                                        + "}}}\nitems: [{name: 'b{i}', like: p, "
+                                        + "repeat: 100000, access: {a0: {doc: 'd{i}'}}}]\n"))
+                .singleElement()
+                .asString()
+                .contains("more than 10000000 values");
     }
 
     /** What an item says itself is its own, and what is like the other in a part only, too. */
     @Test
     void whatAnItemAddsToAPrefabIsItsOwn() throws WorldFileException {
-        List<ItemDefinition> items = read(START + "prefabs:\n  p: {semantic: {a: 1}, physics: "
-                + "{mass: 1}}\n  q: {like: p, semantic: {b: 2}}\nitems:\n- {name: x, like: p}\n"
-                + "- {name: y, like: q}\n- {name: z, like: q, semantic: {a: 3}}\n"
-                + "- {name: u, like: p, physics: {mass: 2}}\n");
-        assertThat(items).extracting(item -> item.symbols().toString()).containsExactly(
-                "{a=1.0}", "{a=1.0, b=2.0}", "{a=3.0, b=2.0}", "{a=1.0}");
-        assertThat(items).extracting(item -> item.physics("mass").orElseThrow()[0])
+        List<ItemDefinition> items =
+                read(
+                        START
+                                + "prefabs:\n"
+                                + "  p: {semantic: {a: 1}, physics: {mass: 1}}\n"
+                                + "  q: {like: p, semantic: {b: 2}}\n"
+                                + "items:\n"
+                                + "- {name: x, like: p}\n"
+                                + "- {name: y, like: q}\n"
+                                + "- {name: z, like: q, semantic: {a: 3}}\n"
+                                + "- {name: u, like: p, physics: {mass: 2}}\n");
+        assertThat(items)
+                .extracting(item -> item.symbols().toString())
+                .containsExactly("{a=1.0}", "{a=1.0, b=2.0}", "{a=3.0, b=2.0}", "{a=1.0}");
+        assertThat(items)
+                .extracting(item -> item.physics("mass").orElseThrow()[0])
                 .containsExactly(1.0, 1.0, 1.0, 2.0);
     }
 
@@ -197,19 +345,24 @@ class CostlyWorldsTest {
     }
 
     private static String repeated(int actions) {
-        return START + "prefabs:\n  p:\n    access:\n" + times(actions, i -> "      a" + i
-                + ": {effects: [{raise: b}]}\n") + "items:\n"
+        return START
+                + "prefabs:\n  p:\n    access:\n"
+                + times(actions, i -> "      a" + i + ": {effects: [{raise: b}]}\n")
+                + "items:\n"
                 + "- {name: 'b{i}', like: p, repeat: 100000}\n";
     }
 
     /** Eight times the size takes not much more than eight times the time, not sixty-four times. */
     @ParameterizedTest
-    @CsvSource(delimiter = '!', textBlock = """
-            items: [{name: a, access: { ! a%d: {effects: [{raise: b}]},            ! '}}]'
-            items: [{name: a, semantic: { ! %2$s: 1,                               ! '}}]'
-            items: [                    ! '{name: %2$s},'                          ! ']'
-            prefabs: {                  ! '%2$s: {physics: {mass: 1, charge: 2}},' ! '}'
-            """)
+    @CsvSource(
+            delimiter = '!',
+            textBlock =
+                    """
+                    items: [{name: a, access: { ! a%d: {effects: [{raise: b}]},            ! '}}]'
+                    items: [{name: a, semantic: { ! %2$s: 1,                               ! '}}]'
+                    items: [                    ! '{name: %2$s},'                          ! ']'
+                    prefabs: {                  ! '%2$s: {physics: {mass: 1, charge: 2}},' ! '}'
+                    """)
     void timeGrowsAsTheFile(String begin, String piece, String end) throws WorldFileException {
         long small = nanoseconds(START + begin + times(4000, i -> piece(piece, i)) + end + "\n");
         long large = nanoseconds(START + begin + times(32000, i -> piece(piece, i)) + end + "\n");
@@ -218,24 +371,29 @@ class CostlyWorldsTest {
 
     /** One value, comment or line of signs, which a scanner could copy for each piece it reads. */
     @ParameterizedTest
-    @CsvSource(delimiter = '!', textBlock = """
-            ''            ! :     ! ''
-            'doc: |   a'  ! 'a,'  ! ''
-            'doc: '       ! 'a,'  ! ''
-            'doc: '       ! 'a]'  ! ''
-            'doc: ['      ! 'a::,::::"'  ! ']'
-            'doc: '       ! '\\"\\uD800\\", ' ! ''
-            'doc: ['      ! '\\"\\uD800\\", ' ! ']'
-            'doc: a #'    ! 'b,'  ! ''
-            'doc: "'      ! 'a,'  ! '"'
-            'doc: !<'     ! 'a,'  ! '>'
-            'doc: &'      ! 'a:'  ! ' x'
-            """)
+    @CsvSource(
+            delimiter = '!',
+            textBlock =
+                    """
+                    ''            ! :     ! ''
+                    'doc: |   a'  ! 'a,'  ! ''
+                    'doc: '       ! 'a,'  ! ''
+                    'doc: '       ! 'a]'  ! ''
+                    'doc: ['      ! 'a::,::::"'  ! ']'
+                    'doc: '       ! '\\"\\uD800\\", ' ! ''
+                    'doc: ['      ! '\\"\\uD800\\", ' ! ']'
+                    'doc: a #'    ! 'b,'  ! ''
+                    'doc: "'      ! 'a,'  ! '"'
+                    'doc: !<'     ! 'a,'  ! '>'
+                    'doc: &'      ! 'a:'  ! ' x'
+                    """)
     void timeGrowsAsOneValue(String begin, String piece, String end) {
         String opening = START + begin.replace("   ", "\n   ");
         assertThat(nanosecondsToRefuse(opening + piece.repeat(1_200_000 / piece.length()) + end))
-                .isLessThan(30 * nanosecondsToRefuse(
-                        opening + piece.repeat(150_000 / piece.length()) + end));
+                .isLessThan(
+                        30
+                                * nanosecondsToRefuse(
+                                        opening + piece.repeat(150_000 / piece.length()) + end));
     }
 
     /** Each bracket looked at the blanks that its line begins with. */
@@ -252,9 +410,11 @@ class CostlyWorldsTest {
 
     /** With a number, or with one of 2^16 names that have one hash. */
     private static String piece(String piece, int number) {
-        return piece.formatted(number, IntStream.range(0, 16)
-                .mapToObj(bit -> (number >> bit & 1) == 0 ? "Aa" : "BB")
-                .collect(Collectors.joining()));
+        return piece.formatted(
+                number,
+                IntStream.range(0, 16)
+                        .mapToObj(bit -> (number >> bit & 1) == 0 ? "Aa" : "BB")
+                        .collect(Collectors.joining()));
     }
 
     private static long nanoseconds(String text) throws WorldFileException {

@@ -1,7 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.fail;
+
+import org.junit.jupiter.api.Tag;
+import org.junit.jupiter.api.Test;
+
+import reve.core.world.OffHeapArena;
+import reve.core.world.World;
 
 import java.io.IOException;
 import java.nio.charset.StandardCharsets;
@@ -9,22 +16,20 @@ import java.util.ArrayList;
 import java.util.List;
 import java.util.Map;
 import java.util.Random;
-import org.junit.jupiter.api.Tag;
-import org.junit.jupiter.api.Test;
-import reve.core.world.OffHeapArena;
-import reve.core.world.World;
 
 /**
  * Worlds of the project in which keys and values of all types are where they do not belong: refused
- * with places and reasons, or right and buildable. Some 94 % are refused, and a check that
- * refused more would refuse what is right. The seed is fixed, so that the bound may be near;
- * {@code -Dreve.test.seed=N} gives others.
+ * with places and reasons, or right and buildable. Some 94 % are refused, and a check that refused
+ * more would refuse what is right. The seed is fixed, so that the bound may be near; {@code
+ * -Dreve.test.seed=N} gives others.
  */
 @Tag("slow")
 class DamagedWorldsTest {
     private static final int MUTANTS = Integer.getInteger("reve.world.mutants", 600);
+
     /** One mutant of so many is a world: both answers must occur for this test to say anything. */
     private static final int LEAST_BUILT = 30;
+
     /** Larger ones would say nothing new, slowly. */
     private static final int MAX_LENGTH = 6000;
 
@@ -38,7 +43,8 @@ class DamagedWorldsTest {
                 worlds.add(world);
             }
         }
-        assertThat(worlds).as("small worlds of the project that need no files")
+        assertThat(worlds)
+                .as("small worlds of the project that need no files")
                 .hasSizeGreaterThan(4);
         int refused = 0;
         for (int i = 0; i < MUTANTS; i++) {
@@ -54,7 +60,8 @@ class DamagedWorldsTest {
             }
         }
         assertThat(refused).as("seed %d", seed).isGreaterThan(MUTANTS / 4);
-        assertThat(MUTANTS - refused).as("mutants that were built, seed %d", seed)
+        assertThat(MUTANTS - refused)
+                .as("mutants that were built, seed %d", seed)
                 .isGreaterThan(MUTANTS / LEAST_BUILT);
     }
 
@@ -74,13 +81,17 @@ class DamagedWorldsTest {
             assertThat(built.items()).isNotEmpty();
             return false;
         } catch (WorldFileException refused) {
-            assertThat(refused.problems()).isNotEmpty().isSorted()
+            assertThat(refused.problems())
+                    .isNotEmpty()
+                    .isSorted()
                     .hasSizeLessThanOrEqualTo(Problems.MAX_REPORTED + 1);
             for (Problem problem : refused.problems()) {
                 assertThat(problem.line()).as("%s", problem).isBetween(1, lines);
                 String line = text.lines().skip(problem.line() - 1).findFirst().orElseThrow();
                 assertThat(problem.column()).as("%s", problem).isBetween(1, line.length() + 1);
-                assertThat(problem.message()).isNotBlank().hasSizeLessThan(1500)
+                assertThat(problem.message())
+                        .isNotBlank()
+                        .hasSizeLessThan(1500)
                         .doesNotContainPattern("\\p{Cc}");
             }
             return true;
@@ -90,15 +101,20 @@ class DamagedWorldsTest {
     /** A line for each key of the world, and for each item. */
     private static String text(Object world) {
         var text = new StringBuilder();
-        ((Map<?, ?>) world).forEach((key, value) -> {
-            text.append(WorldTrees.json(key)).append(':');
-            if (value instanceof List<?> list && !list.isEmpty()) {
-                list.forEach(element -> text.append("\n  - ").append(WorldTrees.json(element)));
-                text.append('\n');
-            } else {
-                text.append(' ').append(WorldTrees.json(value)).append('\n');
-            }
-        });
+        ((Map<?, ?>) world)
+                .forEach(
+                        (key, value) -> {
+                            text.append(WorldTrees.json(key)).append(':');
+                            if (value instanceof List<?> list && !list.isEmpty()) {
+                                list.forEach(
+                                        element ->
+                                                text.append("\n  - ")
+                                                        .append(WorldTrees.json(element)));
+                                text.append('\n');
+                            } else {
+                                text.append(' ').append(WorldTrees.json(value)).append('\n');
+                            }
+                        });
         return text.toString();
     }
 }

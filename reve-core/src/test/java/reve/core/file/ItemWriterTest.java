@@ -1,12 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatIllegalArgumentException;
 
-import java.util.List;
-import java.util.Optional;
-import java.util.Random;
 import org.junit.jupiter.api.Test;
+
 import reve.core.Seed;
 import reve.core.unit.Unit;
 import reve.core.world.Action;
@@ -19,6 +18,10 @@ import reve.core.world.Shape;
 import reve.core.world.TestAction;
 import reve.core.world.World;
 import reve.core.world.WorldPrototype;
+
+import java.util.List;
+import java.util.Optional;
+import java.util.Random;
 
 /** Items survive being written and read. The seed is printed; -Dreve.test.seed=N repeats it. */
 class ItemWriterTest {
@@ -35,22 +38,34 @@ class ItemWriterTest {
 
     @Test
     void writesAnItemAsADesignerWould() {
-        ItemDefinition duck = ItemDefinition.named("duck").shape(Shape.sphere(0.06))
-                .colour("#ffd500").at(0, 0.5, 0).symbol("class", "toy").symbol("age", 3)
-                .symbol("squeaks", true).symbol("answer", "true").physics("mass", 0.08)
-                .physics("charge", 0).physics("velocity", 0, 0, 1).build();
+        ItemDefinition duck =
+                ItemDefinition.named("duck")
+                        .shape(Shape.sphere(0.06))
+                        .colour("#ffd500")
+                        .at(0, 0.5, 0)
+                        .symbol("class", "toy")
+                        .symbol("age", 3)
+                        .symbol("squeaks", true)
+                        .symbol("answer", "true")
+                        .physics("mass", 0.08)
+                        .physics("charge", 0)
+                        .physics("velocity", 0, 0, 1)
+                        .build();
 
-        assertThat(new ItemWriter(DOUBLE).write(duck)).isEqualTo("""
-                name: duck
-                physical: {shape: sphere, radius: 0.06, colour: '#ffd500', location: [0, 0.5, 0]}
-                semantic: {age: 3, answer: 'true', class: toy, squeaks: true}
-                physics: {mass: 0.08, velocity: [0, 0, 1]}
-                """);
+        assertThat(new ItemWriter(DOUBLE).write(duck))
+                .isEqualTo(
+                        """
+                        name: duck
+                        physical: {shape: sphere, radius: 0.06, colour: '#ffd500', location: [0, 0.5, 0]}
+                        semantic: {age: 3, answer: 'true', class: toy, squeaks: true}
+                        physics: {mass: 0.08, velocity: [0, 0, 1]}
+                        """);
     }
 
     @Test
     void actionsAreWrittenAsTheyWereDeclared() throws WorldFileException {
-        String text = """
+        String text =
+                """
                 name: lamp
                 access:
                   press:
@@ -79,28 +94,35 @@ class ItemWriterTest {
         assertThat(new ItemWriter(DOUBLE).write(WorldFile.parseItem("again", written, DOUBLE)))
                 .isEqualTo(written);
         assertThat(WorldFile.parseItem("again", written, DOUBLE).actions())
-                .usingRecursiveComparison().isEqualTo(lamp.actions());
+                .usingRecursiveComparison()
+                .isEqualTo(lamp.actions());
     }
 
     @Test
     void whatAlikeItemsShareIsWrittenWithoutNumbersAndSymbols() throws WorldFileException {
         try (var arena = new OffHeapArena()) {
             World world = new World("w", DOUBLE, arena);
-            Item ball = world.add(WorldFile.parseItem("ball", """
-                    name: ball
-                    physical: {shape: sphere, radius: 2, location: [1, 2, 3]}
-                    semantic: {class: toy}
-                    access: {push: {effects: [{impulse: [1, 0, 0]}]}}
-                    physics: {mass: 1}
-                    """, DOUBLE));
+            Item ball =
+                    world.add(
+                            WorldFile.parseItem(
+                                    "ball",
+                                    """
+                                    name: ball
+                                    physical: {shape: sphere, radius: 2, location: [1, 2, 3]}
+                                    semantic: {class: toy}
+                                    access: {push: {effects: [{impulse: [1, 0, 0]}]}}
+                                    physics: {mass: 1}
+                                    """,
+                                    DOUBLE));
 
-            String written = new ItemWriter(DOUBLE).write(
-                    world.symbols().get(ball.id()).likeness());
+            String written =
+                    new ItemWriter(DOUBLE).write(world.symbols().get(ball.id()).likeness());
 
             ItemDefinition read = WorldFile.parseItem("ball", written, DOUBLE);
             assertThat(read.shape()).isEqualTo(Shape.sphere(2));
             assertThat(read.symbols()).isEmpty();
-            assertThat(read.actions()).usingRecursiveComparison()
+            assertThat(read.actions())
+                    .usingRecursiveComparison()
                     .isEqualTo(ball.definition().actions());
             assertThat(read.hasPhysics()).isFalse();
             assertThat(read.location()).containsExactly(0, 0, 0);
@@ -112,7 +134,8 @@ class ItemWriterTest {
         Action dance = new TestAction("dance", "");
         ItemDefinition item = ItemDefinition.named("robot").action(dance).build();
 
-        assertThatIllegalArgumentException().isThrownBy(() -> new ItemWriter(DOUBLE).write(item))
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> new ItemWriter(DOUBLE).write(item))
                 .withMessageStartingWith(
                         "item robot: action dance is a reve.core.world.TestAction");
     }
@@ -120,8 +143,8 @@ class ItemWriterTest {
     @Test
     void randomItemsAreReadBackToTheBit() throws WorldFileException {
         for (int n = 0; n < ITEMS; n++) {
-            WorldPrototype prototype = WorldPrototype.standard(
-                    random.nextBoolean() ? "si-f64" : "si-f32");
+            WorldPrototype prototype =
+                    WorldPrototype.standard(random.nextBoolean() ? "si-f64" : "si-f32");
             ItemDefinition item = RandomItems.body(random, prototype, "item " + n);
             try (var arena = new OffHeapArena()) {
                 World world = new World("w", prototype, arena);
@@ -149,21 +172,35 @@ class ItemWriterTest {
         assertThat(RandomItems.bits(expected.orientation(), item.orientation())).as(what).isTrue();
         assertThat(item.symbols()).as(what).isEqualTo(expected.symbols());
         assertThat(item.sensors()).as(what).isEqualTo(expected.sensors());
-        assertThat(item.physicsProperties()).as(what)
+        assertThat(item.physicsProperties())
+                .as(what)
                 .containsExactlyInAnyOrderElementsOf(expected.physicsProperties());
         for (String property : expected.physicsProperties()) {
-            assertThat(RandomItems.bits(expected.physics(property).orElseThrow(),
-                    item.physics(property).orElseThrow())).as(what + ": " + property).isTrue();
+            assertThat(
+                            RandomItems.bits(
+                                    expected.physics(property).orElseThrow(),
+                                    item.physics(property).orElseThrow()))
+                    .as(what + ": " + property)
+                    .isTrue();
         }
         assertThat(item.references()).as(what).isEqualTo(expected.references());
     }
 
     @Test
     void aPropertyOfOnesOwnIsWrittenInItsUnit() throws WorldFileException {
-        WorldPrototype extended = DOUBLE.extendedBy(List.of(new PropertyDescriptor("heat", "body",
-                DOUBLE.realType(), 1, Unit.parse("km/h"), Optional.empty(), "")));
-        ItemDefinition item = WorldFile.parseItem("i", "{name: a, physics: {heat: 10 m/s}}",
-                extended);
+        WorldPrototype extended =
+                DOUBLE.extendedBy(
+                        List.of(
+                                new PropertyDescriptor(
+                                        "heat",
+                                        "body",
+                                        DOUBLE.realType(),
+                                        1,
+                                        Unit.parse("km/h"),
+                                        Optional.empty(),
+                                        "")));
+        ItemDefinition item =
+                WorldFile.parseItem("i", "{name: a, physics: {heat: 10 m/s}}", extended);
 
         assertThat(item.physics("heat").orElseThrow()).containsExactly(36);
         assertThat(new ItemWriter(extended).write(item)).contains("heat: 36}");

@@ -1,15 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.fail;
+
+import org.junit.jupiter.api.Test;
+
+import reve.core.Seed;
 
 import java.io.IOException;
 import java.nio.charset.StandardCharsets;
 import java.util.List;
 import java.util.Random;
 import java.util.regex.Pattern;
-import org.junit.jupiter.api.Test;
-import reve.core.Seed;
 
 /**
  * World files of the project with characters, pieces of YAML and bytes where they do not belong:
@@ -18,31 +21,112 @@ import reve.core.Seed;
  */
 class MutatedFilesTest {
     private static final int MUTANTS = Integer.getInteger("reve.test.mutants", 400);
+
     /** Larger ones would say nothing new, slowly. */
     private static final int MAX_LENGTH = 4000;
-    private static final String INNARDS = "\\b(java|javax|reve|de|com|org|tools|dev)\\.[a-z]+\\."
-            + "|\\w+Exception|\\w+Error\\b|\\bat reve\\.|\\bnull\\b|\\[[BCDIJL][@;]|\\$\\$Lambda"
-            + "|Optional\\[|\\w+@[0-9a-f]{6}";
+
+    private static final String INNARDS =
+            "\\b(java|javax|reve|de|com|org|tools|dev)\\.[a-z]+\\.|\\w+Exception|\\w+Error\\b|\\bat"
+                    + " reve\\.|\\bnull\\b|\\[[BCDIJL][@;]|\\$\\$Lambda|Optional\\[|\\w+@[0-9a-f]{6}";
+
     /** What a message takes from the file. */
     private static final Pattern QUOTED = Pattern.compile("`[^`]*`|\"[^\"]*\"");
-    private static final List<String> PIECES = List.of("\"", "'", "\\", "\"\\UFFFFFFFF\"",
-            "\\uD800", "\\x", "\\u00e9", "\0", "\u0001", "\u0085", "\u2028", "\ufeff",
-            "\ud83d\ude00",
-            "\t", "\n", "\r", "\n  ", "\n- ", " ", ": ", ":", ", ", "- ", "? ", "# ", "| ", "|9\n",
-            ">-\n", "[", "]", "{", "}", "[[", "{{", "&a ", "*a", "!a ", "!<%FF>", "!!", "%",
-            "%YAML 9.9",
-            "---\n", "...\n", "@", "`", "~", "null", "Null", "true", ".nan", "-.inf", "1e999",
-            "-1e-320", "0x", "0o", "0xFFFFFFFFFFFFFFFFFF", "9".repeat(40), "1_000", "2001-01-01",
-            "1 m", "1 m^9999", "1 kg*", "°C", "{i}", "{1/0}", "{", "$", "$x", "$1/0", "${",
-            "physics.mass", "semantic.", "actor", "item", "world", "#zzz", "../", "/", "\\\\",
-            "<<: ", "=", "reve: 1\n", "name: ", "items:\n", "repeat: 3\n", "like: x\n");
+
+    private static final List<String> PIECES =
+            List.of(
+                    "\"",
+                    "'",
+                    "\\",
+                    "\"\\UFFFFFFFF\"",
+                    "\\uD800",
+                    "\\x",
+                    "\\u00e9",
+                    "\0",
+                    "\u0001",
+                    "\u0085",
+                    "\u2028",
+                    "\ufeff",
+                    "\ud83d\ude00",
+                    "\t",
+                    "\n",
+                    "\r",
+                    "\n  ",
+                    "\n- ",
+                    " ",
+                    ": ",
+                    ":",
+                    ", ",
+                    "- ",
+                    "? ",
+                    "# ",
+                    "| ",
+                    "|9\n",
+                    ">-\n",
+                    "[",
+                    "]",
+                    "{",
+                    "}",
+                    "[[",
+                    "{{",
+                    "&a ",
+                    "*a",
+                    "!a ",
+                    "!<%FF>",
+                    "!!",
+                    "%",
+                    "%YAML 9.9",
+                    "---\n",
+                    "...\n",
+                    "@",
+                    "`",
+                    "~",
+                    "null",
+                    "Null",
+                    "true",
+                    ".nan",
+                    "-.inf",
+                    "1e999",
+                    "-1e-320",
+                    "0x",
+                    "0o",
+                    "0xFFFFFFFFFFFFFFFFFF",
+                    "9".repeat(40),
+                    "1_000",
+                    "2001-01-01",
+                    "1 m",
+                    "1 m^9999",
+                    "1 kg*",
+                    "°C",
+                    "{i}",
+                    "{1/0}",
+                    "{",
+                    "$",
+                    "$x",
+                    "$1/0",
+                    "${",
+                    "physics.mass",
+                    "semantic.",
+                    "actor",
+                    "item",
+                    "world",
+                    "#zzz",
+                    "../",
+                    "/",
+                    "\\\\",
+                    "<<: ",
+                    "=",
+                    "reve: 1\n",
+                    "name: ",
+                    "items:\n",
+                    "repeat: 3\n",
+                    "like: x\n");
 
     @Test
     void noMessageTellsOfTheProgram() throws IOException {
         long seed = Seed.of("mutated files");
         var random = new Random(seed);
-        List<String> texts = WorldTrees.sources().stream()
-                .filter(text -> text.length() < MAX_LENGTH).toList();
+        List<String> texts =
+                WorldTrees.sources().stream().filter(text -> text.length() < MAX_LENGTH).toList();
         assertThat(texts.size()).isGreaterThan(9);
         int refused = 0;
         for (int i = 0; i < MUTANTS; i++) {

@@ -1,8 +1,6 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
 
-import java.util.Arrays;
-import java.util.Random;
-import java.util.Set;
 import reve.core.world.ItemDefinition;
 import reve.core.world.PropertyDescriptor;
 import reve.core.world.ScalarType;
@@ -10,13 +8,66 @@ import reve.core.world.Sensor;
 import reve.core.world.Shape;
 import reve.core.world.WorldPrototype;
 
+import java.util.Arrays;
+import java.util.Random;
+import java.util.Set;
+
 /** Items of kind body with arbitrary aspects, for tests that write and read them. */
 final class RandomItems {
-    private static final String[] TEXTS = {"", " ", "x", "toy", "true", "no", "null", "~", "3",
-        "1e5", "-", "- a", "a: b", "a #b", "#b", "'", "\"", "a\nb", " a\n\n b ", "\t", "\\", "{i}",
-        "$p", "[1]", "é", "\ud83d\ude00", "\u2028", "\u0085", "\ufeff", "\u0007", "%x", "&a", "*a",
-        "!t", "| ", "> x", "@", "`", "a,b", "?", "? a", "=", "<<", "two  spaces", "trailing ",
-        "a very long text ".repeat(30), "0x1f", "0o17", ".inf", ".nan", "1_000", "12:30", "2026-1-1"
+    private static final String[] TEXTS = {
+        "",
+        " ",
+        "x",
+        "toy",
+        "true",
+        "no",
+        "null",
+        "~",
+        "3",
+        "1e5",
+        "-",
+        "- a",
+        "a: b",
+        "a #b",
+        "#b",
+        "'",
+        "\"",
+        "a\nb",
+        " a\n\n b ",
+        "\t",
+        "\\",
+        "{i}",
+        "$p",
+        "[1]",
+        "é",
+        "\ud83d\ude00",
+        "\u2028",
+        "\u0085",
+        "\ufeff",
+        "\u0007",
+        "%x",
+        "&a",
+        "*a",
+        "!t",
+        "| ",
+        "> x",
+        "@",
+        "`",
+        "a,b",
+        "?",
+        "? a",
+        "=",
+        "<<",
+        "two  spaces",
+        "trailing ",
+        "a very long text ".repeat(30),
+        "0x1f",
+        "0o17",
+        ".inf",
+        ".nan",
+        "1_000",
+        "12:30",
+        "2026-1-1"
     };
 
     private RandomItems() {}
@@ -33,15 +84,20 @@ final class RandomItems {
             item.at(real(random, prototype), real(random, prototype), real(random, prototype));
         }
         if (random.nextBoolean()) {
-            item.orientation(random.nextGaussian(), random.nextGaussian(), random.nextGaussian(),
+            item.orientation(
+                    random.nextGaussian(),
+                    random.nextGaussian(),
+                    random.nextGaussian(),
                     random.nextGaussian());
         }
         for (int i = random.nextInt(4); i > 0; i--) {
-            item.symbol("s" + i, switch (random.nextInt(3)) {
-                case 0 -> text(random);
-                case 1 -> random.nextBoolean();
-                default -> number(random);
-            });
+            item.symbol(
+                    "s" + i,
+                    switch (random.nextInt(3)) {
+                        case 0 -> text(random);
+                        case 1 -> random.nextBoolean();
+                        default -> number(random);
+                    });
         }
         for (PropertyDescriptor property : prototype.properties()) {
             if (property.kind().equals(WorldPrototype.BODY) && random.nextInt(4) == 0) {
@@ -52,9 +108,12 @@ final class RandomItems {
             }
         }
         if (random.nextInt(4) == 0) {
-            item.sensor(Sensor.sight("eyes", random.nextDouble() * 100 + 0.1)
-                    .withFieldOfView(random.nextDouble() * 3 + 0.1).withLineOfSight()
-                    .withEvery(1 + random.nextInt(9)).withSymbols(Set.of("s1", "class")));
+            item.sensor(
+                    Sensor.sight("eyes", random.nextDouble() * 100 + 0.1)
+                            .withFieldOfView(random.nextDouble() * 3 + 0.1)
+                            .withLineOfSight()
+                            .withEvery(1 + random.nextInt(9))
+                            .withSymbols(Set.of("s1", "class")));
             item.sensor(Sensor.touch("skin").withAspects(Set.of(Sensor.Aspect.ACCESS)));
         }
         return item.build();
@@ -67,7 +126,8 @@ final class RandomItems {
     /** Any finite number that a column of the prototype's reals holds. */
     static double real(Random random, WorldPrototype prototype) {
         double number = number(random);
-        return prototype.realType() == ScalarType.F64 ? number
+        return prototype.realType() == ScalarType.F64
+                ? number
                 : Math.abs(number) > Float.MAX_VALUE || (float) number == 0 ? 0.5 : number;
     }
 
@@ -87,14 +147,30 @@ final class RandomItems {
             case 0 -> Shape.sphere(random.nextDouble() + 0.1);
             case 1 -> Shape.box(1 + random.nextInt(9), random.nextDouble() + 0.1, 1e-9);
             case 2 -> Shape.plane(random.nextDouble() + 0.1, 1e12);
-            default -> Shape.mesh(new float[] {0, 0, 0, random.nextFloat(), 0, 0, 0, 1e-30f,
-                random.nextFloat(), 3e38f, -0.0f, 1}, new int[] {0, 1, 2, 3, 2, 1});
+            default ->
+                    Shape.mesh(
+                            new float[] {
+                                0,
+                                0,
+                                0,
+                                random.nextFloat(),
+                                0,
+                                0,
+                                0,
+                                1e-30f,
+                                random.nextFloat(),
+                                3e38f,
+                                -0.0f,
+                                1
+                            },
+                            new int[] {0, 1, 2, 3, 2, 1});
         };
     }
 
     /** Whether two lists of numbers are the same to the bit. */
     static boolean bits(double[] a, double[] b) {
-        return Arrays.equals(Arrays.stream(a).mapToLong(Double::doubleToRawLongBits).toArray(),
+        return Arrays.equals(
+                Arrays.stream(a).mapToLong(Double::doubleToRawLongBits).toArray(),
                 Arrays.stream(b).mapToLong(Double::doubleToRawLongBits).toArray());
     }
 }

@@ -1,17 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
 
 import static org.assertj.core.api.Assertions.assertThat;
 
 import dev.harrel.jsonschema.Validator;
 import dev.harrel.jsonschema.ValidatorFactory;
+
+import org.junit.jupiter.api.Test;
+
+import reve.core.Seed;
+
 import java.io.IOException;
 import java.net.URI;
 import java.nio.charset.StandardCharsets;
 import java.util.List;
 import java.util.Map;
 import java.util.Random;
-import org.junit.jupiter.api.Test;
-import reve.core.Seed;
 
 /**
  * What an editor says that has the shipped schema and nothing else, by a validator that shares no
@@ -39,19 +43,24 @@ class SchemaAgreementTest {
     @Test
     void everyIncludedFileIsAcceptedAsAPart() throws IOException {
         Map<String, Object> parts = WorldTrees.parts();
-        WorldTrees.blocks().forEach((place, text) -> {
-            if (text.contains("parts/wheels.yaml\nprefabs:")) {
-                parts.put(place, WorldTrees.loaded(text));
-            }
-        });
+        WorldTrees.blocks()
+                .forEach(
+                        (place, text) -> {
+                            if (text.contains("parts/wheels.yaml\nprefabs:")) {
+                                parts.put(place, WorldTrees.loaded(text));
+                            }
+                        });
         assertThat(parts).as("files of the project and of documents").hasSizeGreaterThan(1);
         parts.forEach((place, part) -> assertThat(saidBy(PART, part)).as(place).isEmpty());
     }
 
     @Test
     void theMistakesInTheDocumentsAreShown() throws IOException {
-        String mistakes = WorldTrees.blocks().values().stream()
-                .filter(text -> text.contains("name: mistakes")).findFirst().orElseThrow();
+        String mistakes =
+                WorldTrees.blocks().values().stream()
+                        .filter(text -> text.contains("name: mistakes"))
+                        .findFirst()
+                        .orElseThrow();
         assertThat(saidBy(FILE, WorldTrees.loaded(mistakes)))
                 .anyMatch(error -> error.startsWith("/prototyp"));
     }
@@ -61,8 +70,10 @@ class SchemaAgreementTest {
     void whatOneRefusesForItsFormTheOtherRefusesToo() throws IOException {
         long seed = Seed.of("mutants of worlds");
         var random = new Random(seed);
-        List<Object> worlds = WorldTrees.worlds().values().stream()
-                .filter(world -> WorldTrees.json(world).length() < 20_000).toList();
+        List<Object> worlds =
+                WorldTrees.worlds().values().stream()
+                        .filter(world -> WorldTrees.json(world).length() < 20_000)
+                        .toList();
         int refused = 0;
         for (int i = 0; i < MUTANTS; i++) {
             Object mutant = WorldTrees.copy(worlds.get(random.nextInt(worlds.size())));
@@ -71,8 +82,11 @@ class SchemaAgreementTest {
             }
             List<String> shown = saidBy(FILE, mutant);
             List<String> told = told(mutant);
-            assertThat(told.isEmpty()).as("seed %d, mutant %d%n%s%neditor: %s%nloader: %s", seed, i,
-                    WorldTrees.json(mutant), shown, told).isEqualTo(shown.isEmpty());
+            assertThat(told.isEmpty())
+                    .as(
+                            "seed %d, mutant %d%n%s%neditor: %s%nloader: %s",
+                            seed, i, WorldTrees.json(mutant), shown, told)
+                    .isEqualTo(shown.isEmpty());
             refused += shown.isEmpty() ? 0 : 1;
         }
         assertThat(refused).isBetween(MUTANTS / 4, MUTANTS * 19 / 20);
@@ -80,15 +94,19 @@ class SchemaAgreementTest {
 
     private List<String> saidBy(URI schema, Object world) {
         Validator.Result result = editor.validate(schema, WorldTrees.json(world));
-        return result.isValid() ? List.of() : result.getErrors().stream()
-                .map(error -> error.getInstanceLocation() + ": " + error.getError()).toList();
+        return result.isValid()
+                ? List.of()
+                : result.getErrors().stream()
+                        .map(error -> error.getInstanceLocation() + ": " + error.getError())
+                        .toList();
     }
 
     private static List<String> told(Object world) {
         var problems = new Problems("w");
         try {
-            Node root = YamlReader.read(WorldTrees.json(world), problems,
-                    new Allowance(YamlReader.MAX_VALUES));
+            Node root =
+                    YamlReader.read(
+                            WorldTrees.json(world), problems, new Allowance(YamlReader.MAX_VALUES));
             SchemaCheck.check(root, problems);
             problems.throwIfAny();
             return List.of();

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
 
 import static org.assertj.core.api.Assertions.assertThat;
@@ -6,12 +7,15 @@ import com.networknt.schema.InputFormat;
 import com.networknt.schema.SchemaLocation;
 import com.networknt.schema.SchemaRegistry;
 import com.networknt.schema.SpecificationVersion;
+
+import org.junit.jupiter.api.Test;
+
+import tools.jackson.databind.JsonNode;
+import tools.jackson.databind.json.JsonMapper;
+
 import java.io.IOException;
 import java.io.InputStream;
 import java.nio.charset.StandardCharsets;
-import org.junit.jupiter.api.Test;
-import tools.jackson.databind.JsonNode;
-import tools.jackson.databind.json.JsonMapper;
 
 /** The schema that is shipped for editors and for {@link SchemaCheck}. */
 class SchemaTest {
@@ -23,9 +27,10 @@ class SchemaTest {
 
     @Test
     void followsJsonSchema2020() throws IOException {
-        var metaSchema = SchemaRegistry
-                .withDefaultDialect(SpecificationVersion.DRAFT_2020_12)
-                .getSchema(SchemaLocation.of("https://json-schema.org/draft/2020-12/schema"));
+        var metaSchema =
+                SchemaRegistry.withDefaultDialect(SpecificationVersion.DRAFT_2020_12)
+                        .getSchema(
+                                SchemaLocation.of("https://json-schema.org/draft/2020-12/schema"));
         assertThat(metaSchema.validate(schema(), InputFormat.JSON)).isEmpty();
     }
 
@@ -36,18 +41,19 @@ class SchemaTest {
 
     @Test
     void formatVersionIsTheOneThatIsRead() throws IOException {
-        assertThat(JsonMapper.shared().readTree(schema())
-                .at("/properties/reve/const").asInt()).isEqualTo(WorldFile.FORMAT_VERSION);
+        assertThat(JsonMapper.shared().readTree(schema()).at("/properties/reve/const").asInt())
+                .isEqualTo(WorldFile.FORMAT_VERSION);
     }
 
     private static void assertClosed(String at, JsonNode schema) {
         if (schema.path("type").toString().contains("object")) {
             assertThat(schema.has("additionalProperties")).as("%s is open", at).isTrue();
         }
-        schema.forEachEntry((key, child) -> {
-            if (child.isObject()) {
-                assertClosed(at + "/" + key, child);
-            }
-        });
+        schema.forEachEntry(
+                (key, child) -> {
+                    if (child.isObject()) {
+                        assertClosed(at + "/" + key, child);
+                    }
+                });
     }
 }

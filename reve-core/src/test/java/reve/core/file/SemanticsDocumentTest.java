@@ -1,6 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
 
 import static org.assertj.core.api.Assertions.assertThat;
+
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+
+import reve.core.derive.BoundingBoxes;
+import reve.core.rule.Rules;
+import reve.core.world.Item;
+import reve.core.world.OffHeapArena;
+import reve.core.world.World;
 
 import java.io.IOException;
 import java.net.URI;
@@ -11,23 +21,18 @@ import java.util.ArrayList;
 import java.util.List;
 import java.util.regex.Matcher;
 import java.util.regex.Pattern;
+
 import javax.tools.DiagnosticCollector;
 import javax.tools.JavaFileObject;
 import javax.tools.SimpleJavaFileObject;
 import javax.tools.ToolProvider;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.api.io.TempDir;
-import reve.core.derive.BoundingBoxes;
-import reve.core.rule.Rules;
-import reve.core.world.Item;
-import reve.core.world.OffHeapArena;
-import reve.core.world.World;
 
 /** The examples of {@code docs/semantics.md} and {@code docs/actions.md} work. */
 class SemanticsDocumentTest {
     private static List<String> blocks(String page, String language) throws IOException {
-        Matcher block = Pattern.compile("```" + language + "\n(.*?)```", Pattern.DOTALL)
-                .matcher(Files.readString(WorldFileTest.root().resolve("docs/" + page)));
+        Matcher block =
+                Pattern.compile("```" + language + "\n(.*?)```", Pattern.DOTALL)
+                        .matcher(Files.readString(WorldFileTest.root().resolve("docs/" + page)));
         var blocks = new ArrayList<String>();
         while (block.find()) {
             blocks.add(block.group(1));
@@ -36,8 +41,8 @@ class SemanticsDocumentTest {
     }
 
     private static WorldDescription world(String page) throws Exception {
-        return WorldFile.parse(page,
-                blocks(page, "yaml").getFirst().getBytes(StandardCharsets.UTF_8));
+        return WorldFile.parse(
+                page, blocks(page, "yaml").getFirst().getBytes(StandardCharsets.UTF_8));
     }
 
     @Test
@@ -63,24 +68,40 @@ class SemanticsDocumentTest {
 
         assertThat(description.agents().template().orElseThrow().capabilities())
                 .containsExactly("grip");
-        assertThat(description.items().getFirst().actions()).extracting(action -> action.name())
+        assertThat(description.items().getFirst().actions())
+                .extracting(action -> action.name())
                 .containsExactly("heat", "spill", "give");
     }
 
     @Test
     void actionInJavaCompilesAsItStands(@TempDir Path out) throws IOException {
         String source = blocks("actions.md", "java").getFirst();
-        var file = new SimpleJavaFileObject(URI.create("string:///example/Levitate.java"),
-                JavaFileObject.Kind.SOURCE) {
-            @Override
-            public CharSequence getCharContent(boolean ignoreEncodingErrors) {
-                return source;
-            }
-        };
+        var file =
+                new SimpleJavaFileObject(
+                        URI.create("string:///example/Levitate.java"), JavaFileObject.Kind.SOURCE) {
+                    @Override
+                    public CharSequence getCharContent(boolean ignoreEncodingErrors) {
+                        return source;
+                    }
+                };
         var problems = new DiagnosticCollector<JavaFileObject>();
-        boolean compiled = ToolProvider.getSystemJavaCompiler().getTask(null, null, problems,
-                List.of("-d", out.toString(), "-Xlint:all,-path", "-Werror", "-proc:none", "-cp",
-                        System.getProperty("java.class.path")), null, List.of(file)).call();
+        boolean compiled =
+                ToolProvider.getSystemJavaCompiler()
+                        .getTask(
+                                null,
+                                null,
+                                problems,
+                                List.of(
+                                        "-d",
+                                        out.toString(),
+                                        "-Xlint:all,-path",
+                                        "-Werror",
+                                        "-proc:none",
+                                        "-cp",
+                                        System.getProperty("java.class.path")),
+                                null,
+                                List.of(file))
+                        .call();
 
         assertThat(compiled).as("%s", problems.getDiagnostics()).isTrue();
     }

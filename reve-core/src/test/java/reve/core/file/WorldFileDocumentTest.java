@@ -1,8 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.catchThrowableOfType;
 import static org.assertj.core.api.Assertions.within;
+
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+
+import reve.core.world.ItemDefinition;
+import reve.core.world.OffHeapArena;
+import reve.core.world.PropertyDescriptor;
+import reve.core.world.ScalarType;
+import reve.core.world.Shape;
+import reve.core.world.World;
+import reve.core.world.WorldPrototype;
 
 import java.io.IOException;
 import java.nio.charset.StandardCharsets;
@@ -12,15 +24,6 @@ import java.util.ArrayList;
 import java.util.List;
 import java.util.regex.Matcher;
 import java.util.regex.Pattern;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.api.io.TempDir;
-import reve.core.world.ItemDefinition;
-import reve.core.world.OffHeapArena;
-import reve.core.world.PropertyDescriptor;
-import reve.core.world.ScalarType;
-import reve.core.world.Shape;
-import reve.core.world.World;
-import reve.core.world.WorldPrototype;
 
 /** {@code docs/world-file.md} says what is true. */
 class WorldFileDocumentTest {
@@ -29,8 +32,8 @@ class WorldFileDocumentTest {
     }
 
     private static List<String> blocks(String language) throws IOException {
-        Matcher block = Pattern.compile("```" + language + "\n(.*?)```", Pattern.DOTALL)
-                .matcher(page());
+        Matcher block =
+                Pattern.compile("```" + language + "\n(.*?)```", Pattern.DOTALL).matcher(page());
         var blocks = new ArrayList<String>();
         while (block.find()) {
             blocks.add(block.group(1));
@@ -40,8 +43,10 @@ class WorldFileDocumentTest {
 
     /** The YAML block that holds a line. */
     private static String yaml(String line) throws IOException {
-        return blocks("yaml").stream().filter(block -> block.lines().anyMatch(line::equals))
-                .findFirst().orElseThrow();
+        return blocks("yaml").stream()
+                .filter(block -> block.lines().anyMatch(line::equals))
+                .findFirst()
+                .orElseThrow();
     }
 
     @Test
@@ -50,8 +55,7 @@ class WorldFileDocumentTest {
         try (var arena = new OffHeapArena()) {
             World world = description.build(arena);
             assertThat(world.items()).hasSize(5);
-            assertThat(world.find("duck").orElseThrow().physics().scalar("mass"))
-                    .isEqualTo(0.08);
+            assertThat(world.find("duck").orElseThrow().physics().scalar("mass")).isEqualTo(0.08);
             assertThat(world.find("string").orElseThrow().physics().scalar("length"))
                     .isEqualTo(0.4);
         }
@@ -65,10 +69,12 @@ class WorldFileDocumentTest {
 
         List<ItemDefinition> wheels = WorldFile.load(cart).items();
 
-        assertThat(wheels).hasSize(2)
+        assertThat(wheels)
+                .hasSize(2)
                 .allMatch(wheel -> wheel.shape().equals(Shape.sphere(0.3)))
                 .allMatch(wheel -> wheel.physics("mass").orElseThrow()[0] == 8);
-        assertThat(wheels).extracting(wheel -> wheel.symbols().get("worn"))
+        assertThat(wheels)
+                .extracting(wheel -> wheel.symbols().get("worn"))
                 .containsExactly(false, true);
     }
 
@@ -88,8 +94,9 @@ class WorldFileDocumentTest {
     void mistakesGiveExactlyTheMessagesShown() throws Exception {
         byte[] mistakes = yaml("name: mistakes").getBytes(StandardCharsets.UTF_8);
 
-        var refused = catchThrowableOfType(WorldFileException.class,
-                () -> WorldFile.parse("world.yaml", mistakes));
+        var refused =
+                catchThrowableOfType(
+                        WorldFileException.class, () -> WorldFile.parse("world.yaml", mistakes));
 
         assertThat(refused.getMessage()).isEqualTo(blocks("text").getFirst().strip());
     }
@@ -98,13 +105,23 @@ class WorldFileDocumentTest {
     void tableOfStandardPropertiesIsThePrototype() throws Exception {
         String page = page();
         for (PropertyDescriptor property : WorldPrototype.standard("si-f64").properties()) {
-            String row = page.lines()
-                    .filter(line -> line.startsWith("| `" + property.kind() + "` |"))
-                    .findFirst().orElseThrow();
+            String row =
+                    page.lines()
+                            .filter(line -> line.startsWith("| `" + property.kind() + "` |"))
+                            .findFirst()
+                            .orElseThrow();
             String components = property.components() == 1 ? "" : " ×" + property.components();
-            assertThat(row).contains(property.type() == ScalarType.REF
-                    ? "`" + property.name() + "`"
-                    : "`" + property.name() + "`" + components + " [" + property.unit() + "]");
+            assertThat(row)
+                    .contains(
+                            property.type() == ScalarType.REF
+                                    ? "`" + property.name() + "`"
+                                    : "`"
+                                            + property.name()
+                                            + "`"
+                                            + components
+                                            + " ["
+                                            + property.unit()
+                                            + "]");
         }
     }
 }

@@ -1,20 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatThrownBy;
 import static org.assertj.core.api.Assertions.within;
 
-import java.awt.image.BufferedImage;
-import java.nio.charset.StandardCharsets;
-import java.nio.file.Files;
-import java.nio.file.Path;
-import java.util.List;
-import java.util.Map;
-import java.util.Objects;
-import java.util.Optional;
-import javax.imageio.ImageIO;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
+
 import reve.core.frame.Timing;
 import reve.core.mesh.Assets;
 import reve.core.mesh.WorldFolder;
@@ -34,6 +27,17 @@ import reve.core.world.Shape;
 import reve.core.world.World;
 import reve.core.world.WorldPrototype;
 
+import java.awt.image.BufferedImage;
+import java.nio.charset.StandardCharsets;
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.util.List;
+import java.util.Map;
+import java.util.Objects;
+import java.util.Optional;
+
+import javax.imageio.ImageIO;
+
 /** What right world files mean. */
 class WorldFileTest {
     static WorldDescription parse(String yaml) throws WorldFileException {
@@ -41,33 +45,41 @@ class WorldFileTest {
     }
 
     static Path root() {
-        return Path.of(Objects.requireNonNull(System.getProperty("reve.root"),
-                "run with -Dreve.root=<folder of the repository>"));
+        return Path.of(
+                Objects.requireNonNull(
+                        System.getProperty("reve.root"),
+                        "run with -Dreve.root=<folder of the repository>"));
     }
 
     private static ItemDefinition onlyItem(String physics) throws WorldFileException {
         return parse("reve: 1\nname: w\nitems:\n  - {name: a, physics: {" + physics + "}}\n")
-                .items().getFirst();
+                .items()
+                .getFirst();
     }
 
     @Test
     void meshesAndTexturesComeFromFilesBesideTheWorld(@TempDir Path folder) throws Exception {
         Files.createDirectory(folder.resolve("models"));
         Files.writeString(folder.resolve("models/t.obj"), "v 0 0 0\nv 1 0 0\nv 0 2 0\nf 1 2 3\n");
-        ImageIO.write(new BufferedImage(2, 3, BufferedImage.TYPE_INT_RGB), "png",
+        ImageIO.write(
+                new BufferedImage(2, 3, BufferedImage.TYPE_INT_RGB),
+                "png",
                 folder.resolve("tile.png").toFile());
-        Path file = Files.writeString(folder.resolve("world.yaml"), """
-                reve: 1
-                name: w
-                items:
-                  - name: a
-                    physical: {shape: mesh, file: models/t.obj}
-                  - name: b
-                    physical:
-                      shape: mesh
-                      file: models/t.obj
-                      material: {texture: tile.png, roughness: 0.2, metallic: 1, colour: "#ff0000"}
-                """);
+        Path file =
+                Files.writeString(
+                        folder.resolve("world.yaml"),
+                        """
+                        reve: 1
+                        name: w
+                        items:
+                          - name: a
+                            physical: {shape: mesh, file: models/t.obj}
+                          - name: b
+                            physical:
+                              shape: mesh
+                              file: models/t.obj
+                              material: {texture: tile.png, roughness: 0.2, metallic: 1, colour: "#ff0000"}
+                        """);
         List<ItemDefinition> items = WorldFile.load(file).items();
 
         assertThat(items.get(0).shape().size(1)).isEqualTo(2);
@@ -80,26 +92,34 @@ class WorldFileTest {
         assertThat(material.colour()).isEqualTo(Colour.parse("#ff0000"));
 
         String written = new ItemWriter(WorldPrototype.standard("si-f64")).write(items.get(1));
-        ItemDefinition again = WorldFile.parseItem("b", written,
-                WorldPrototype.standard("si-f64"),
-                new Assets(new WorldFolder(folder)));
+        ItemDefinition again =
+                WorldFile.parseItem(
+                        "b",
+                        written,
+                        WorldPrototype.standard("si-f64"),
+                        new Assets(new WorldFolder(folder)));
         assertThat(((Mesh) again.shape()).file()).contains("models/t.obj");
         assertThat(again.material().orElseThrow().texture().orElseThrow().file())
                 .contains("tile.png");
     }
 
-    private static ItemDefinition solid(String physical, String physics)
-            throws WorldFileException {
-        return parse("reve: 1\nname: w\nitems:\n  - {name: a, physical: {" + physical
-                + "}, physics: {" + physics + "}}\n").items().getFirst();
+    private static ItemDefinition solid(String physical, String physics) throws WorldFileException {
+        return parse(
+                        "reve: 1\nname: w\nitems:\n  - {name: a, physical: {"
+                                + physical
+                                + "}, physics: {"
+                                + physics
+                                + "}}\n")
+                .items()
+                .getFirst();
     }
 
     @Test
     void massAndInertiaFollowFromDensity() throws WorldFileException {
         ItemDefinition brick = solid("shape: box, size: [1, 2, 3]", "density: 10 kg/m^3");
         assertThat(brick.physics("mass").orElseThrow()).containsExactly(60);
-        assertThat(brick.physics("inertia").orElseThrow()).containsExactly(
-                new double[] {65, 50, 25}, within(1e-12));
+        assertThat(brick.physics("inertia").orElseThrow())
+                .containsExactly(new double[] {65, 50, 25}, within(1e-12));
         ItemDefinition ball = solid("shape: sphere, radius: 2", "density: 1");
         assertThat(ball.physics("radius").orElseThrow()).containsExactly(2);
         assertThat(ball.physics("mass").orElseThrow()[0]).isCloseTo(33.5103216, within(1e-6));
@@ -107,20 +127,25 @@ class WorldFileTest {
 
     @Test
     void aWorldMayDeclareADensityOfItsOwn() throws WorldFileException {
-        ItemDefinition item = parse("""
-                reve: 1
-                name: w
-                properties: [{name: density, kind: body, unit: kg/m^3}]
-                items: [{name: a, physics: {mass: 1, density: 7 g/l}}]
-                """).items().getFirst();
+        ItemDefinition item =
+                parse(
+                                """
+                                reve: 1
+                                name: w
+                                properties: [{name: density, kind: body, unit: kg/m^3}]
+                                items: [{name: a, physics: {mass: 1, density: 7 g/l}}]
+                                """)
+                        .items()
+                        .getFirst();
         assertThat(item.physics("density").orElseThrow()).containsExactly(7);
         assertThat(item.physics("mass").orElseThrow()).containsExactly(1);
     }
 
     @Test
     void densitiesThatCannotBeUsedAreRefusedWithTheReason() {
-        String corner = "shape: mesh, vertices: [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], "
-                + "triangles: [[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]]";
+        String corner =
+                "shape: mesh, vertices: [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], "
+                        + "triangles: [[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]]";
         assertThatThrownBy(() -> solid("shape: plane, size: [1, 1]", "density: 1"))
                 .hasMessageContaining("density: a plane has no volume");
         assertThatThrownBy(() -> solid("shape: sphere, radius: 1", "density: 1, mass: 3"))
@@ -150,11 +175,14 @@ class WorldFileTest {
 
     @Test
     void jsonIsValidToo() throws WorldFileException {
-        WorldDescription world = parse("""
-                {
-                \t"reve": 1, "name": "json", "doc": "\\u00e9\\/", "frame": {"rate": 50, "steps": 2},
-                \t"items": [{"name": "a", "physics": {"mass": 2, "velocity": [1, 2.5e0, -3]}}]
-                }""");
+        WorldDescription world =
+                parse(
+                        """
+                        {
+                        \t"reve": 1, "name": "json", "doc": "\\u00e9\\/", "frame": {"rate": 50, "steps": 2},
+                        \t"items": [{"name": "a", "physics": {"mass": 2, "velocity": [1, 2.5e0, -3]}}]
+                        }\
+                        """);
 
         assertThat(world.name()).isEqualTo("json");
         assertThat(world.doc()).isEqualTo("é/");
@@ -188,69 +216,88 @@ class WorldFileTest {
 
     @Test
     void vectorsAreListsOrTextsWithOneUnitBehindThem() throws WorldFileException {
-        for (String written : List.of("[0, 3.6, -36]", "0 3.6 -36", "0 3.6 -36 m/s",
-                "\"[0, 3.6, -36] m/s\"", "\"0, 3.6, -36 m/s\"", "0 12.96 -129.6 km/h",
-                "\"[0 12.96 -129.6] km/h\"")) {
+        for (String written :
+                List.of(
+                        "[0, 3.6, -36]",
+                        "0 3.6 -36",
+                        "0 3.6 -36 m/s",
+                        "\"[0, 3.6, -36] m/s\"",
+                        "\"0, 3.6, -36 m/s\"",
+                        "0 12.96 -129.6 km/h",
+                        "\"[0 12.96 -129.6] km/h\"")) {
             assertThat(onlyItem("velocity: " + written).physics("velocity").orElseThrow())
-                    .as(written).containsExactly(new double[] {0, 3.6, -36}, within(1e-14));
+                    .as(written)
+                    .containsExactly(new double[] {0, 3.6, -36}, within(1e-14));
         }
     }
 
     @Test
     void anglesAreNumbersAndDegreesFitWhereTheUnitIsOne() throws WorldFileException {
-        ItemDefinition item = parse("""
-                reve: 1
-                name: w
-                items:
-                  - name: a
-                    physical: {orientation: {axis: [0, 0, 2], angle: 90 deg}}
-                    physics: {angularVelocity: 0 0 180 deg/s}
-                """).items().getFirst();
+        ItemDefinition item =
+                parse(
+                                """
+                                reve: 1
+                                name: w
+                                items:
+                                  - name: a
+                                    physical: {orientation: {axis: [0, 0, 2], angle: 90 deg}}
+                                    physics: {angularVelocity: 0 0 180 deg/s}
+                                """)
+                        .items()
+                        .getFirst();
 
         double half = Math.sqrt(0.5);
-        assertThat(item.orientation()).containsExactly(new double[] {0, 0, half, half},
-                within(1e-15));
+        assertThat(item.orientation())
+                .containsExactly(new double[] {0, 0, half, half}, within(1e-15));
         assertThat(item.physics("angularVelocity").orElseThrow())
                 .containsExactly(new double[] {0, 0, Math.PI}, within(1e-15));
     }
 
     @Test
     void lawParametersBecomeSi() throws WorldFileException {
-        List<LawReference> laws = parse("""
-                reve: 1
-                name: w
-                laws:
-                  - newton_motion
-                  - name: drag
-                    parameters: {density: 1.2 g/l, wind: 36 km/h, factor: 3, turn: 180 deg}
-                """).laws();
+        List<LawReference> laws =
+                parse(
+                                """
+                                reve: 1
+                                name: w
+                                laws:
+                                  - newton_motion
+                                  - name: drag
+                                    parameters: {density: 1.2 g/l, wind: 36 km/h, factor: 3, turn: 180 deg}
+                                """)
+                        .laws();
         assertThat(laws.getFirst())
                 .isEqualTo(new LawReference("newton_motion", Map.of(), "world.yaml:4:5"));
         LawReference drag = laws.getLast();
         assertThat(drag.name()).isEqualTo("drag");
         assertThat(drag.place()).isEqualTo("world.yaml:5:11");
-        assertThat(drag.parameters()).isEqualTo(
-                Map.of("density", 1.2, "wind", 10.0, "factor", 3.0, "turn", Math.PI));
-        assertThat(drag.mentions()).containsEntry("wind", new LawReference.Mention(
-                "world.yaml:6:36", Optional.of(Unit.parse("km/h"))))
-                .containsEntry("factor",
-                        new LawReference.Mention("world.yaml:6:51", Optional.empty()));
+        assertThat(drag.parameters())
+                .isEqualTo(Map.of("density", 1.2, "wind", 10.0, "factor", 3.0, "turn", Math.PI));
+        assertThat(drag.mentions())
+                .containsEntry(
+                        "wind",
+                        new LawReference.Mention(
+                                "world.yaml:6:36", Optional.of(Unit.parse("km/h"))))
+                .containsEntry(
+                        "factor", new LawReference.Mention("world.yaml:6:51", Optional.empty()));
     }
 
     @Test
     void designersPropertiesExtendThePrototype() throws WorldFileException {
-        WorldDescription world = parse("""
-                reve: 1
-                name: w
-                prototype: si-f32
-                properties:
-                  - {name: temperature, kind: body, unit: K, doc: Of all of it.}
-                  - {name: lit, kind: lamp, type: u32}
-                  - {name: travelled, kind: body, type: real, components: 2, unit: km}
-                items:
-                  - {name: a, physics: {temperature: 300, travelled: 500 1500 m}}
-                  - {name: b, kind: lamp, physics: {lit: 4294967295}}
-                """);
+        WorldDescription world =
+                parse(
+                        """
+                        reve: 1
+                        name: w
+                        prototype: si-f32
+                        properties:
+                          - {name: temperature, kind: body, unit: K, doc: Of all of it.}
+                          - {name: lit, kind: lamp, type: u32}
+                          - {name: travelled, kind: body, type: real, components: 2, unit: km}
+                        items:
+                          - {name: a, physics: {temperature: 300, travelled: 500 1500 m}}
+                          - {name: b, kind: lamp, physics: {lit: 4294967295}}
+                        """);
 
         var temperature = world.prototype().find("body", "temperature").orElseThrow();
         assertThat(temperature.type()).isEqualTo(ScalarType.F32);
@@ -263,20 +310,23 @@ class WorldFileTest {
 
     @Test
     void shapesAreReadInMetres() throws WorldFileException {
-        List<ItemDefinition> items = parse("""
-                reve: 1
-                name: w
-                items:
-                  - {name: s, physical: {shape: sphere, radius: 25 cm}}
-                  - {name: b, physical: {shape: box, size: 1 2 3 dm}}
-                  - {name: p, physical: {shape: plane, size: [5, 6]}}
-                  - name: m
-                    physical:
-                      shape: mesh
-                      vertices: [[0, 0, 0], [1, 0, 0], 0 100 0 cm]
-                      triangles: [[0, 1, 2]]
-                  - {name: n, physical: {location: [1, 2, 3]}}
-                """).items();
+        List<ItemDefinition> items =
+                parse(
+                                """
+                                reve: 1
+                                name: w
+                                items:
+                                  - {name: s, physical: {shape: sphere, radius: 25 cm}}
+                                  - {name: b, physical: {shape: box, size: 1 2 3 dm}}
+                                  - {name: p, physical: {shape: plane, size: [5, 6]}}
+                                  - name: m
+                                    physical:
+                                      shape: mesh
+                                      vertices: [[0, 0, 0], [1, 0, 0], 0 100 0 cm]
+                                      triangles: [[0, 1, 2]]
+                                  - {name: n, physical: {location: [1, 2, 3]}}
+                                """)
+                        .items();
 
         assertThat(items.get(0).shape()).isEqualTo(Shape.sphere(0.25));
         assertThat(items.get(1).shape()).isEqualTo(Shape.box(0.1, 0.2, 3 * 0.1));
@@ -289,39 +339,43 @@ class WorldFileTest {
 
     @Test
     void itemsMayReferToItemsThatComeLater() throws WorldFileException {
-        WorldDescription description = parse("""
-                reve: 1
-                name: w
-                items:
-                  - {name: s, kind: spring, physics: {end1: a, end2: b}}
-                  - {name: f, kind: surface, physics: {vertices: [c, a, b]}}
-                  - {name: a, physics: {mass: 1}}
-                  - {name: b, physics: {mass: 1}}
-                  - {name: c, physics: {mass: 0}}
-                """);
+        WorldDescription description =
+                parse(
+                        """
+                        reve: 1
+                        name: w
+                        items:
+                          - {name: s, kind: spring, physics: {end1: a, end2: b}}
+                          - {name: f, kind: surface, physics: {vertices: [c, a, b]}}
+                          - {name: a, physics: {mass: 1}}
+                          - {name: b, physics: {mass: 1}}
+                          - {name: c, physics: {mass: 0}}
+                        """);
         try (var arena = new OffHeapArena()) {
             World world = description.build(arena);
             Item spring = world.find("s").orElseThrow();
             assertThat(world.item(spring.physics().reference("end2")).name()).isEqualTo("b");
             assertThat(world.find("f").orElseThrow().physics().references("vertices"))
-                    .extracting(id -> world.item(id).name()).containsExactly("c", "a", "b");
+                    .extracting(id -> world.item(id).name())
+                    .containsExactly("c", "a", "b");
         }
     }
 
     @Test
     void oneDescriptionBuildsAnyNumberOfEqualWorlds() throws WorldFileException {
-        WorldDescription description = parse("""
-                reve: 1
-                name: w
-                constants: {gravity: [0, -9.81, 0]}
-                items: [{name: a, physics: {mass: 2}}, {name: b}]
-                """);
+        WorldDescription description =
+                parse(
+                        """
+                        reve: 1
+                        name: w
+                        constants: {gravity: [0, -9.81, 0]}
+                        items: [{name: a, physics: {mass: 2}}, {name: b}]
+                        """);
         try (var arena = new OffHeapArena()) {
             for (World world : List.of(description.build(arena), description.build(arena))) {
                 assertThat(world.find("world").orElseThrow().physics().vector("gravity"))
                         .containsExactly(0, -9.81, 0);
-                assertThat(world.items()).extracting(Item::name)
-                        .containsExactly("world", "a", "b");
+                assertThat(world.items()).extracting(Item::name).containsExactly("world", "a", "b");
                 assertThat(world.find("b").orElseThrow().physics().isEmpty()).isTrue();
             }
         }
@@ -329,18 +383,21 @@ class WorldFileTest {
 
     @Test
     void agentsGetTheBodiesAndTheTemplateOfTheFile() throws WorldFileException {
-        AgentPolicy agents = parse("""
-                reve: 1
-                name: w
-                agents:
-                  bodies: [b, a]
-                  body: {physical: {shape: sphere, radius: 1}, semantic: {class: guest}}
-                  places: [[0, 1, 2], 10 20 30 cm]
-                  items: 3
-                  eventBytes: 512
-                  most: 7
-                items: [{name: a}, {name: b}]
-                """).agents();
+        AgentPolicy agents =
+                parse(
+                                """
+                                reve: 1
+                                name: w
+                                agents:
+                                  bodies: [b, a]
+                                  body: {physical: {shape: sphere, radius: 1}, semantic: {class: guest}}
+                                  places: [[0, 1, 2], 10 20 30 cm]
+                                  items: 3
+                                  eventBytes: 512
+                                  most: 7
+                                items: [{name: a}, {name: b}]
+                                """)
+                        .agents();
 
         assertThat(agents.bodies()).containsExactly("b", "a");
         assertThat(agents.items()).isEqualTo(3);
@@ -348,8 +405,9 @@ class WorldFileTest {
         assertThat(agents.eventBytes()).isEqualTo(512);
         assertThat(agents.worldEventBytes()).isEqualTo(262_144);
         assertThat(agents.most()).isEqualTo(7);
-        assertThat(agents.places()).containsExactly(
-                new AgentPolicy.Place(0, 1, 2), new AgentPolicy.Place(0.1, 0.2, 0.3));
+        assertThat(agents.places())
+                .containsExactly(
+                        new AgentPolicy.Place(0, 1, 2), new AgentPolicy.Place(0.1, 0.2, 0.3));
         ItemDefinition guest = agents.template().orElseThrow().renamed("ada");
         assertThat(guest.shape()).isEqualTo(Shape.sphere(1));
         assertThat(guest.hasPhysics()).isFalse();
@@ -358,42 +416,52 @@ class WorldFileTest {
 
     @Test
     void declaredActionsWorkOnTheBuiltWorld() throws Exception {
-        WorldDescription description = parse("""
-                reve: 1
-                name: w
-                items:
-                  - name: a
-                    physics: {mass: 2}
-                    access:
-                      kick:
-                        doc: A kick.
-                        parameters:
-                          by: {components: 3, unit: kN*s, doc: In the world's axes.}
-                          why: {type: text}
-                        effects:
-                          - impulse: $by
-                          - {set: physics.charge, to: 3 mC}
-                          - {set: physical.colour, to: "#112233"}
-                          - {symbol: reason, to: $why}
-                          - {symbol: kicked, to: true}
-                          - raise: kicked
-                """);
+        WorldDescription description =
+                parse(
+                        """
+                        reve: 1
+                        name: w
+                        items:
+                          - name: a
+                            physics: {mass: 2}
+                            access:
+                              kick:
+                                doc: A kick.
+                                parameters:
+                                  by: {components: 3, unit: kN*s, doc: In the world's axes.}
+                                  why: {type: text}
+                                effects:
+                                  - impulse: $by
+                                  - {set: physics.charge, to: 3 mC}
+                                  - {set: physical.colour, to: "#112233"}
+                                  - {symbol: reason, to: $why}
+                                  - {symbol: kicked, to: true}
+                                  - raise: kicked
+                        """);
         try (var arena = new OffHeapArena()) {
             World world = description.build(arena);
             Item item = world.find("a").orElseThrow();
             Action kick = item.access().find("kick").orElseThrow();
             assertThat(kick.doc()).isEqualTo("A kick.");
-            assertThat(kick.parameters()).containsExactly(
-                    Parameter.number("by", 3, Unit.parse("kN*s"), "In the world's axes."),
-                    Parameter.text("why", ""));
+            assertThat(kick.parameters())
+                    .containsExactly(
+                            Parameter.number("by", 3, Unit.parse("kN*s"), "In the world's axes."),
+                            Parameter.text("why", ""));
 
-            kick.perform(new ActionCall(world, 1, item, Optional.empty(), Arguments.check(kick,
-                    Map.of("by", List.of(0.001, 0.002, 0), "why", "fun"))));
+            kick.perform(
+                    new ActionCall(
+                            world,
+                            1,
+                            item,
+                            Optional.empty(),
+                            Arguments.check(
+                                    kick, Map.of("by", List.of(0.001, 0.002, 0), "why", "fun"))));
 
             assertThat(item.physics().vector("velocity")).containsExactly(0.5, 1, 0);
             assertThat(item.physics().scalar("charge")).isEqualTo(0.003);
             assertThat(item.physical().colour()).hasToString("#112233ff");
-            assertThat(item.semantic().symbols()).containsEntry("reason", "fun")
+            assertThat(item.semantic().symbols())
+                    .containsEntry("reason", "fun")
                     .containsEntry("kicked", true);
             assertThat(world.events()).hasSize(1);
         }
@@ -401,8 +469,13 @@ class WorldFileTest {
 
     @Test
     void plainWordsOfOldYamlAreTexts() throws WorldFileException {
-        assertThat(parse("reve: 1\nname: no\nitems: [{name: yes, semantic: {a: on, b: 1:30}}]")
-                .items().getFirst().symbols()).containsEntry("a", "on").containsEntry("b", "1:30");
+        assertThat(
+                        parse("reve: 1\nname: no\nitems: [{name: yes, semantic: {a: on, b: 1:30}}]")
+                                .items()
+                                .getFirst()
+                                .symbols())
+                .containsEntry("a", "on")
+                .containsEntry("b", "1:30");
     }
 
     @Test
@@ -412,9 +485,12 @@ class WorldFileTest {
         Path bad = Files.writeString(folder.resolve("bad.yaml"), "reve: 2\nname: x\n");
 
         assertThat(WorldFile.load(good).doc()).isEqualTo("é");
-        assertThatThrownBy(() -> WorldFile.load(bad)).isInstanceOf(WorldFileException.class)
-                .hasMessage(bad + ":1:7: reve: found number 2, expected 1, the format version "
-                        + "that is read here");
+        assertThatThrownBy(() -> WorldFile.load(bad))
+                .isInstanceOf(WorldFileException.class)
+                .hasMessage(
+                        bad
+                                + ":1:7: reve: found number 2, expected 1, the format version "
+                                + "that is read here");
     }
 
     @Test
@@ -423,10 +499,14 @@ class WorldFileTest {
 
         assertThat(world.prototype().name()).isEqualTo("si-f64");
         assertThat(world.timing().dtSeconds()).isEqualTo(1.0 / 240);
-        assertThat(world.laws()).extracting(LawReference::name)
+        assertThat(world.laws())
+                .extracting(LawReference::name)
                 .containsExactly("hooke_spring", "newton_motion");
-        Map<String, ItemDefinition> items = world.items().stream()
-                .collect(java.util.stream.Collectors.toMap(ItemDefinition::name, item -> item));
+        Map<String, ItemDefinition> items =
+                world.items().stream()
+                        .collect(
+                                java.util.stream.Collectors.toMap(
+                                        ItemDefinition::name, item -> item));
         assertThat(items.get("red").location()).containsExactly(-10, 5, 0);
         assertThat(items.get("red").physics("velocity").orElseThrow()).containsExactly(0, 3, 0);
         assertThat(number(items.get("red"), "mass")).isEqualTo(1000);

@@ -1,4 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
+
+import org.snakeyaml.engine.v2.api.Load;
+import org.snakeyaml.engine.v2.api.LoadSettings;
+import org.snakeyaml.engine.v2.schema.CoreSchema;
+
+import tools.jackson.databind.json.JsonMapper;
 
 import java.io.IOException;
 import java.nio.file.Files;
@@ -12,29 +19,91 @@ import java.util.TreeMap;
 import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 import java.util.stream.Stream;
-import org.snakeyaml.engine.v2.api.Load;
-import org.snakeyaml.engine.v2.api.LoadSettings;
-import org.snakeyaml.engine.v2.schema.CoreSchema;
-import tools.jackson.databind.json.JsonMapper;
 
 /** The project's own world files as trees of maps, lists and values, and damage to them. */
 final class WorldTrees {
     private static final Pattern YAML_BLOCK =
             Pattern.compile("^```yaml[^\n]*\n(.*?)^```", Pattern.MULTILINE | Pattern.DOTALL);
-    /** What any value may turn into. */
-    private static final List<Object> OTHERS = List.of(0, 1, -1, 3.0, 1.5, 1e300, -1e-320,
-            99_999_999_999L, true, "", " ", "x", "1 m", "1 kg", "-3 0 1e9 km/h", "[1, 2] m",
-            "x".repeat(200), "\t", "\u202e", "\ud83d\ude00", "world", "body", "actor", "{i}",
-            "{", "{1/0}",
-            "{[1, 2]}", "$p", "$", "$1 / 0", "physics.mass > 1", "semantic.x", "item.name", "../x",
-            "/dev/zero", "x://y", "#ff0000", List.of(), List.of(1), List.of("x"), List.of(1, 2, 3),
-            List.of(0, 0, 0, 0), List.of(List.of(0, 0, 0), List.of(1, 0, 0), List.of(0, 1, 0)),
-            List.of(Map.of("raise", "x")), Map.of(), Map.of("x", 1), Map.of("name", "x"),
-            Map.of("i", 3, "j", 2), Map.of("mass", 1));
 
-    private static final List<String> KEYS = List.of("x", "Ä", "a b", "-", "0", "", "name", "like",
-            "kind", "parent", "repeat", "physical", "semantic", "access", "physics", "sensors",
-            "shape", "location", "density", "mass", "end1", "when", "needs", "effects");
+    /** What any value may turn into. */
+    private static final List<Object> OTHERS =
+            List.of(
+                    0,
+                    1,
+                    -1,
+                    3.0,
+                    1.5,
+                    1e300,
+                    -1e-320,
+                    99_999_999_999L,
+                    true,
+                    "",
+                    " ",
+                    "x",
+                    "1 m",
+                    "1 kg",
+                    "-3 0 1e9 km/h",
+                    "[1, 2] m",
+                    "x".repeat(200),
+                    "\t",
+                    "\u202e",
+                    "\ud83d\ude00",
+                    "world",
+                    "body",
+                    "actor",
+                    "{i}",
+                    "{",
+                    "{1/0}",
+                    "{[1, 2]}",
+                    "$p",
+                    "$",
+                    "$1 / 0",
+                    "physics.mass > 1",
+                    "semantic.x",
+                    "item.name",
+                    "../x",
+                    "/dev/zero",
+                    "x://y",
+                    "#ff0000",
+                    List.of(),
+                    List.of(1),
+                    List.of("x"),
+                    List.of(1, 2, 3),
+                    List.of(0, 0, 0, 0),
+                    List.of(List.of(0, 0, 0), List.of(1, 0, 0), List.of(0, 1, 0)),
+                    List.of(Map.of("raise", "x")),
+                    Map.of(),
+                    Map.of("x", 1),
+                    Map.of("name", "x"),
+                    Map.of("i", 3, "j", 2),
+                    Map.of("mass", 1));
+
+    private static final List<String> KEYS =
+            List.of(
+                    "x",
+                    "Ä",
+                    "a b",
+                    "-",
+                    "0",
+                    "",
+                    "name",
+                    "like",
+                    "kind",
+                    "parent",
+                    "repeat",
+                    "physical",
+                    "semantic",
+                    "access",
+                    "physics",
+                    "sensors",
+                    "shape",
+                    "location",
+                    "density",
+                    "mass",
+                    "end1",
+                    "when",
+                    "needs",
+                    "effects");
 
     private WorldTrees() {}
 
@@ -44,11 +113,13 @@ final class WorldTrees {
         Object at = world;
         while (true) {
             List<Object> inner = new ArrayList<>();
-            children(at).forEach(child -> {
-                if (child instanceof Map<?, ?> || child instanceof List<?>) {
-                    inner.add(child);
-                }
-            });
+            children(at)
+                    .forEach(
+                            child -> {
+                                if (child instanceof Map<?, ?> || child instanceof List<?>) {
+                                    inner.add(child);
+                                }
+                            });
             if (inner.isEmpty() || random.nextInt(4) == 0) {
                 break;
             }
@@ -75,8 +146,7 @@ final class WorldTrees {
         switch (random.nextInt(5)) {
             case 0 -> map.remove(key);
             case 1 -> map.put(key + "s", map.containsKey(key) ? map.remove(key) : 1);
-            case 2 -> map.put(KEYS.get(random.nextInt(KEYS.size())),
-                    other(random));
+            case 2 -> map.put(KEYS.get(random.nextInt(KEYS.size())), other(random));
             default -> map.put(key, other(random));
         }
     }
@@ -86,7 +156,8 @@ final class WorldTrees {
     }
 
     private static Stream<?> children(Object value) {
-        return value instanceof Map<?, ?> map ? map.values().stream()
+        return value instanceof Map<?, ?> map
+                ? map.values().stream()
                 : value instanceof List<?> list ? list.stream() : Stream.of();
     }
 
@@ -98,33 +169,37 @@ final class WorldTrees {
             return copy;
         }
         return value instanceof List<?> list
-                ? new ArrayList<>(list.stream().map(WorldTrees::copy).toList()) : value;
+                ? new ArrayList<>(list.stream().map(WorldTrees::copy).toList())
+                : value;
     }
 
     /** World files of the project, and the blocks of its documents that are whole ones. */
     static Map<String, Object> worlds() throws IOException {
         Map<String, Object> worlds = new TreeMap<>();
-        texts().forEach((file, text) -> {
-            if (text.contains("reve: 1")) {
-                worlds.put(file, loaded(text));
-            }
-        });
-        blocks().forEach((place, text) -> {
-            if (text.contains("reve: 1") && !text.contains("name: mistakes")) {
-                worlds.put(place, loaded(text));
-            }
-        });
+        texts().forEach(
+                        (file, text) -> {
+                            if (text.contains("reve: 1")) {
+                                worlds.put(file, loaded(text));
+                            }
+                        });
+        blocks().forEach(
+                        (place, text) -> {
+                            if (text.contains("reve: 1") && !text.contains("name: mistakes")) {
+                                worlds.put(place, loaded(text));
+                            }
+                        });
         return worlds;
     }
 
     /** Files of the project that worlds include. */
     static Map<String, Object> parts() throws IOException {
         Map<String, Object> parts = new TreeMap<>();
-        texts().forEach((file, text) -> {
-            if (!text.contains("reve: 1")) {
-                parts.put(file, loaded(text));
-            }
-        });
+        texts().forEach(
+                        (file, text) -> {
+                            if (!text.contains("reve: 1")) {
+                                parts.put(file, loaded(text));
+                            }
+                        });
         return parts;
     }
 
@@ -141,7 +216,8 @@ final class WorldTrees {
     /** World files of the project, and blocks of its documents that are whole ones, as written. */
     static List<String> sources() throws IOException {
         return Stream.concat(texts().values().stream(), blocks().values().stream())
-                .filter(text -> text.contains("reve: 1")).toList();
+                .filter(text -> text.contains("reve: 1"))
+                .toList();
     }
 
     /** YAML in documents, by its place. */
@@ -159,7 +235,9 @@ final class WorldTrees {
     private static List<Path> files(String folder, String ending) throws IOException {
         try (Stream<Path> files = Files.walk(WorldFileTest.root().resolve(folder))) {
             return files.filter(file -> file.toString().endsWith(ending))
-                    .filter(file -> !file.toString().contains("/build/")).sorted().toList();
+                    .filter(file -> !file.toString().contains("/build/"))
+                    .sorted()
+                    .toList();
         }
     }
 

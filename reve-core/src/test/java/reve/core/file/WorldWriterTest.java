@@ -1,12 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
 
 import static org.assertj.core.api.Assertions.assertThat;
 
-import java.util.ArrayList;
-import java.util.List;
-import java.util.Optional;
-import java.util.Random;
 import org.junit.jupiter.api.Test;
+
 import reve.core.Seed;
 import reve.core.world.Column;
 import reve.core.world.Forces;
@@ -18,6 +16,11 @@ import reve.core.world.ScalarType;
 import reve.core.world.Table;
 import reve.core.world.World;
 import reve.core.world.WorldPrototype;
+
+import java.util.ArrayList;
+import java.util.List;
+import java.util.Optional;
+import java.util.Random;
 
 /**
  * Worlds survive being written and read. The seed is printed; -Dreve.test.seed=N repeats it, and
@@ -31,65 +34,69 @@ class WorldWriterTest {
 
     @Test
     void writesWhatAWorldFileSays() throws WorldFileException {
-        WorldDescription world = WorldFileTest.parse("""
-                reve: 1
-                name: tiny
-                doc: "Two: bodies."
-                frame: {steps: 4}
-                properties:
-                  - {name: heat, kind: body, unit: K, doc: How hot.}
-                  - {name: cell, kind: body, type: i32, components: 2}
-                laws: [drag, {name: barnes_hut, parameters: {theta: 0.7, range: 2 km}}]
-                constants: {gravity: [0, -9.81, 0], softening: 0}
-                camera: {eye: [0, 1, 4], target: [0, 0, 0], fov: 90 deg}
-                agents: {bodies: [a], body: {physical: {shape: sphere, radius: 1 cm}}, items: 1000,
-                  worldItems: 7, eventBytes: 512, worldEventBytes: 1024, most: 12}
-                prefabs: {p: {physics: {mass: 2 g, cell: [1, -2]}}}
-                items:
-                  - {name: a, like: p}
-                  - {name: b, like: p, physics: {heat: 300}}
-                  - {name: s, kind: spring, physics: {end1: b, end2: a, length: 3 cm}}
-                  - {name: flag, parent: a, physical: {location: [0, 1, 0]}}
-                forces: [{item: b, force: 0 2 0 kN, frames: 12}]
-                """);
+        WorldDescription world =
+                WorldFileTest.parse(
+                        """
+                        reve: 1
+                        name: tiny
+                        doc: "Two: bodies."
+                        frame: {steps: 4}
+                        properties:
+                          - {name: heat, kind: body, unit: K, doc: How hot.}
+                          - {name: cell, kind: body, type: i32, components: 2}
+                        laws: [drag, {name: barnes_hut, parameters: {theta: 0.7, range: 2 km}}]
+                        constants: {gravity: [0, -9.81, 0], softening: 0}
+                        camera: {eye: [0, 1, 4], target: [0, 0, 0], fov: 90 deg}
+                        agents: {bodies: [a], body: {physical: {shape: sphere, radius: 1 cm}}, items: 1000,
+                          worldItems: 7, eventBytes: 512, worldEventBytes: 1024, most: 12}
+                        prefabs: {p: {physics: {mass: 2 g, cell: [1, -2]}}}
+                        items:
+                          - {name: a, like: p}
+                          - {name: b, like: p, physics: {heat: 300}}
+                          - {name: s, kind: spring, physics: {end1: b, end2: a, length: 3 cm}}
+                          - {name: flag, parent: a, physical: {location: [0, 1, 0]}}
+                        forces: [{item: b, force: 0 2 0 kN, frames: 12}]
+                        """);
 
-        assertThat(WorldWriter.write(world)).isEqualTo("""
-                reve: 1
-                name: tiny
-                doc: 'Two: bodies.'
-                prototype: si-f64
-                properties:
-                  - {name: heat, kind: body, unit: K, doc: How hot.}
-                  - {name: cell, kind: body, type: i32, components: 2}
-                frame: {rate: 60, steps: 4}
-                laws:
-                  - drag
-                  - name: barnes_hut
-                    parameters: {theta: 0.7, range: 2000}
-                constants: {gravity: [0, -9.81, 0]}
-                camera: {eye: [0, 1, 4], target: [0, 0, 0], up: [0, 1, 0], fov: 1.5707963267948966}
-                agents:
-                  bodies: [a]
-                  body:
-                    physical: {shape: sphere, radius: 0.01}
-                  worldItems: 7
-                  eventBytes: 512
-                  worldEventBytes: 1024
-                  most: 12
-                items:
-                  - name: a
-                    physics: {mass: 0.002, cell: [1, -2]}
-                  - name: b
-                    physics: {mass: 0.002, heat: 300, cell: [1, -2]}
-                  - name: s
-                    kind: spring
-                    physics: {length: 0.03, end1: b, end2: a}
-                  - name: flag
-                    parent: a
-                    physical: {location: [0, 1, 0]}
-                forces:
-                  - {item: b, force: [0, 2000, 0], frames: 12}
-                """);
+        assertThat(WorldWriter.write(world))
+                .isEqualTo(
+                        """
+                        reve: 1
+                        name: tiny
+                        doc: 'Two: bodies.'
+                        prototype: si-f64
+                        properties:
+                          - {name: heat, kind: body, unit: K, doc: How hot.}
+                          - {name: cell, kind: body, type: i32, components: 2}
+                        frame: {rate: 60, steps: 4}
+                        laws:
+                          - drag
+                          - name: barnes_hut
+                            parameters: {theta: 0.7, range: 2000}
+                        constants: {gravity: [0, -9.81, 0]}
+                        camera: {eye: [0, 1, 4], target: [0, 0, 0], up: [0, 1, 0], fov: 1.5707963267948966}
+                        agents:
+                          bodies: [a]
+                          body:
+                            physical: {shape: sphere, radius: 0.01}
+                          worldItems: 7
+                          eventBytes: 512
+                          worldEventBytes: 1024
+                          most: 12
+                        items:
+                          - name: a
+                            physics: {mass: 0.002, cell: [1, -2]}
+                          - name: b
+                            physics: {mass: 0.002, heat: 300, cell: [1, -2]}
+                          - name: s
+                            kind: spring
+                            physics: {length: 0.03, end1: b, end2: a}
+                          - name: flag
+                            parent: a
+                            physical: {location: [0, 1, 0]}
+                        forces:
+                          - {item: b, force: [0, 2000, 0], frames: 12}
+                        """);
     }
 
     @Test
@@ -108,38 +115,70 @@ class WorldWriterTest {
                 assertThat(WorldWriter.write(read)).as(what).isEqualTo(written);
                 World again = read.build(arena);
                 requireSameColumns(again, live, what);
-                assertThat(WorldWriter.write(read.of(again, read.laws()))).as(what)
+                assertThat(WorldWriter.write(read.of(again, read.laws())))
+                        .as(what)
                         .isEqualTo(written);
             }
         }
     }
 
     private WorldDescription randomDescription(int n) throws WorldFileException {
-        WorldDescription shell = WorldFileTest.parse("reve: 1\nname: world " + n
-                + "\nprototype: " + (random.nextBoolean() ? "si-f32" : "si-f64")
-                + "\nproperties: [{name: heat, kind: body, unit: mK}, {name: size_x, kind: lamp}]"
-                + "\nconstants: {gravity: [0, " + random.nextGaussian() + ", -0.0]}\n");
+        WorldDescription shell =
+                WorldFileTest.parse(
+                        "reve: 1\nname: world "
+                                + n
+                                + "\nprototype: "
+                                + (random.nextBoolean() ? "si-f32" : "si-f64")
+                                + "\n"
+                                + "properties: [{name: heat, kind: body, unit: mK}, {name: size_x,"
+                                + " kind: lamp}]\n"
+                                + "constants: {gravity: [0, "
+                                + random.nextGaussian()
+                                + ", -0.0]}\n");
         List<ItemDefinition> items = new ArrayList<>();
         for (int i = 0; i < random.nextInt(1, 12); i++) {
             items.add(RandomItems.body(random, shell.prototype(), "b" + i));
         }
-        List<String> held = items.stream().filter(ItemDefinition::hasPhysics)
-                .map(ItemDefinition::name).toList();
+        List<String> held =
+                items.stream()
+                        .filter(ItemDefinition::hasPhysics)
+                        .map(ItemDefinition::name)
+                        .toList();
         for (int i = 0; i < 4 && held.size() > 1; i++) {
             int end = random.nextInt(held.size());
-            items.add(random.nextInt(items.size()), ItemDefinition.named("s" + i).kind("spring")
-                    .physics("length", random.nextDouble())
-                    .reference("end1", held.get(end))
-                    .reference("end2", held.get((end + 1) % held.size())).build());
+            items.add(
+                    random.nextInt(items.size()),
+                    ItemDefinition.named("s" + i)
+                            .kind("spring")
+                            .physics("length", random.nextDouble())
+                            .reference("end1", held.get(end))
+                            .reference("end2", held.get((end + 1) % held.size()))
+                            .build());
         }
         items.add(ItemDefinition.named("lamp").kind("lamp").physics("size_x", 0).build());
-        List<LastingForce> forces = held.stream().filter(name -> random.nextBoolean())
-                .map(name -> new LastingForce(name,
-                        List.of(force(shell), force(shell), force(shell)),
-                        1 + random.nextLong(Forces.MAX_FRAMES))).toList();
-        return new WorldDescription(shell.name(), RandomItems.text(random), shell.prototype(),
-                shell.timing(), random.nextLong(1L << 40), shell.laws(), shell.constants(),
-                Optional.empty(), AgentPolicy.none(), List.of(), items, forces,
+        List<LastingForce> forces =
+                held.stream()
+                        .filter(name -> random.nextBoolean())
+                        .map(
+                                name ->
+                                        new LastingForce(
+                                                name,
+                                                List.of(force(shell), force(shell), force(shell)),
+                                                1 + random.nextLong(Forces.MAX_FRAMES)))
+                        .toList();
+        return new WorldDescription(
+                shell.name(),
+                RandomItems.text(random),
+                shell.prototype(),
+                shell.timing(),
+                random.nextLong(1L << 40),
+                shell.laws(),
+                shell.constants(),
+                Optional.empty(),
+                AgentPolicy.none(),
+                List.of(),
+                items,
+                forces,
                 List.of());
     }
 
@@ -186,11 +225,15 @@ class WorldWriterTest {
     private static List<Object> values(World world, Column column, int row) {
         List<Object> values = new ArrayList<>();
         for (int i = 0; i < column.components(); i++) {
-            values.add(column.type() == ScalarType.REF
-                    && row < world.table(column.descriptor().kind()).physicsRowCount()
-                    ? world.item(new ItemId(column.getReference(row, i))).name()
-                    : column.type() == ScalarType.REF ? ""
-                            : Double.doubleToRawLongBits(column.getDouble(row, i)));
+            values.add(
+                    column.type() == ScalarType.REF
+                                    && row
+                                            < world.table(column.descriptor().kind())
+                                                    .physicsRowCount()
+                            ? world.item(new ItemId(column.getReference(row, i))).name()
+                            : column.type() == ScalarType.REF
+                                    ? ""
+                                    : Double.doubleToRawLongBits(column.getDouble(row, i)));
         }
         return values;
     }

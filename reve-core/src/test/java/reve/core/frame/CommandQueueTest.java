@@ -1,7 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.frame;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatIllegalArgumentException;
+
+import org.junit.jupiter.api.Test;
+
+import reve.core.Seed;
+import reve.core.world.OffHeapArena;
+import reve.core.world.World;
+import reve.core.world.WorldEvent;
+import reve.core.world.WorldPrototype;
 
 import java.util.ArrayList;
 import java.util.Collections;
@@ -11,12 +20,6 @@ import java.util.concurrent.ExecutorService;
 import java.util.concurrent.Executors;
 import java.util.concurrent.Future;
 import java.util.concurrent.atomic.AtomicInteger;
-import org.junit.jupiter.api.Test;
-import reve.core.Seed;
-import reve.core.world.OffHeapArena;
-import reve.core.world.World;
-import reve.core.world.WorldEvent;
-import reve.core.world.WorldPrototype;
 
 class CommandQueueTest {
 
@@ -74,8 +77,8 @@ class CommandQueueTest {
     @Test
     void whatIsOfferedDuringAFrameBelongsToTheNext() {
         CommandQueue queue = queue(10);
-        bus.subscribe(FramePhase.ACT, "late", event -> queue.offer(
-                new Note("f", event.frame(), done)));
+        bus.subscribe(
+                FramePhase.ACT, "late", event -> queue.offer(new Note("f", event.frame(), done)));
         loop.step();
         assertThat(done).isEmpty();
         loop.step();
@@ -100,27 +103,33 @@ class CommandQueueTest {
         bus.subscribe(FramePhase.PUBLISH, "reader", event -> faults.addAll(event.world().events()));
         CommandQueue queue = queue(10);
         queue.offer(new Note("a", 1, done));
-        queue.offer(new Command() {
-            @Override
-            public String origin() {
-                return "a";
-            }
+        queue.offer(
+                new Command() {
+                    @Override
+                    public String origin() {
+                        return "a";
+                    }
 
-            @Override
-            public long sequence() {
-                return 2;
-            }
+                    @Override
+                    public long sequence() {
+                        return 2;
+                    }
 
-            @Override
-            public void execute(World ignored, FrameEvent event) {
-                throw new IllegalArgumentException("no such thing");
-            }
-        });
+                    @Override
+                    public void execute(World ignored, FrameEvent event) {
+                        throw new IllegalArgumentException("no such thing");
+                    }
+                });
         queue.offer(new Note("a", 3, done));
         loop.step();
         assertThat(done).containsExactly("a1", "a3");
-        assertThat(faults).singleElement().satisfies(fault -> assertThat(fault.fields())
-                .containsEntry("source", "command of a").containsEntry("message", "no such thing"));
+        assertThat(faults)
+                .singleElement()
+                .satisfies(
+                        fault ->
+                                assertThat(fault.fields())
+                                        .containsEntry("source", "command of a")
+                                        .containsEntry("message", "no such thing"));
     }
 
     /** Executed once a frame. */
@@ -194,14 +203,16 @@ class CommandQueueTest {
         try (ExecutorService senders = Executors.newFixedThreadPool(4)) {
             List<Future<?>> all = new ArrayList<>();
             for (String origin : List.of("a", "b", "c", "d")) {
-                all.add(senders.submit(() -> {
-                    for (int i = 0; i < 2000; i++) {
-                        while (!queue.offer(new Note(origin, i, done))) {
-                            refused.incrementAndGet();
-                            Thread.onSpinWait();
-                        }
-                    }
-                }));
+                all.add(
+                        senders.submit(
+                                () -> {
+                                    for (int i = 0; i < 2000; i++) {
+                                        while (!queue.offer(new Note(origin, i, done))) {
+                                            refused.incrementAndGet();
+                                            Thread.onSpinWait();
+                                        }
+                                    }
+                                }));
             }
             while (!all.stream().allMatch(Future::isDone)) {
                 loop.step();

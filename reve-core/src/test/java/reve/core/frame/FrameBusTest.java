@@ -1,17 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.frame;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatIllegalStateException;
 
-import java.util.ArrayList;
-import java.util.List;
-import java.util.Map;
 import org.junit.jupiter.api.Test;
+
 import reve.core.world.ItemDefinition;
 import reve.core.world.OffHeapArena;
 import reve.core.world.World;
 import reve.core.world.WorldEvent;
 import reve.core.world.WorldPrototype;
+
+import java.util.ArrayList;
+import java.util.List;
+import java.util.Map;
 
 class FrameBusTest {
 
@@ -34,8 +37,16 @@ class FrameBusTest {
         bus.subscribe(FramePhase.INTAKE, "i", note("i"));
         bus.subscribe(FramePhase.DERIVE, "d", note("d"));
         loop.step();
-        assertThat(calls).containsExactly("0 DERIVE d", "0 PUBLISH p", "1 INTAKE i", "1 ACT a2",
-                "1 ACT a1", "1 PHYSICS x", "1 DERIVE d", "1 PUBLISH p");
+        assertThat(calls)
+                .containsExactly(
+                        "0 DERIVE d",
+                        "0 PUBLISH p",
+                        "1 INTAKE i",
+                        "1 ACT a2",
+                        "1 ACT a1",
+                        "1 PHYSICS x",
+                        "1 DERIVE d",
+                        "1 PUBLISH p");
     }
 
     @Test
@@ -51,11 +62,15 @@ class FrameBusTest {
     @Test
     void aListenerMaySubscribeAndCloseDuringAFrameWithEffectFromTheNextDispatch() {
         List<Subscription> own = new ArrayList<>();
-        own.add(bus.subscribe(FramePhase.ACT, "once", event -> {
-            calls.add("once");
-            own.getFirst().close();
-            bus.subscribe(FramePhase.ACT, "later", note("later"));
-        }));
+        own.add(
+                bus.subscribe(
+                        FramePhase.ACT,
+                        "once",
+                        event -> {
+                            calls.add("once");
+                            own.getFirst().close();
+                            bus.subscribe(FramePhase.ACT, "later", note("later"));
+                        }));
         bus.subscribe(FramePhase.ACT, "always", note("always"));
         loop.step();
         loop.step();
@@ -67,7 +82,8 @@ class FrameBusTest {
         Subscription first = bus.subscribe(FramePhase.PHYSICS, "vesper", note("v"));
         assertThatIllegalStateException()
                 .isThrownBy(() -> bus.subscribe(FramePhase.PHYSICS, "other", note("o")))
-                .withMessageContaining("vesper").withMessageContaining("other");
+                .withMessageContaining("vesper")
+                .withMessageContaining("other");
         first.close();
         bus.subscribe(FramePhase.PHYSICS, "other", note("o"));
         loop.step();
@@ -77,9 +93,12 @@ class FrameBusTest {
     @Test
     void aThrowingListenerHarmsNoOtherAndIsReportedOncePerMessage() {
         List<WorldEvent> faults = new ArrayList<>();
-        bus.subscribe(FramePhase.ACT, "bad", event -> {
-            throw new IllegalStateException("broken " + event.frame() / 3);
-        });
+        bus.subscribe(
+                FramePhase.ACT,
+                "bad",
+                event -> {
+                    throw new IllegalStateException("broken " + event.frame() / 3);
+                });
         bus.subscribe(FramePhase.ACT, "good", note("good"));
         bus.subscribe(FramePhase.PUBLISH, "reader", event -> faults.addAll(event.world().events()));
         for (int i = 0; i < 4; i++) {
@@ -88,8 +107,10 @@ class FrameBusTest {
         assertThat(calls).hasSize(4);
         assertThat(faults).extracting(WorldEvent::type).containsExactly("fault", "fault");
         assertThat(faults).extracting(WorldEvent::frame).containsExactly(1L, 3L);
-        assertThat(faults.getFirst().fields()).containsEntry("phase", "ACT")
-                .containsEntry("source", "bad").containsEntry("error", "IllegalStateException")
+        assertThat(faults.getFirst().fields())
+                .containsEntry("phase", "ACT")
+                .containsEntry("source", "bad")
+                .containsEntry("error", "IllegalStateException")
                 .containsEntry("message", "broken 0");
     }
 
@@ -97,15 +118,21 @@ class FrameBusTest {
     void structureChangesInIntakeAndActAndIsRefusedElsewhere() {
         List<String> refused = new ArrayList<>();
         for (FramePhase phase : FramePhase.values()) {
-            bus.subscribe(phase, "adder", event -> {
-                try {
-                    event.world().add(ItemDefinition
-                            .named(event.frame() + event.phase().name()).build());
-                } catch (IllegalStateException e) {
-                    assertThat(e).hasMessageContaining(event.phase().name());
-                    refused.add(event.phase().name());
-                }
-            });
+            bus.subscribe(
+                    phase,
+                    "adder",
+                    event -> {
+                        try {
+                            event.world()
+                                    .add(
+                                            ItemDefinition.named(
+                                                            event.frame() + event.phase().name())
+                                                    .build());
+                        } catch (IllegalStateException e) {
+                            assertThat(e).hasMessageContaining(event.phase().name());
+                            refused.add(event.phase().name());
+                        }
+                    });
         }
         loop.step();
         assertThat(refused).containsExactly("DERIVE", "PUBLISH", "PHYSICS", "DERIVE", "PUBLISH");
@@ -118,10 +145,17 @@ class FrameBusTest {
     void eventsBelongToOneFrame() {
         List<String> seen = new ArrayList<>();
         world.raise(new WorldEvent(0, "built", Map.of()));
-        bus.subscribe(FramePhase.ACT, "raiser", event -> event.world()
-                .raise(new WorldEvent(event.frame(), "acted", Map.of())));
-        bus.subscribe(FramePhase.PUBLISH, "reader", event -> event.world().events()
-                .forEach(raised -> seen.add(event.frame() + raised.type())));
+        bus.subscribe(
+                FramePhase.ACT,
+                "raiser",
+                event -> event.world().raise(new WorldEvent(event.frame(), "acted", Map.of())));
+        bus.subscribe(
+                FramePhase.PUBLISH,
+                "reader",
+                event ->
+                        event.world()
+                                .events()
+                                .forEach(raised -> seen.add(event.frame() + raised.type())));
         loop.step();
         world.raise(new WorldEvent(1, "between", Map.of()));
         loop.step();
@@ -131,14 +165,25 @@ class FrameBusTest {
     @Test
     void whatIsRaisedInPublishIsToldInTheNextFrameToAllReaders() {
         List<String> seen = new ArrayList<>();
-        FrameListener reader = event -> event.world().events()
-                .forEach(raised -> seen.add(event.frame() + " " + raised.fields().get("message")));
+        FrameListener reader =
+                event ->
+                        event.world()
+                                .events()
+                                .forEach(
+                                        raised ->
+                                                seen.add(
+                                                        event.frame()
+                                                                + " "
+                                                                + raised.fields().get("message")));
         bus.subscribe(FramePhase.PUBLISH, "early reader", reader);
-        bus.subscribe(FramePhase.PUBLISH, "bad", event -> {
-            if (event.frame() == 1) {
-                throw new IllegalStateException("disk full");
-            }
-        });
+        bus.subscribe(
+                FramePhase.PUBLISH,
+                "bad",
+                event -> {
+                    if (event.frame() == 1) {
+                        throw new IllegalStateException("disk full");
+                    }
+                });
         bus.subscribe(FramePhase.PUBLISH, "late reader", reader);
         loop.step();
         assertThat(seen).isEmpty();

@@ -1,16 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.frame;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatIllegalArgumentException;
 import static org.assertj.core.api.Assertions.catchThrowable;
 
-import java.util.ArrayList;
-import java.util.List;
 import org.junit.jupiter.api.Test;
+
 import reve.core.world.OffHeapArena;
 import reve.core.world.World;
 import reve.core.world.WorldImage;
 import reve.core.world.WorldPrototype;
+
+import java.util.ArrayList;
+import java.util.List;
 
 class FrameLoopTest {
 
@@ -26,7 +29,7 @@ class FrameLoopTest {
     private static final class ManualClock implements FrameClock {
         private long now = 123_456_789;
         private long divisor = 1;
-        private Runnable onPark = () -> { };
+        private Runnable onPark = () -> {};
 
         @Override
         public long nanoTime() {
@@ -54,30 +57,42 @@ class FrameLoopTest {
         FrameLoop loop = loop(new Timing(60, 1), Pacing.REAL_TIME);
         List<String> seen = new ArrayList<>();
         for (FramePhase phase : FramePhase.values()) {
-            bus.subscribe(phase, "watched", event -> {
-                if (event.frame() == 1) {
-                    seen.add(loop.phase() + (loop.isWaiting() ? " waits" : " works"));
-                    assertThat(loop.thread()).isSameAs(Thread.currentThread());
-                }
-            });
+            bus.subscribe(
+                    phase,
+                    "watched",
+                    event -> {
+                        if (event.frame() == 1) {
+                            seen.add(loop.phase() + (loop.isWaiting() ? " waits" : " works"));
+                            assertThat(loop.thread()).isSameAs(Thread.currentThread());
+                        }
+                    });
         }
-        clock.onPark = () -> {
-            seen.add(loop.phase() + (loop.isWaiting() ? " waits" : " works"));
-            clock.now += MILLISECOND;
-            seen.add(loop.isWaiting() ? "waits" : "is late");
-        };
+        clock.onPark =
+                () -> {
+                    seen.add(loop.phase() + (loop.isWaiting() ? " waits" : " works"));
+                    clock.now += MILLISECOND;
+                    seen.add(loop.isWaiting() ? "waits" : "is late");
+                };
         loop.run(1);
-        assertThat(seen).containsExactly("INTAKE works", "ACT works", "PHYSICS works",
-                "DERIVE works", "PUBLISH works", "null waits", "is late");
+        assertThat(seen)
+                .containsExactly(
+                        "INTAKE works",
+                        "ACT works",
+                        "PHYSICS works",
+                        "DERIVE works",
+                        "PUBLISH works",
+                        "null waits",
+                        "is late");
         assertThat(loop.thread()).isNull();
 
         loop.pause();
         seen.clear();
-        clock.onPark = () -> {
-            clock.now += 1000 * MILLISECOND;
-            seen.add(loop.isWaiting() ? "waits" : "is late");
-            loop.stop();
-        };
+        clock.onPark =
+                () -> {
+                    clock.now += 1000 * MILLISECOND;
+                    seen.add(loop.isWaiting() ? "waits" : "is late");
+                    loop.stop();
+                };
         loop.run(1);
         assertThat(seen).as("of a paused world").containsExactly("waits");
     }
@@ -88,12 +103,15 @@ class FrameLoopTest {
         assertThat(timing.dtSeconds()).isEqualTo(1.0 / 240);
         assertThat(timing.timeSeconds(300)).isEqualTo(1200 * (1.0 / 240));
         List<Double> times = new ArrayList<>();
-        bus.subscribe(FramePhase.PHYSICS, "times", event -> {
-            assertThat(event.dtSeconds()).isEqualTo(1.0 / 240);
-            assertThat(event.steps()).isEqualTo(4);
-            assertThat(event.world()).isSameAs(world);
-            times.add(event.timeSeconds());
-        });
+        bus.subscribe(
+                FramePhase.PHYSICS,
+                "times",
+                event -> {
+                    assertThat(event.dtSeconds()).isEqualTo(1.0 / 240);
+                    assertThat(event.steps()).isEqualTo(4);
+                    assertThat(event.world()).isSameAs(world);
+                    times.add(event.timeSeconds());
+                });
         loop(timing, Pacing.FAST).run(3);
         assertThat(times).containsExactly(4 * (1.0 / 240), 8 * (1.0 / 240), 12 * (1.0 / 240));
     }
@@ -122,8 +140,10 @@ class FrameLoopTest {
     @Test
     void aShortStallIsCaughtUpWithoutLosingTime() {
         noteStarts();
-        bus.subscribe(FramePhase.PHYSICS, "stall", event ->
-                clock.now += event.frame() == 10 ? 50 * MILLISECOND : MILLISECOND);
+        bus.subscribe(
+                FramePhase.PHYSICS,
+                "stall",
+                event -> clock.now += event.frame() == 10 ? 50 * MILLISECOND : MILLISECOND);
         FrameLoop loop = loop(new Timing(100, 1), Pacing.REAL_TIME);
         loop.run(30);
         assertThat(starts.get(9)).isEqualTo(90 * MILLISECOND);
@@ -137,8 +157,10 @@ class FrameLoopTest {
     @Test
     void aLongStallIsCaughtUpByFourFramesOnlyAndCounted() {
         noteStarts();
-        bus.subscribe(FramePhase.PHYSICS, "stall", event ->
-                clock.now += event.frame() == 1 ? 1000 * MILLISECOND : 0);
+        bus.subscribe(
+                FramePhase.PHYSICS,
+                "stall",
+                event -> clock.now += event.frame() == 1 ? 1000 * MILLISECOND : 0);
         FrameLoop loop = loop(new Timing(100, 1), Pacing.REAL_TIME);
         loop.run(12);
         long end = 1000 * MILLISECOND;
@@ -162,16 +184,24 @@ class FrameLoopTest {
     @Test
     void itContinuesAfterAnyFrameWhichItPublishesFirst() {
         List<String> published = new ArrayList<>();
-        bus.subscribe(FramePhase.PUBLISH, "notes",
+        bus.subscribe(
+                FramePhase.PUBLISH,
+                "notes",
                 event -> published.add(event.frame() + " at " + event.timeSeconds()));
         FrameLoop loop = loop(new Timing(10, 1), Pacing.FAST);
         loop.run(2);
         loop.continueAfter(40);
         loop.run(1);
-        assertThat(published).containsExactly("0 at 0.0", "1 at 0.1", "2 at 0.2", "40 at 0.2",
-                "41 at 0.30000000000000004");
+        assertThat(published)
+                .containsExactly(
+                        "0 at 0.0",
+                        "1 at 0.1",
+                        "2 at 0.2",
+                        "40 at 0.2",
+                        "41 at 0.30000000000000004");
         assertThat(loop.frame()).isEqualTo(41);
-        assertThatIllegalArgumentException().isThrownBy(() -> loop.continueAfter(40))
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> loop.continueAfter(40))
                 .withMessageContaining("frames never go back");
     }
 
@@ -179,7 +209,9 @@ class FrameLoopTest {
     void aFrameThatIsBeingMadeIsNotLeft() {
         FrameLoop loop = loop(new Timing(10, 1), Pacing.FAST);
         List<Throwable> refusals = new ArrayList<>();
-        bus.subscribe(FramePhase.ACT, "jump",
+        bus.subscribe(
+                FramePhase.ACT,
+                "jump",
                 event -> refusals.add(catchThrowable(() -> loop.continueAfter(0))));
         loop.run(1);
         assertThat(refusals).singleElement().isInstanceOf(IllegalStateException.class);
@@ -189,7 +221,9 @@ class FrameLoopTest {
     @Test
     void timeGoesBackWithTheWorldButFramesDoNot() {
         List<String> published = new ArrayList<>();
-        bus.subscribe(FramePhase.PUBLISH, "notes",
+        bus.subscribe(
+                FramePhase.PUBLISH,
+                "notes",
                 event -> published.add(event.frame() + " at " + event.timeSeconds()));
         FrameLoop loop = loop(new Timing(10, 1), Pacing.FAST);
         loop.run(1);
@@ -200,8 +234,14 @@ class FrameLoopTest {
             world.restore(image);
             loop.run(1);
         }
-        assertThat(published).containsExactly("0 at 0.0", "1 at 0.1", "2 at 0.2",
-                "3 at 0.30000000000000004", "4 at 0.1", "5 at 0.2");
+        assertThat(published)
+                .containsExactly(
+                        "0 at 0.0",
+                        "1 at 0.1",
+                        "2 at 0.2",
+                        "3 at 0.30000000000000004",
+                        "4 at 0.1",
+                        "5 at 0.2");
     }
 
     @Test
@@ -210,23 +250,27 @@ class FrameLoopTest {
         noteStarts();
         List<String> done = new ArrayList<>();
         clock.divisor = 2;
-        clock.onPark = () -> {
-            clock.onPark = () -> { };
-            loop.betweenFrames(() -> {
-                done.add("waiting after " + loop.frame());
-                loop.pause();
-            });
-            clock.divisor = 1;
-            clock.onPark = () -> {
-                if (loop.isPaused()) {
-                    clock.onPark = () -> { };
-                    loop.betweenFrames(() -> {
-                        done.add("paused after " + loop.frame());
-                        loop.resume();
-                    });
-                }
-            };
-        };
+        clock.onPark =
+                () -> {
+                    clock.onPark = () -> {};
+                    loop.betweenFrames(
+                            () -> {
+                                done.add("waiting after " + loop.frame());
+                                loop.pause();
+                            });
+                    clock.divisor = 1;
+                    clock.onPark =
+                            () -> {
+                                if (loop.isPaused()) {
+                                    clock.onPark = () -> {};
+                                    loop.betweenFrames(
+                                            () -> {
+                                                done.add("paused after " + loop.frame());
+                                                loop.resume();
+                                            });
+                                }
+                            };
+                };
         loop.run(3);
         assertThat(done).containsExactly("waiting after 1", "paused after 1");
         assertThat(loop.frame()).isEqualTo(3);
@@ -238,10 +282,11 @@ class FrameLoopTest {
         bus.subscribe(FramePhase.PUBLISH, "notes", event -> published.add(event.frame()));
         FrameLoop loop = loop(new Timing(100, 1), Pacing.REAL_TIME);
         loop.pause();
-        clock.onPark = () -> {
-            clock.onPark = loop::stop;
-            loop.betweenFrames(() -> loop.continueAfter(1));
-        };
+        clock.onPark =
+                () -> {
+                    clock.onPark = loop::stop;
+                    loop.betweenFrames(() -> loop.continueAfter(1));
+                };
         loop.run(10);
         assertThat(published).containsExactly(0L, 1L);
         assertThat(loop.isPaused()).isTrue();
@@ -267,8 +312,10 @@ class FrameLoopTest {
         FrameProfile profile = loop.profile();
         assertThat(profile.frames()).isEqualTo(20);
         assertThat(profile.busyNanoseconds()).isEqualTo(20 * 517);
-        assertThat(profile.phaseNanoseconds()).containsEntry(FramePhase.INTAKE, 0L)
-                .containsEntry(FramePhase.ACT, 200L).containsEntry(FramePhase.PHYSICS, 10_000L)
+        assertThat(profile.phaseNanoseconds())
+                .containsEntry(FramePhase.INTAKE, 0L)
+                .containsEntry(FramePhase.ACT, 200L)
+                .containsEntry(FramePhase.PHYSICS, 10_000L)
                 .containsEntry(FramePhase.DERIVE, 140L);
     }
 
@@ -276,11 +323,14 @@ class FrameLoopTest {
     void stopFromAnotherThreadEndsTheRunForGood() throws InterruptedException {
         var loop = new FrameLoop(world, bus, new Timing(1, 1), Pacing.REAL_TIME);
         Thread runner = new Thread(loop::run);
-        bus.subscribe(FramePhase.PUBLISH, "stopper", event -> {
-            if (event.frame() == 1) {
-                new Thread(loop::stop).start();
-            }
-        });
+        bus.subscribe(
+                FramePhase.PUBLISH,
+                "stopper",
+                event -> {
+                    if (event.frame() == 1) {
+                        new Thread(loop::stop).start();
+                    }
+                });
         runner.start();
         runner.join(60_000);
         assertThat(runner.isAlive()).isFalse();
@@ -304,8 +354,10 @@ class FrameLoopTest {
     @Test
     void theThreadThatRunsTheLoopOwnsTheWorld() throws InterruptedException {
         List<Boolean> found = new ArrayList<>();
-        bus.subscribe(FramePhase.ACT, "finder", event ->
-                found.add(event.world().find("world").isPresent()));
+        bus.subscribe(
+                FramePhase.ACT,
+                "finder",
+                event -> found.add(event.world().find("world").isPresent()));
         Thread runner = new Thread(() -> loop(Timing.DEFAULT, Pacing.FAST).run(1));
         runner.start();
         runner.join();
@@ -316,20 +368,26 @@ class FrameLoopTest {
     void aPausedLoopMakesExactlyTheFramesItIsToldToAndTimeGoesOnWithoutAJump() {
         FrameLoop loop = loop(new Timing(100, 1), Pacing.REAL_TIME);
         noteStarts();
-        var script = new ArrayList<Runnable>(List.of(
-                () -> assertThat(loop.resume(2)).isEqualTo(5),
-                () -> assertThat(loop.resume(1)).isEqualTo(6),
-                loop::resume));
-        bus.subscribe(FramePhase.PUBLISH, "operator", event -> {
-            if (event.frame() == 3) {
-                assertThat(loop.pause()).isEqualTo(3);
-            }
-        });
-        clock.onPark = () -> {
-            if (loop.isPaused() && !script.isEmpty()) {
-                script.removeFirst().run();
-            }
-        };
+        var script =
+                new ArrayList<Runnable>(
+                        List.of(
+                                () -> assertThat(loop.resume(2)).isEqualTo(5),
+                                () -> assertThat(loop.resume(1)).isEqualTo(6),
+                                loop::resume));
+        bus.subscribe(
+                FramePhase.PUBLISH,
+                "operator",
+                event -> {
+                    if (event.frame() == 3) {
+                        assertThat(loop.pause()).isEqualTo(3);
+                    }
+                });
+        clock.onPark =
+                () -> {
+                    if (loop.isPaused() && !script.isEmpty()) {
+                        script.removeFirst().run();
+                    }
+                };
         loop.run(10);
         assertThat(loop.frame()).isEqualTo(10);
         assertThat(script).isEmpty();

@@ -1,8 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.mesh;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatThrownBy;
 import static org.assertj.core.api.Assertions.withPrecision;
+
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.ValueSource;
+
+import reve.core.world.Colour;
+import reve.core.world.Material;
+import reve.core.world.Mesh;
+import reve.core.world.Texture;
 
 import java.awt.image.BufferedImage;
 import java.io.ByteArrayOutputStream;
@@ -12,20 +23,12 @@ import java.nio.IntBuffer;
 import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.Optional;
+
 import javax.imageio.ImageIO;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.api.io.TempDir;
-import org.junit.jupiter.params.ParameterizedTest;
-import org.junit.jupiter.params.provider.ValueSource;
-import reve.core.world.Colour;
-import reve.core.world.Material;
-import reve.core.world.Mesh;
-import reve.core.world.Texture;
 
 class AssetsTest {
 
-    @TempDir
-    Path folder = Path.of("");
+    @TempDir Path folder = Path.of("");
 
     private Assets assets() {
         return new Assets(new WorldFolder(folder));
@@ -67,22 +70,37 @@ class AssetsTest {
 
     @Test
     void nodesPutTheirTrianglesInPlace() throws Exception {
-        Mesh mesh = mesh("moved.glb", Gltf.triangle().glb(Gltf.TRIANGLE_MESH + ", "
-                + "\"nodes\": [{\"children\": [1], \"translation\": [10, 0, 0]}, {\"mesh\": 0, "
-                + "\"rotation\": [0, 0, 0.70710678, 0.70710678], \"scale\": [2, 3, 1]}], "
-                + "\"scenes\": [{\"nodes\": [0]}]"));
+        Mesh mesh =
+                mesh(
+                        "moved.glb",
+                        Gltf.triangle()
+                                .glb(
+                                        Gltf.TRIANGLE_MESH
+                                                + ", \"nodes\": [{\"children\": [1],"
+                                                + " \"translation\": [10, 0, 0]}, {\"mesh\": 0,"
+                                                + " \"rotation\": [0, 0, 0.70710678, 0.70710678],"
+                                                + " \"scale\": [2, 3, 1]}], \"scenes\":"
+                                                + " [{\"nodes\": [0]}]"));
 
-        assertThat(floats(mesh.vertices())).containsExactly(
-                new float[] {10, 0, 0, 10, 2, 0, 7, 0, 0},
-                withPrecision(1e-6f));
+        assertThat(floats(mesh.vertices()))
+                .containsExactly(new float[] {10, 0, 0, 10, 2, 0, 7, 0, 0}, withPrecision(1e-6f));
         assertThat(ints(mesh.triangles())).containsExactly(0, 1, 2);
         assertThat(mesh.file()).contains("moved.glb");
     }
 
     @Test
     void matricesAreByColumns() throws Exception {
-        Mesh mesh = mesh("m.glb", Gltf.triangle().glb(Gltf.TRIANGLE_MESH + ", " + Gltf.scene(
-                "{\"mesh\": 0, \"matrix\": [0, 0, 1, 0, 2, 0, 0, 0, 0, 1, 0, 0, 5, 6, 7, 1]}")));
+        Mesh mesh =
+                mesh(
+                        "m.glb",
+                        Gltf.triangle()
+                                .glb(
+                                        Gltf.TRIANGLE_MESH
+                                                + ", "
+                                                + Gltf.scene(
+                                                        "{\"mesh\": 0, \"matrix\": [0, 0, 1, 0, 2,"
+                                                                + " 0, 0, 0, 0, 1, 0, 0, 5, 6, 7,"
+                                                                + " 1]}")));
         assertThat(floats(mesh.vertices())).containsExactly(5, 6, 7, 5, 6, 8, 7, 6, 7);
     }
 
@@ -90,12 +108,15 @@ class AssetsTest {
     void mirroredTrianglesStillFaceOutward() throws Exception {
         var gltf = Gltf.triangle();
         gltf.reals("VEC3", 3, 0, 0, 1, 0, 0, 1, 0, 0, 1);
-        Mesh mesh = mesh("m.glb", gltf.glb("\"meshes\": [{\"primitives\": [{\"attributes\": "
-                + "{\"POSITION\": 0, \"NORMAL\": 1}}]}], "
-                + Gltf.scene("{\"mesh\": 0, \"scale\": [1, 1, -1]}")));
+        Mesh mesh =
+                mesh(
+                        "m.glb",
+                        gltf.glb(
+                                "\"meshes\": [{\"primitives\": [{\"attributes\": "
+                                        + "{\"POSITION\": 0, \"NORMAL\": 1}}]}], "
+                                        + Gltf.scene("{\"mesh\": 0, \"scale\": [1, 1, -1]}")));
         assertThat(ints(mesh.triangles())).containsExactly(0, 2, 1);
-        assertThat(mesh.normals().map(AssetsTest::floats).orElseThrow())
-                .startsWith(0, 0, -1);
+        assertThat(mesh.normals().map(AssetsTest::floats).orElseThrow()).startsWith(0, 0, -1);
     }
 
     @Test
@@ -104,11 +125,27 @@ class AssetsTest {
         gltf.reals("VEC3", 3, 0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 2, 0);
         String primitive = "{\"attributes\": {\"POSITION\": 0}, \"mode\": %d}";
         String scene = Gltf.scene("{\"mesh\": 0}");
-        assertThat(ints(mesh("strip.glb", gltf.glb("\"meshes\": [{\"primitives\": ["
-                + String.format(primitive, 5) + "]}], " + scene)).triangles()))
+        assertThat(
+                        ints(
+                                mesh(
+                                                "strip.glb",
+                                                gltf.glb(
+                                                        "\"meshes\": [{\"primitives\": ["
+                                                                + String.format(primitive, 5)
+                                                                + "]}], "
+                                                                + scene))
+                                        .triangles()))
                 .containsExactly(0, 1, 2, 1, 3, 2, 2, 3, 4);
-        assertThat(ints(mesh("fan.glb", gltf.glb("\"meshes\": [{\"primitives\": ["
-                + String.format(primitive, 6) + "]}], " + scene)).triangles()))
+        assertThat(
+                        ints(
+                                mesh(
+                                                "fan.glb",
+                                                gltf.glb(
+                                                        "\"meshes\": [{\"primitives\": ["
+                                                                + String.format(primitive, 6)
+                                                                + "]}], "
+                                                                + scene))
+                                        .triangles()))
                 .containsExactly(0, 1, 2, 0, 2, 3, 0, 3, 4);
     }
 
@@ -117,22 +154,33 @@ class AssetsTest {
         var gltf = Gltf.triangle();
         int image = gltf.view(png(2, 1, 0xff0000, 0x00ff00));
         gltf.reals("VEC2", 2, 0, 0, 1, 0, 0, 1);
-        Mesh mesh = mesh("parts.glb", gltf.glb("\"meshes\": [{\"primitives\": ["
-                + "{\"attributes\": {\"POSITION\": 0, \"TEXCOORD_0\": 1}, \"material\": 0}, "
-                + "{\"attributes\": {\"POSITION\": 0}, \"material\": 1}]}], \"materials\": ["
-                + "{\"pbrMetallicRoughness\": {\"baseColorTexture\": {\"index\": 0}, "
-                + "\"metallicFactor\": 0, \"roughnessFactor\": 0.5}}, "
-                + "{\"pbrMetallicRoughness\": {\"baseColorFactor\": [1, 0, 0.2158605, 1]}}], "
-                + "\"textures\": [{\"source\": 0}], \"images\": [{\"bufferView\": " + image
-                + ", \"mimeType\": \"image/png\"}], " + Gltf.scene("{\"mesh\": 0}")));
+        Mesh mesh =
+                mesh(
+                        "parts.glb",
+                        gltf.glb(
+                                "\"meshes\": [{\"primitives\": [{\"attributes\": {\"POSITION\": 0,"
+                                        + " \"TEXCOORD_0\": 1}, \"material\": 0}, {\"attributes\":"
+                                        + " {\"POSITION\": 0}, \"material\": 1}]}], \"materials\":"
+                                        + " [{\"pbrMetallicRoughness\": {\"baseColorTexture\":"
+                                        + " {\"index\": 0}, \"metallicFactor\": 0, \"roughnessFactor\":"
+                                        + " 0.5}}, {\"pbrMetallicRoughness\": {\"baseColorFactor\": [1,"
+                                        + " 0, 0.2158605, 1]}}], \"textures\": [{\"source\": 0}],"
+                                        + " \"images\": [{\"bufferView\": "
+                                        + image
+                                        + ", \"mimeType\": \"image/png\"}], "
+                                        + Gltf.scene("{\"mesh\": 0}")));
 
         assertThat(mesh.parts()).hasSize(2);
         Material first = mesh.parts().get(0).material();
         assertThat(first.roughness()).isEqualTo(0.5);
         assertThat(first.metallic()).isZero();
         assertThat(first.texture().orElseThrow().width()).isEqualTo(2);
-        assertThat(mesh.parts().get(1)).isEqualTo(new Mesh.Part(1, 1,
-                new Material(Colour.parse("#ff0080"), 1, 1, Optional.empty())));
+        assertThat(mesh.parts().get(1))
+                .isEqualTo(
+                        new Mesh.Part(
+                                1,
+                                1,
+                                new Material(Colour.parse("#ff0080"), 1, 1, Optional.empty())));
         assertThat(mesh.textureCoordinates().map(AssetsTest::floats).orElseThrow())
                 .containsExactly(0, 0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 0);
     }
@@ -150,7 +198,9 @@ class AssetsTest {
 
     @Test
     void objFacesBecomeTrianglesByMaterial() throws Exception {
-        Files.writeString(folder.resolve("paint.mtl"), """
+        Files.writeString(
+                folder.resolve("paint.mtl"),
+                """
                 newmtl red
                 Kd 1 0 0
                 newmtl shiny
@@ -159,19 +209,22 @@ class AssetsTest {
                 map_Kd tile.png
                 """);
         Files.write(folder.resolve("tile.png"), png(1, 1, 0x123456));
-        Mesh mesh = mesh("square.obj", """
-                mtllib paint.mtl
-                v 0 0 0
-                v 1 0 0
-                v 1 1 0
-                v 0 1 0
-                vt 0 0
-                vt 1 0.25
-                usemtl red
-                f 1 2 3 4
-                usemtl shiny
-                f -4/1 -3/2 -1/1
-                """);
+        Mesh mesh =
+                mesh(
+                        "square.obj",
+                        """
+                        mtllib paint.mtl
+                        v 0 0 0
+                        v 1 0 0
+                        v 1 1 0
+                        v 0 1 0
+                        vt 0 0
+                        vt 1 0.25
+                        usemtl red
+                        f 1 2 3 4
+                        usemtl shiny
+                        f -4/1 -3/2 -1/1
+                        """);
         assertThat(ints(mesh.triangles())).containsExactly(0, 1, 2, 0, 2, 3, 4, 5, 6);
         assertThat(mesh.parts()).extracting(Mesh.Part::triangleCount).containsExactly(2, 1);
         assertThat(mesh.parts().get(0).material().colour()).isEqualTo(Colour.parse("#ff0000"));
@@ -183,28 +236,32 @@ class AssetsTest {
 
     @Test
     void aMaterialOfAnObjFileHoldsUpToTheNextOne() throws Exception {
-        Files.writeString(folder.resolve("paint.mtl"),
-                "newmtl red\nKd 1 0 0\nnewmtl green\nKd 0 1 0\n");
-        Mesh mesh = mesh("corner.obj", """
-                mtllib paint.mtl
-                v 0 0 0
-                v 1 0 0
-                v 0 1 0
-                v 0 0 1
-                f 1 2 3
-                usemtl red
-                f 1 3 2
-                f 1 2 4
-                g side
-                f 1 4 3
-                usemtl green
-                f 2 3 4
-                f 2 4 3
-                usemtl unknown
-                f 1 2 3
-                """);
+        Files.writeString(
+                folder.resolve("paint.mtl"), "newmtl red\nKd 1 0 0\nnewmtl green\nKd 0 1 0\n");
+        Mesh mesh =
+                mesh(
+                        "corner.obj",
+                        """
+                        mtllib paint.mtl
+                        v 0 0 0
+                        v 1 0 0
+                        v 0 1 0
+                        v 0 0 1
+                        f 1 2 3
+                        usemtl red
+                        f 1 3 2
+                        f 1 2 4
+                        g side
+                        f 1 4 3
+                        usemtl green
+                        f 2 3 4
+                        f 2 4 3
+                        usemtl unknown
+                        f 1 2 3
+                        """);
         assertThat(mesh.parts()).extracting(Mesh.Part::triangleCount).containsExactly(1, 3, 2, 1);
-        assertThat(mesh.parts()).extracting(part -> part.material().colour().toString())
+        assertThat(mesh.parts())
+                .extracting(part -> part.material().colour().toString())
                 .containsExactly("#ffffffff", "#ff0000ff", "#00ff00ff", "#ffffffff");
     }
 
@@ -225,13 +282,14 @@ class AssetsTest {
         grey.getRaster().setSample(1, 0, 0, 200);
         Files.write(folder.resolve("grey.png"), encode(grey, "png"));
         Files.write(folder.resolve("rgb.png"), png(1, 2, 0x0a141e, 0xff8000));
-        Files.write(folder.resolve("flat.jpg"), encode(
-                ImageIO.read(folder.resolve("rgb.png").toFile()), "jpeg"));
+        Files.write(
+                folder.resolve("flat.jpg"),
+                encode(ImageIO.read(folder.resolve("rgb.png").toFile()), "jpeg"));
         Assets assets = assets();
-        assertThat(bytes(assets.texture("grey.png"))).containsExactly(
-                64, 64, 64, 255, 200, 200, 200, 255);
-        assertThat(bytes(assets.texture("rgb.png"))).containsExactly(
-                10, 20, 30, 255, 255, 128, 0, 255);
+        assertThat(bytes(assets.texture("grey.png")))
+                .containsExactly(64, 64, 64, 255, 200, 200, 200, 255);
+        assertThat(bytes(assets.texture("rgb.png")))
+                .containsExactly(10, 20, 30, 255, 255, 128, 0, 255);
         assertThat(assets.texture("flat.jpg").height()).isEqualTo(2);
     }
 
@@ -245,9 +303,24 @@ class AssetsTest {
     }
 
     @ParameterizedTest
-    @ValueSource(strings = {"", "/etc/hostname", "../x.obj", "a/../../x.obj", "a//x.obj", "./x.obj",
-        "C:\\x.obj", "a\\x.obj", "file:///etc/hostname", "http://example.org/x.obj", "x.obj\0",
-        "a/", "out/x.obj", "out.obj", "data:,x"})
+    @ValueSource(
+            strings = {
+                "",
+                "/etc/hostname",
+                "../x.obj",
+                "a/../../x.obj",
+                "a//x.obj",
+                "./x.obj",
+                "C:\\x.obj",
+                "a\\x.obj",
+                "file:///etc/hostname",
+                "http://example.org/x.obj",
+                "x.obj\0",
+                "a/",
+                "out/x.obj",
+                "out.obj",
+                "data:,x"
+            })
     void pathsThatLeadOutOfTheFolderAreRefused(String path) throws IOException {
         Path inside = Files.createDirectory(folder.resolve("world"));
         Files.createDirectory(inside.resolve("a"));
@@ -255,9 +328,11 @@ class AssetsTest {
         Files.createSymbolicLink(inside.resolve("out"), folder);
         Files.createSymbolicLink(inside.resolve("out.obj"), folder.resolve("x.obj"));
         var assets = new Assets(new WorldFolder(inside));
-        assertThatThrownBy(() -> assets.mesh(path)).isInstanceOf(AssetException.class)
-                .hasMessageMatching("(?s).*(within the world's folder|out of the world's folder"
-                        + "|a path of 0 characters).*");
+        assertThatThrownBy(() -> assets.mesh(path))
+                .isInstanceOf(AssetException.class)
+                .hasMessageMatching(
+                        "(?s).*(within the world's folder|out of the world's folder"
+                                + "|a path of 0 characters).*");
     }
 
     @Test

@@ -1,17 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.mesh;
+
+import reve.core.world.Mesh;
 
 import java.util.ArrayList;
 import java.util.Arrays;
 import java.util.Comparator;
 import java.util.List;
 import java.util.Random;
-import reve.core.world.Mesh;
 
 /** The convex hull of random points, as a mesh, and its integrals by cutting it into slices. */
 final class ConvexSolid {
 
     /** Nodes and weights of Gauss and Legendre on -1 to 1, exact for polynomials of degree 5. */
     private static final double[] NODES = {-Math.sqrt(0.6), 0, Math.sqrt(0.6)};
+
     private static final double[] WEIGHTS = {5.0 / 9, 8.0 / 9, 5.0 / 9};
 
     private final double[][] points;
@@ -57,7 +60,8 @@ final class ConvexSolid {
         double[] u = minus(b, a);
         double[] v = minus(c, a);
         double[] w = minus(d, a);
-        return w[0] * (u[1] * v[2] - u[2] * v[1]) + w[1] * (u[2] * v[0] - u[0] * v[2])
+        return w[0] * (u[1] * v[2] - u[2] * v[1])
+                + w[1] * (u[2] * v[0] - u[0] * v[2])
                 + w[2] * (u[0] * v[1] - u[1] * v[0]);
     }
 
@@ -101,10 +105,18 @@ final class ConvexSolid {
             double area = turn / 2;
             double x = turn * (p[0] + q[0]) / 6;
             double y = turn * (p[1] + q[1]) / 6;
-            double[] cut = {area, x, y, z * area,
+            double[] cut = {
+                area,
+                x,
+                y,
+                z * area,
                 turn * (p[0] * p[0] + p[0] * q[0] + q[0] * q[0]) / 12,
-                turn * (p[1] * p[1] + p[1] * q[1] + q[1] * q[1]) / 12, z * z * area, z * y, z * x,
-                turn * (p[0] * q[1] + 2 * p[0] * p[1] + 2 * q[0] * q[1] + q[0] * p[1]) / 24};
+                turn * (p[1] * p[1] + p[1] * q[1] + q[1] * q[1]) / 12,
+                z * z * area,
+                z * y,
+                z * x,
+                turn * (p[0] * q[1] + 2 * p[0] * p[1] + 2 * q[0] * q[1] + q[0] * p[1]) / 24
+            };
             for (int k = 0; k < sums.length; k++) {
                 sums[k] += cut[k];
             }
@@ -120,15 +132,18 @@ final class ConvexSolid {
                 double[] high = points[face[(i + 1) % 3]];
                 if (low[2] < z && high[2] > z) { // each edge runs upward in one of its two faces
                     double share = (z - low[2]) / (high[2] - low[2]);
-                    corners.add(new double[] {low[0] + share * (high[0] - low[0]) - about[0],
-                        low[1] + share * (high[1] - low[1]) - about[1]});
+                    corners.add(
+                            new double[] {
+                                low[0] + share * (high[0] - low[0]) - about[0],
+                                low[1] + share * (high[1] - low[1]) - about[1]
+                            });
                 }
             }
         }
         double x = corners.stream().mapToDouble(corner -> corner[0]).average().orElse(0);
         double y = corners.stream().mapToDouble(corner -> corner[1]).average().orElse(0);
-        corners.sort(Comparator.comparingDouble(
-                corner -> Math.atan2(corner[1] - y, corner[0] - x)));
+        corners.sort(
+                Comparator.comparingDouble(corner -> Math.atan2(corner[1] - y, corner[0] - x)));
         return corners;
     }
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.mesh;
 
 import java.io.ByteArrayOutputStream;
@@ -43,25 +44,41 @@ final class Gltf {
         while (binary.size() % 4 != 0) {
             binary.write(0);
         }
-        views.add(String.format(Locale.ROOT,
-                "{\"buffer\": 0, \"byteOffset\": %d, \"byteLength\": %d}", binary.size(),
-                bytes.length));
+        views.add(
+                String.format(
+                        Locale.ROOT,
+                        "{\"buffer\": 0, \"byteOffset\": %d, \"byteLength\": %d}",
+                        binary.size(),
+                        bytes.length));
         binary.writeBytes(bytes);
         return views.size() - 1;
     }
 
     int accessor(int componentType, String type, int count, int view) {
-        accessors.add(String.format(Locale.ROOT, "{\"bufferView\": %d, \"componentType\": %d, "
-                + "\"count\": %d, \"type\": \"%s\"}", view, componentType, count, type));
+        accessors.add(
+                String.format(
+                        Locale.ROOT,
+                        "{\"bufferView\": %d, \"componentType\": %d, "
+                                + "\"count\": %d, \"type\": \"%s\"}",
+                        view,
+                        componentType,
+                        count,
+                        type));
         return accessors.size() - 1;
     }
 
     /** The JSON with what was added and {@code rest}, the members that say what it is for. */
     String json(String uri, String rest) {
-        return "{\"asset\": {\"version\": \"2.0\"}, \"buffers\": [{\"byteLength\": " + binary.size()
-                + (uri.isEmpty() ? "" : ", \"uri\": \"" + uri + "\"") + "}], \"bufferViews\": ["
-                + String.join(", ", views) + "], \"accessors\": [" + String.join(", ", accessors)
-                + "], " + rest + "}";
+        return "{\"asset\": {\"version\": \"2.0\"}, \"buffers\": [{\"byteLength\": "
+                + binary.size()
+                + (uri.isEmpty() ? "" : ", \"uri\": \"" + uri + "\"")
+                + "}], \"bufferViews\": ["
+                + String.join(", ", views)
+                + "], \"accessors\": ["
+                + String.join(", ", accessors)
+                + "], "
+                + rest
+                + "}";
     }
 
     byte[] binary() {
@@ -74,11 +91,11 @@ final class Gltf {
     }
 
     static byte[] glb(String json, byte[] binary) {
-        byte[] text = (json + " ".repeat((4 - json.length() % 4) % 4))
-                .getBytes(StandardCharsets.UTF_8);
+        byte[] text =
+                (json + " ".repeat((4 - json.length() % 4) % 4)).getBytes(StandardCharsets.UTF_8);
         int padded = (binary.length + 3) / 4 * 4;
-        ByteBuffer file = ByteBuffer.allocate(28 + text.length + padded)
-                .order(ByteOrder.LITTLE_ENDIAN);
+        ByteBuffer file =
+                ByteBuffer.allocate(28 + text.length + padded).order(ByteOrder.LITTLE_ENDIAN);
         file.putInt(0x46546c67).putInt(2).putInt(file.capacity());
         file.putInt(text.length).putInt(0x4e4f534a).put(text);
         file.putInt(padded).putInt(0x004e4942).put(binary);
@@ -87,8 +104,10 @@ final class Gltf {
 
     /** A .gltf file with its numbers in a data URI. */
     String embedded(String rest) {
-        return json("data:application/octet-stream;base64,"
-                + Base64.getEncoder().encodeToString(binary()), rest);
+        return json(
+                "data:application/octet-stream;base64,"
+                        + Base64.getEncoder().encodeToString(binary()),
+                rest);
     }
 
     /** One triangle (0 0 0, 1 0 0, 0 1 0), as accessor 0. */
@@ -104,8 +123,11 @@ final class Gltf {
         for (int i = 0; i < nodes.length; i++) {
             numbers.add(String.valueOf(i));
         }
-        return "\"nodes\": [" + String.join(", ", nodes) + "], \"scenes\": [{\"nodes\": ["
-                + String.join(", ", numbers) + "]}]";
+        return "\"nodes\": ["
+                + String.join(", ", nodes)
+                + "], \"scenes\": [{\"nodes\": ["
+                + String.join(", ", numbers)
+                + "]}]";
     }
 
     /** Copies of a text, as a list. */

@@ -1,6 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.mesh;
 
 import com.sun.management.OperatingSystemMXBean;
+
 import java.awt.image.BufferedImage;
 import java.io.BufferedOutputStream;
 import java.io.ByteArrayOutputStream;
@@ -24,6 +26,7 @@ import java.util.function.IntFunction;
 import java.util.zip.CRC32;
 import java.util.zip.Deflater;
 import java.util.zip.DeflaterOutputStream;
+
 import javax.imageio.ImageIO;
 
 /**
@@ -53,7 +56,8 @@ final class HeavyAssets {
         CASES.put("obj-faces", text("x.obj", OBJ_TRIANGLE, "f 1/1/1 2/2/2 3/3/3\n", ""));
         CASES.put("obj-one-face", text("x.obj", OBJ_TRIANGLE + "f", " 1 2 3", "\n"));
         CASES.put("obj-long-number", text("x.obj", "v 0.", "1234567890", " 0 0\n"));
-        CASES.put("obj-names-of-groups",
+        CASES.put(
+                "obj-names-of-groups",
                 text("x.obj", OBJ_TRIANGLE, "g a b c d e f g h\nf 1 2 3\n", ""));
         CASES.put("obj-materials", text("x.obj", OBJ_TRIANGLE, "usemtl a\nusemtl b\n", ""));
         CASES.put("obj-zeros", text("x.obj", OBJ_TRIANGLE, "\0\0\0\0", ""));
@@ -68,8 +72,9 @@ final class HeavyAssets {
         CASES.put("gltf-number", text("x.gltf", "{\"asset\":1", "0123456789", "}"));
         CASES.put("gltf-gaps", text("x.gltf", "{\"asset\":", "        ", "{}}"));
         CASES.put("gltf-values", text("x.gltf", "{\"nodes\":[{}", ",{}", "]}"));
-        CASES.put("gltf-unknown-keys", text("x.gltf", "{\"asset\":{\"version\":\"2.0\"}",
-                ",\"a\":0", "}"));
+        CASES.put(
+                "gltf-unknown-keys",
+                text("x.gltf", "{\"asset\":{\"version\":\"2.0\"}", ",\"a\":0", "}"));
         CASES.put("glb-zeros", text("x.glb", "glTF\2\0\0\0", "\0\0\0\4", ""));
         CASES.put("gltf-400-buffers", folder -> buffers(folder, 400));
         CASES.put("gltf-many-files", HeavyAssets::bufferFiles);
@@ -81,10 +86,8 @@ final class HeavyAssets {
         CASES.put("jpeg-segments", folder -> write(folder, "x.jpg", commented(31 * MIB)));
         CASES.put("png-chunks", folder -> write(folder, "x.png", chunks(31 * MIB, "teXt", 0)));
         CASES.put("png-compressed-text", folder -> write(folder, "x.png", bomb()));
-        CASES.put("png-of-16-bits", folder -> write(folder, "x.png",
-                png(4096, 16, 6)));
-        CASES.put("png-16-million-pixels", folder -> write(folder, "x.png",
-                png(4096, 8, 2)));
+        CASES.put("png-of-16-bits", folder -> write(folder, "x.png", png(4096, 16, 6)));
+        CASES.put("png-16-million-pixels", folder -> write(folder, "x.png", png(4096, 8, 2)));
         CASES.put("png-too-large-a-file", text("x.png", "\u0089PNG\r\n\u001a\n", "\0\0\0\0", ""));
     }
 
@@ -94,7 +97,9 @@ final class HeavyAssets {
         return CASES.keySet();
     }
 
-    /** @param arguments a folder, and the names of cases */
+    /**
+     * @param arguments a folder, and the names of cases
+     */
     public static void main(String[] arguments) throws IOException {
         PrintStream out = new PrintStream(System.out, true, StandardCharsets.UTF_8);
         for (int i = 1; i < arguments.length; i++) {
@@ -114,8 +119,8 @@ final class HeavyAssets {
                     result = refused.getMessage();
                 }
             }
-            out.println(arguments[i] + "\t" + (cpuNanoseconds() - start) / 1_000_000 + "\t"
-                    + result);
+            out.println(
+                    arguments[i] + "\t" + (cpuNanoseconds() - start) / 1_000_000 + "\t" + result);
             try (var files = Files.list(folder)) {
                 for (Path file : files.toList()) {
                     Files.delete(file);
@@ -130,8 +135,7 @@ final class HeavyAssets {
                 .getProcessCpuTime();
     }
 
-    private static List<String> write(Path folder, String name, byte[] content)
-            throws IOException {
+    private static List<String> write(Path folder, String name, byte[] content) throws IOException {
         Files.write(folder.resolve(name), content);
         return List.of(name);
     }
@@ -139,10 +143,10 @@ final class HeavyAssets {
     /** A file of 64 MiB: a beginning, a text over and over, an end. */
     private static Writer text(String name, String begin, String again, String end) {
         return folder -> {
-            byte[] part = again.repeat(65_536 / again.length())
-                    .getBytes(StandardCharsets.ISO_8859_1);
-            try (OutputStream out = new BufferedOutputStream(
-                    Files.newOutputStream(folder.resolve(name)))) {
+            byte[] part =
+                    again.repeat(65_536 / again.length()).getBytes(StandardCharsets.ISO_8859_1);
+            try (OutputStream out =
+                    new BufferedOutputStream(Files.newOutputStream(folder.resolve(name)))) {
                 out.write(begin.getBytes(StandardCharsets.ISO_8859_1));
                 for (long left = 64L * MIB - 4096; left > part.length; left -= part.length) {
                     out.write(part);
@@ -161,8 +165,9 @@ final class HeavyAssets {
                 out.write("v " + i + " " + i % 1000 + ".125 0.5\nvn 0 " + i % 3 + " 1\n");
             }
             for (int i = 1; i + 2 <= count; i++) {
-                out.write("f " + i + "//" + i + " " + (i + 1) + "//" + (i + 1) + " " + (i + 2)
-                        + "//" + (i + 2) + "\n");
+                out.write(
+                        "f " + i + "//" + i + " " + (i + 1) + "//" + (i + 1) + " " + (i + 2) + "//"
+                                + (i + 2) + "\n");
             }
         }
         return List.of("x.obj");
@@ -179,9 +184,12 @@ final class HeavyAssets {
     }
 
     private static List<String> materialOptions(Path folder) throws IOException {
-        Files.writeString(folder.resolve("x.mtl"),
+        Files.writeString(
+                folder.resolve("x.mtl"),
                 "newmtl a\nmap_Kd " + "-cc on ".repeat(140_000) + "x.png\n");
-        return write(folder, "x.obj",
+        return write(
+                folder,
+                "x.obj",
                 ("mtllib x.mtl\n" + OBJ_TRIANGLE).getBytes(StandardCharsets.US_ASCII));
     }
 
@@ -198,8 +206,8 @@ final class HeavyAssets {
         List<String> names = new ArrayList<>(CASES.get("obj-comments").write(folder));
         for (int i = 0; i < 200; i++) {
             names.add("copy" + i + ".obj");
-            Files.createLink(folder.resolve(names.getLast()).normalize(),
-                    folder.resolve(names.getFirst()));
+            Files.createLink(
+                    folder.resolve(names.getLast()).normalize(), folder.resolve(names.getFirst()));
         }
         return names;
     }
@@ -211,21 +219,25 @@ final class HeavyAssets {
     /** One triangle in the first of many buffers, which are one file of 64 MiB. */
     private static List<String> buffers(Path folder, int count) throws IOException {
         sparse(folder.resolve("x.bin"));
-        return write(folder, "x.gltf", gltf(trianglesOf(count, i -> "x.bin"))
-                .getBytes(StandardCharsets.US_ASCII));
+        return write(
+                folder,
+                "x.gltf",
+                gltf(trianglesOf(count, i -> "x.bin")).getBytes(StandardCharsets.US_ASCII));
     }
 
     private static List<String> bufferFiles(Path folder) throws IOException {
         for (int i = 0; i < 20; i++) {
             sparse(folder.resolve(i + ".bin"));
         }
-        return write(folder, "x.gltf", gltf(trianglesOf(20, i -> i + ".bin"))
-                .getBytes(StandardCharsets.US_ASCII));
+        return write(
+                folder,
+                "x.gltf",
+                gltf(trianglesOf(20, i -> i + ".bin")).getBytes(StandardCharsets.US_ASCII));
     }
 
     private static void sparse(Path file) throws IOException {
-        try (var channel = FileChannel.open(file, StandardOpenOption.CREATE,
-                StandardOpenOption.WRITE)) {
+        try (var channel =
+                FileChannel.open(file, StandardOpenOption.CREATE, StandardOpenOption.WRITE)) {
             channel.write(ByteBuffer.allocate(1), 64L * MIB - 1);
         }
     }
@@ -239,12 +251,20 @@ final class HeavyAssets {
         for (int i = 0; i < count; i++) {
             buffers.add("{\"byteLength\": " + 64 * MIB + ", \"uri\": \"" + file.apply(i) + "\"}");
             views.add("{\"buffer\": " + i + ", \"byteLength\": " + 64 * MIB + "}");
-            accessors.add("{\"bufferView\": " + i
-                    + ", \"componentType\": 5126, \"count\": 3, \"type\": \"VEC3\"}");
+            accessors.add(
+                    "{\"bufferView\": "
+                            + i
+                            + ", \"componentType\": 5126, \"count\": 3, \"type\": \"VEC3\"}");
             primitives.add("{\"attributes\": {\"POSITION\": " + i + "}}");
         }
-        return "\"buffers\": " + buffers + ", \"bufferViews\": " + views + ", \"accessors\": "
-                + accessors + ", \"meshes\": [{\"primitives\": " + primitives
+        return "\"buffers\": "
+                + buffers
+                + ", \"bufferViews\": "
+                + views
+                + ", \"accessors\": "
+                + accessors
+                + ", \"meshes\": [{\"primitives\": "
+                + primitives
                 + "}], \"nodes\": [{\"mesh\": 0}]";
     }
 
@@ -267,11 +287,20 @@ final class HeavyAssets {
         for (int i = 0; i < 2000; i++) {
             views.append(", ").append(view.formatted(image.length));
         }
-        String json = gltf.json("", manyImages(2000, i -> "{\"bufferView\": " + (i + 2)
-                + ", \"mimeType\": \"image/png\"}"));
+        String json =
+                gltf.json(
+                        "",
+                        manyImages(
+                                2000,
+                                i ->
+                                        "{\"bufferView\": "
+                                                + (i + 2)
+                                                + ", \"mimeType\": \"image/png\"}"));
         int end = json.indexOf("], \"accessors\"");
-        return write(folder, "x.glb", Gltf.glb(
-                json.substring(0, end) + views + json.substring(end), gltf.binary()));
+        return write(
+                folder,
+                "x.glb",
+                Gltf.glb(json.substring(0, end) + views + json.substring(end), gltf.binary()));
     }
 
     private static String manyImages(int count, IntFunction<String> image) {
@@ -282,22 +311,32 @@ final class HeavyAssets {
         for (int i = 0; i < count; i++) {
             images.add(image.apply(i));
             textures.add("{\"source\": " + i + "}");
-            materials.add("{\"pbrMetallicRoughness\": {\"baseColorTexture\": {\"index\": " + i
-                    + "}}}");
+            materials.add(
+                    "{\"pbrMetallicRoughness\": {\"baseColorTexture\": {\"index\": " + i + "}}}");
             primitives.add("{\"attributes\": {\"POSITION\": 0}, \"material\": " + i + "}");
         }
-        return "\"images\": " + images + ", \"textures\": " + textures + ", \"materials\": "
-                + materials + ", \"meshes\": [{\"primitives\": " + primitives
+        return "\"images\": "
+                + images
+                + ", \"textures\": "
+                + textures
+                + ", \"materials\": "
+                + materials
+                + ", \"meshes\": [{\"primitives\": "
+                + primitives
                 + "}], \"nodes\": [{\"mesh\": 0}]";
     }
 
     /** Nodes times primitives that are no triangles. */
     private static List<String> points(Path folder) throws IOException {
         var gltf = Gltf.triangle();
-        String mesh = "\"meshes\": [{\"primitives\": ["
-                + Gltf.list("{\"attributes\": {\"POSITION\": 0}, \"mode\": 0}", 20_000) + "]}]";
-        return write(folder, "x.glb", gltf.glb(mesh + ", \"nodes\": ["
-                + Gltf.list("{\"mesh\": 0}", 50_000) + "]"));
+        String mesh =
+                "\"meshes\": [{\"primitives\": ["
+                        + Gltf.list("{\"attributes\": {\"POSITION\": 0}, \"mode\": 0}", 20_000)
+                        + "]}]";
+        return write(
+                folder,
+                "x.glb",
+                gltf.glb(mesh + ", \"nodes\": [" + Gltf.list("{\"mesh\": 0}", 50_000) + "]"));
     }
 
     /** A JPEG behind as many comments as fit. */
@@ -356,13 +395,19 @@ final class HeavyAssets {
     }
 
     /** A PNG of black pixels. */
-    private static byte[] png(int side, int bits, int colourType)
-            throws IOException {
+    private static byte[] png(int side, int bits, int colourType) throws IOException {
         int channels = colourType == 6 ? 4 : 3;
         var file = new ByteArrayOutputStream();
         file.writeBytes(new byte[] {(byte) 0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'});
-        file.writeBytes(chunk("IHDR", ByteBuffer.allocate(13).putInt(side).putInt(side)
-                .put((byte) bits).put((byte) colourType).array()));
+        file.writeBytes(
+                chunk(
+                        "IHDR",
+                        ByteBuffer.allocate(13)
+                                .putInt(side)
+                                .putInt(side)
+                                .put((byte) bits)
+                                .put((byte) colourType)
+                                .array()));
         var pixels = new ByteArrayOutputStream();
         try (var out = new DeflaterOutputStream(pixels)) {
             byte[] row = new byte[1 + side * channels * bits / 8];

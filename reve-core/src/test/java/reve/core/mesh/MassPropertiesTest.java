@@ -1,23 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.mesh;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatIllegalArgumentException;
 import static org.assertj.core.api.Assertions.within;
 
+import org.junit.jupiter.api.Test;
+
+import reve.core.Seed;
+import reve.core.world.Mesh;
+import reve.core.world.Shape;
+
 import java.util.ArrayList;
 import java.util.HashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Random;
-import org.junit.jupiter.api.Test;
-import reve.core.Seed;
-import reve.core.world.Mesh;
-import reve.core.world.Shape;
 
 class MassPropertiesTest {
 
-    private static final int[] CUBE = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4,
-        2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5};
+    private static final int[] CUBE = {
+        0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1,
+        3, 7, 1, 7, 5
+    };
 
     /** A box from a corner on; bits 0, 1, 2 of a vertex's number say which end of x, y, z. */
     private static Mesh box(double x, double y, double z, double... size) {
@@ -60,16 +65,24 @@ class MassPropertiesTest {
      */
     @Test
     void aTetrahedronHasTheProductsOfItsIntegrals() {
-        Mesh corner = new Mesh(new float[] {0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0, 3},
-                new int[] {0, 2, 1, 0, 3, 2, 0, 1, 3, 1, 2, 3});
+        Mesh corner =
+                new Mesh(
+                        new float[] {0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0, 3},
+                        new int[] {0, 2, 1, 0, 3, 2, 0, 1, 3, 1, 2, 3});
         MassProperties solid = MassProperties.of(corner, 8);
         assertThat(solid.volume()).isCloseTo(1, within(1e-12));
         assertClose(solid.centre(), 0.25, 0.5, 0.75);
         // About the origin: m/10 (b^2 + c^2) and -m/20 b c; then moved by the parallel axis
         // theorem.
-        assertClose(solid.moments(), 0.8 * 13 - 8 * (0.25 + 0.5625),
-                0.8 * 10 - 8 * (0.5625 + 0.0625), 0.8 * 5 - 8 * (0.0625 + 0.25));
-        assertClose(solid.products(), -0.4 * 6 + 8 * 0.375, -0.4 * 3 + 8 * 0.1875,
+        assertClose(
+                solid.moments(),
+                0.8 * 13 - 8 * (0.25 + 0.5625),
+                0.8 * 10 - 8 * (0.5625 + 0.0625),
+                0.8 * 5 - 8 * (0.0625 + 0.25));
+        assertClose(
+                solid.products(),
+                -0.4 * 6 + 8 * 0.375,
+                -0.4 * 3 + 8 * 0.1875,
                 -0.4 * 2 + 8 * 0.125);
     }
 
@@ -90,10 +103,17 @@ class MassPropertiesTest {
                     .as("centre from that found, " + what)
                     .containsExactly(new double[3], within(1e-8 * size));
             var tolerance = within(1e-7 * 700 * (i[4] + i[5] + i[6]));
-            assertThat(found.moments()).as(what).containsExactly(new double[] {
-                700 * (i[5] + i[6]), 700 * (i[6] + i[4]), 700 * (i[4] + i[5])}, tolerance);
-            assertThat(found.products()).as(what).containsExactly(
-                    new double[] {-700 * i[7], -700 * i[8], -700 * i[9]}, tolerance);
+            assertThat(found.moments())
+                    .as(what)
+                    .containsExactly(
+                            new double[] {
+                                700 * (i[5] + i[6]), 700 * (i[6] + i[4]), 700 * (i[4] + i[5])
+                            },
+                            tolerance);
+            assertThat(found.products())
+                    .as(what)
+                    .containsExactly(
+                            new double[] {-700 * i[7], -700 * i[8], -700 * i[9]}, tolerance);
         }
     }
 
@@ -129,8 +149,7 @@ class MassPropertiesTest {
                 assertThat(before / missing).isBetween(3.5, 4.5);
             }
             before = missing;
-            assertThat(solid.moments()[0] / (0.4 * solid.mass()))
-                    .isCloseTo(1, within(2 * missing));
+            assertThat(solid.moments()[0] / (0.4 * solid.mass())).isCloseTo(1, within(2 * missing));
         }
         assertThat(before).isLessThan(0.002);
     }
@@ -154,7 +173,8 @@ class MassPropertiesTest {
     @Test
     void whatEnclosesNoSpaceIsRefused() {
         Mesh cube = box(0, 0, 0, 1, 1, 1);
-        assertRefused(new Mesh(array(cube), java.util.Arrays.copyOf(CUBE, 33)),
+        assertRefused(
+                new Mesh(array(cube), java.util.Arrays.copyOf(CUBE, 33)),
                 "the mesh is open at the edge from (1.0 0.0 0.0) to (1.0 0.0 1.0)");
         int[] flipped = CUBE.clone();
         flipped[1] = CUBE[2];
@@ -170,7 +190,8 @@ class MassPropertiesTest {
     }
 
     private static void assertRefused(Shape shape, String reason) {
-        assertThatIllegalArgumentException().isThrownBy(() -> MassProperties.of(shape, 1))
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> MassProperties.of(shape, 1))
                 .withMessageContaining(reason);
     }
 
@@ -182,12 +203,25 @@ class MassPropertiesTest {
 
     /** An octahedron, each triangle split in four as often as said, its vertices at distance 1. */
     private static Mesh icosphere(int level) {
-        List<double[]> points = new ArrayList<>(List.of(new double[] {1, 0, 0},
-                new double[] {-1, 0, 0}, new double[] {0, 1, 0}, new double[] {0, -1, 0},
-                new double[] {0, 0, 1}, new double[] {0, 0, -1}));
-        List<int[]> faces = List.of(new int[] {0, 2, 4}, new int[] {2, 1, 4}, new int[] {1, 3, 4},
-                new int[] {3, 0, 4}, new int[] {2, 0, 5}, new int[] {1, 2, 5},
-                new int[] {3, 1, 5}, new int[] {0, 3, 5});
+        List<double[]> points =
+                new ArrayList<>(
+                        List.of(
+                                new double[] {1, 0, 0},
+                                new double[] {-1, 0, 0},
+                                new double[] {0, 1, 0},
+                                new double[] {0, -1, 0},
+                                new double[] {0, 0, 1},
+                                new double[] {0, 0, -1}));
+        List<int[]> faces =
+                List.of(
+                        new int[] {0, 2, 4},
+                        new int[] {2, 1, 4},
+                        new int[] {1, 3, 4},
+                        new int[] {3, 0, 4},
+                        new int[] {2, 0, 5},
+                        new int[] {1, 2, 5},
+                        new int[] {3, 1, 5},
+                        new int[] {0, 3, 5});
         for (int i = 0; i < level + 1; i++) {
             Map<Long, Integer> middles = new HashMap<>();
             List<int[]> finer = new ArrayList<>();
@@ -195,8 +229,12 @@ class MassPropertiesTest {
                 int ab = middle(points, middles, f[0], f[1]);
                 int bc = middle(points, middles, f[1], f[2]);
                 int ca = middle(points, middles, f[2], f[0]);
-                finer.addAll(List.of(new int[] {f[0], ab, ca}, new int[] {ab, f[1], bc},
-                        new int[] {ca, bc, f[2]}, new int[] {ab, bc, ca}));
+                finer.addAll(
+                        List.of(
+                                new int[] {f[0], ab, ca},
+                                new int[] {ab, f[1], bc},
+                                new int[] {ca, bc, f[2]},
+                                new int[] {ab, bc, ca}));
             }
             faces = finer;
         }
@@ -208,14 +246,16 @@ class MassPropertiesTest {
     }
 
     private static int middle(List<double[]> points, Map<Long, Integer> known, int a, int b) {
-        return known.computeIfAbsent((long) Math.min(a, b) << 32 | Math.max(a, b), key -> {
-            double[] sum = new double[3];
-            for (int axis = 0; axis < 3; axis++) {
-                sum[axis] = points.get(a)[axis] + points.get(b)[axis];
-            }
-            double length = Math.sqrt(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]);
-            points.add(new double[] {sum[0] / length, sum[1] / length, sum[2] / length});
-            return points.size() - 1;
-        });
+        return known.computeIfAbsent(
+                (long) Math.min(a, b) << 32 | Math.max(a, b),
+                key -> {
+                    double[] sum = new double[3];
+                    for (int axis = 0; axis < 3; axis++) {
+                        sum[axis] = points.get(a)[axis] + points.get(b)[axis];
+                    }
+                    double length = Math.sqrt(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]);
+                    points.add(new double[] {sum[0] / length, sum[1] / length, sum[2] / length});
+                    return points.size() - 1;
+                });
     }
 }

@@ -1,17 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.rule;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.catchThrowableOfType;
 
-import java.lang.management.ManagementFactory;
-import java.util.ArrayList;
-import java.util.Collections;
-import java.util.List;
-import java.util.Random;
-import java.util.function.IntSupplier;
 import org.junit.jupiter.api.AfterEach;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.Timeout;
+
 import reve.core.Seed;
 import reve.core.unit.Unit;
 import reve.core.world.Arguments;
@@ -22,6 +18,13 @@ import reve.core.world.Parameter;
 import reve.core.world.World;
 import reve.core.world.WorldPrototype;
 
+import java.lang.management.ManagementFactory;
+import java.util.ArrayList;
+import java.util.Collections;
+import java.util.List;
+import java.util.Random;
+import java.util.function.IntSupplier;
+
 /** Expressions that cost as much as their authors could make them cost. */
 @Timeout(120)
 class HostileExpressionsTest {
@@ -29,39 +32,95 @@ class HostileExpressionsTest {
     private static final double MAX_MILLISECONDS = 10;
     private static final double MAX_MILLISECONDS_TO_COMPILE = 250;
     private static final double MAX_MEBIBYTES = 16;
+
     /** The compiler of the machine, or its other work, may slow down an attempt. */
     private static final int ATTEMPTS = 50;
 
     /** What makes a value larger. */
-    private static final List<String> GROWTH = List.of(".map(x,[x,x])", ".map(x,x+x)",
-            ".map(x,[x,x,x])", ".map(x,{'a':x,'b':x})", ".map(x,[x]+[x])", ".map(x,[[x]])",
-            ".map(x,[x,x]==[x,x])", ".filter(x,x==x)", ".map(x,{x:x})");
-    private static final List<String> LISTS = List.of("[label]", "[[1]]", "semantic.tags", "range",
-            "(range+range)", "semantic.near", "[semantic,semantic]", "[physics]");
+    private static final List<String> GROWTH =
+            List.of(
+                    ".map(x,[x,x])",
+                    ".map(x,x+x)",
+                    ".map(x,[x,x,x])",
+                    ".map(x,{'a':x,'b':x})",
+                    ".map(x,[x]+[x])",
+                    ".map(x,[[x]])",
+                    ".map(x,[x,x]==[x,x])",
+                    ".filter(x,x==x)",
+                    ".map(x,{x:x})");
+
+    private static final List<String> LISTS =
+            List.of(
+                    "[label]",
+                    "[[1]]",
+                    "semantic.tags",
+                    "range",
+                    "(range+range)",
+                    "semantic.near",
+                    "[semantic,semantic]",
+                    "[physics]");
+
     /** Conditions that are expensive, or fail where that is made good. */
-    private static final List<String> CONDITIONS = List.of("1/0>1||true", "label==label",
-            "label.contains('ab')", "semantic.text.contains(label)", "semantic==semantic",
-            "physics==physics", "label.matches('^(a+)+$')", "semantic.text.matches('a{900}')",
-            "semantic.text.matches('(a|b|ab)*c')", "semantic.missing==1||true",
-            "label in semantic.tags", "semantic.tags==semantic.tags", "size(label)>1",
-            "size(semantic)>1", "semantic.all(k,size(semantic)>1)", "actor==actor",
-            "[semantic,semantic]==[semantic,semantic]", "string(1e300)!=label",
-            "norm(range)>1", "dyn(label)+1==2||true", "norm(semantic.tags)>1||true",
-            "size(semantic.near)>=0", "range.exists_one(c,c>1)", "double(label)>1||true",
-            "[1,2,3][dyn(label)]==1||true", "dyn(1)||dyn(2)||true", "(dyn(1)?true:false)||true",
-            "has(semantic.x.y)||true", "9223372036854775807+1>0||true", "int(1e300)>0||true",
-            "math.greatest(range)>0||true", "label+label+label+label!=''");
-    private static final List<String> LOOPS = List.of("%s",
-            "(range+range).all(a,(range+range).all(b,%s))",
-            "range.exists(a,range.exists_one(b,%s))", "range.map(a,range.filter(b,%s))!=[]");
+    private static final List<String> CONDITIONS =
+            List.of(
+                    "1/0>1||true",
+                    "label==label",
+                    "label.contains('ab')",
+                    "semantic.text.contains(label)",
+                    "semantic==semantic",
+                    "physics==physics",
+                    "label.matches('^(a+)+$')",
+                    "semantic.text.matches('a{900}')",
+                    "semantic.text.matches('(a|b|ab)*c')",
+                    "semantic.missing==1||true",
+                    "label in semantic.tags",
+                    "semantic.tags==semantic.tags",
+                    "size(label)>1",
+                    "size(semantic)>1",
+                    "semantic.all(k,size(semantic)>1)",
+                    "actor==actor",
+                    "[semantic,semantic]==[semantic,semantic]",
+                    "string(1e300)!=label",
+                    "norm(range)>1",
+                    "dyn(label)+1==2||true",
+                    "norm(semantic.tags)>1||true",
+                    "size(semantic.near)>=0",
+                    "range.exists_one(c,c>1)",
+                    "double(label)>1||true",
+                    "[1,2,3][dyn(label)]==1||true",
+                    "dyn(1)||dyn(2)||true",
+                    "(dyn(1)?true:false)||true",
+                    "has(semantic.x.y)||true",
+                    "9223372036854775807+1>0||true",
+                    "int(1e300)>0||true",
+                    "math.greatest(range)>0||true",
+                    "label+label+label+label!=''");
+
+    private static final List<String> LOOPS =
+            List.of(
+                    "%s",
+                    "(range+range).all(a,(range+range).all(b,%s))",
+                    "range.exists(a,range.exists_one(b,%s))",
+                    "range.map(a,range.filter(b,%s))!=[]");
 
     private final OffHeapArena arena = new OffHeapArena();
     private final World world = new World("test", PROTOTYPE, arena);
-    private final Item ball = world.add(ItemDefinition.named("ball").at(1, 2, 3)
-            .symbol("text", "a".repeat(4096)).symbol("tags", Collections.nCopies(64, "tag"))
-            .physics("mass", 2).physics("velocity", 3, 0, 4).build());
-    private final Scope scope = Scope.ofAction(PROTOTYPE, "body",
-            List.of(Parameter.text("label", ""), Parameter.number("range", 16, Unit.ONE, "")));
+    private final Item ball =
+            world.add(
+                    ItemDefinition.named("ball")
+                            .at(1, 2, 3)
+                            .symbol("text", "a".repeat(4096))
+                            .symbol("tags", Collections.nCopies(64, "tag"))
+                            .physics("mass", 2)
+                            .physics("velocity", 3, 0, 4)
+                            .build());
+    private final Scope scope =
+            Scope.ofAction(
+                    PROTOTYPE,
+                    "body",
+                    List.of(
+                            Parameter.text("label", ""),
+                            Parameter.number("range", 16, Unit.ONE, "")));
 
     @AfterEach
     void free() {
@@ -69,7 +128,9 @@ class HostileExpressionsTest {
     }
 
     private Bindings bindings() {
-        return scope.bindings().of(ball).withItem("actor", ball)
+        return scope.bindings()
+                .of(ball)
+                .withItem("actor", ball)
                 .with("label", "a".repeat(Arguments.MAX_TEXT_LENGTH - 1) + "b")
                 .with("range", Collections.nCopies(16, 1.0));
     }
@@ -100,8 +161,16 @@ class HostileExpressionsTest {
             String one = repeated.substring(0, repeated.indexOf('+'));
             all.add(filled(one, "+" + one, ""));
         }
-        for (String[] around : new String[][] {{"(", ")"}, {"[", "]"}, {"-(", ")"}, {"!", ""},
-            {"{'a':", "}"}, {"(true?", ":2)"}, {"[1].map(x,", ")"}}) {
+        for (String[] around :
+                new String[][] {
+                    {"(", ")"},
+                    {"[", "]"},
+                    {"-(", ")"},
+                    {"!", ""},
+                    {"{'a':", "}"},
+                    {"(true?", ":2)"},
+                    {"[1].map(x,", ")"}
+                }) {
             for (int times : new int[] {20, 60, 120}) {
                 all.add(around[0].repeat(times) + "true" + around[1].repeat(times));
             }
@@ -117,14 +186,15 @@ class HostileExpressionsTest {
         IntSupplier choice = () -> random.nextInt(7);
         String text = one(LISTS, random);
         while (true) {
-            String longer = switch (choice.getAsInt()) {
-                case 0 -> text + "+" + one(LISTS, random);
-                case 1 -> "[" + text + "," + one(LISTS, random) + "]";
-                case 2 -> text + ".filter(x," + one(CONDITIONS, random) + ")";
-                case 3 -> one(LISTS, random) + ".map(y," + text + ")";
-                case 4 -> "(" + one(CONDITIONS, random) + "?" + text + ":" + text + ")";
-                default -> text + one(GROWTH, random);
-            };
+            String longer =
+                    switch (choice.getAsInt()) {
+                        case 0 -> text + "+" + one(LISTS, random);
+                        case 1 -> "[" + text + "," + one(LISTS, random) + "]";
+                        case 2 -> text + ".filter(x," + one(CONDITIONS, random) + ")";
+                        case 3 -> one(LISTS, random) + ".map(y," + text + ")";
+                        case 4 -> "(" + one(CONDITIONS, random) + "?" + text + ":" + text + ")";
+                        default -> text + one(GROWTH, random);
+                    };
             if (longer.length() > Language.MAX_LENGTH) {
                 return text;
             }
@@ -169,7 +239,9 @@ class HostileExpressionsTest {
         return expression;
     }
 
-    /** @return whether it took too many steps */
+    /**
+     * @return whether it took too many steps
+     */
     private boolean evaluate(Expression expression, long seed) {
         double milliseconds = Double.MAX_VALUE;
         String outcome = "";
@@ -181,12 +253,14 @@ class HostileExpressionsTest {
             } catch (EvaluationException failed) {
                 outcome = failed.getMessage();
             }
-            milliseconds = Math.min(milliseconds,
-                    (threads().getCurrentThreadCpuTime() - start) / 1e6);
+            milliseconds =
+                    Math.min(milliseconds, (threads().getCurrentThreadCpuTime() - start) / 1e6);
             assertThat((threads().getCurrentThreadAllocatedBytes() - bytes) / 1048576.0)
-                    .as("MiB, seed %d: %s", seed, expression).isLessThan(MAX_MEBIBYTES);
+                    .as("MiB, seed %d: %s", seed, expression)
+                    .isLessThan(MAX_MEBIBYTES);
         }
-        assertThat(milliseconds).as("milliseconds, seed %d: %s", seed, expression)
+        assertThat(milliseconds)
+                .as("milliseconds, seed %d: %s", seed, expression)
                 .isLessThan(MAX_MILLISECONDS);
         assertThat(outcome.length()).isLessThan(Language.MAX_LENGTH + 400);
         return outcome.contains("takes more than 20000 steps");
@@ -200,23 +274,29 @@ class HostileExpressionsTest {
     void evaluationOfTooManyStepsIsRefusedByNameAndTheNextOneIsNot() throws Exception {
         Expression grows = scope.compile("size([label]" + ".map(x, [x, x])".repeat(16) + ") > 0");
 
-        assertThat(catchThrowableOfType(EvaluationException.class,
-                () -> grows.evaluate(bindings()))).hasMessage("`" + grows
-                        + "`: takes more than 20000 steps, which no expression may: let it loop "
-                        + "over less, or over shorter texts and lists");
+        assertThat(
+                        catchThrowableOfType(
+                                EvaluationException.class, () -> grows.evaluate(bindings())))
+                .hasMessage(
+                        "`"
+                                + grows
+                                + "`: takes more than 20000 steps, which no expression may: let it"
+                                + " loop over less, or over shorter texts and lists");
         assertThat(scope.compile("size(label)").evaluate(bindings())).isEqualTo(1024.0);
     }
 
     @Test
     void limitCannotBeMadeGoodByAnAlternative() throws Exception {
-        Expression grows = scope.compile("true || size([label]"
-                + ".map(x, [x, x])".repeat(16) + ") > 0");
-        Expression hides = scope.compile("size([label]" + ".map(x, [x, x])".repeat(15)
-                + ") > 0 || true");
+        Expression grows =
+                scope.compile("true || size([label]" + ".map(x, [x, x])".repeat(16) + ") > 0");
+        Expression hides =
+                scope.compile("size([label]" + ".map(x, [x, x])".repeat(15) + ") > 0 || true");
 
         assertThat(grows.evaluate(bindings())).isEqualTo(true);
-        assertThat(catchThrowableOfType(EvaluationException.class,
-                () -> hides.evaluate(bindings()))).hasMessageContaining("steps");
+        assertThat(
+                        catchThrowableOfType(
+                                EvaluationException.class, () -> hides.evaluate(bindings())))
+                .hasMessageContaining("steps");
     }
 
     @Test

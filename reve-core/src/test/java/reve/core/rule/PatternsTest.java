@@ -1,20 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.rule;
 
 import static org.assertj.core.api.Assertions.assertThat;
 
 import com.google.re2j.Pattern;
 import com.google.re2j.PatternSyntaxException;
-import java.util.Random;
+
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.Timeout;
+
 import reve.core.Seed;
+
+import java.util.Random;
 
 @Timeout(60)
 class PatternsTest {
-    private static final String[] PIECES = {"a", "b", "(", "(", ")", ")", "(?:", "(?i)", "(?P<n>",
-        "[", "]", "[^", "[:", ":]", "[:alpha:]", "-", "^", "$", "|", "*", "+", "?", "{3}", "{2,}",
-        "{0,4}", "{", "}", ",", "7", "\\", "\\Q", "\\E", "\\d", "\\pL", "\\p{Greek}", "\\x{41}",
-        "\\x41", "\\]", "\\[", ".", "\ud83d\ude00"};
+    private static final String[] PIECES = {
+        "a",
+        "b",
+        "(",
+        "(",
+        ")",
+        ")",
+        "(?:",
+        "(?i)",
+        "(?P<n>",
+        "[",
+        "]",
+        "[^",
+        "[:",
+        ":]",
+        "[:alpha:]",
+        "-",
+        "^",
+        "$",
+        "|",
+        "*",
+        "+",
+        "?",
+        "{3}",
+        "{2,}",
+        "{0,4}",
+        "{",
+        "}",
+        ",",
+        "7",
+        "\\",
+        "\\Q",
+        "\\E",
+        "\\d",
+        "\\pL",
+        "\\p{Greek}",
+        "\\x{41}",
+        "\\x41",
+        "\\]",
+        "\\[",
+        ".",
+        "\ud83d\ude00"
+    };
 
     @Test
     void sizeIsNeverEstimatedBelowWhatTheLibraryMakesOfAPattern() {
@@ -27,8 +70,7 @@ class PatternsTest {
                 text.append(PIECES[random.nextInt(PIECES.length)]);
             }
             String pattern = text.toString();
-            if (Patterns.estimate(pattern) < 100_000
-                    && !Patterns.foldsBeyondAscii(pattern)) {
+            if (Patterns.estimate(pattern) < 100_000 && !Patterns.foldsBeyondAscii(pattern)) {
                 int size;
                 try {
                     size = Pattern.compile(pattern).programSize();
@@ -36,7 +78,8 @@ class PatternsTest {
                     continue;
                 }
                 compiled++;
-                assertThat(Patterns.estimate(pattern)).as("seed %d: %s", seed, pattern)
+                assertThat(Patterns.estimate(pattern))
+                        .as("seed %d: %s", seed, pattern)
                         .isGreaterThanOrEqualTo(size);
             }
         }

@@ -1,19 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.rule;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatIllegalArgumentException;
 
-import java.util.ArrayList;
-import java.util.Collections;
-import java.util.HashMap;
-import java.util.List;
-import java.util.Map;
-import java.util.Optional;
-import java.util.Random;
-import java.util.concurrent.atomic.AtomicInteger;
-import java.util.stream.IntStream;
 import org.junit.jupiter.api.AfterEach;
 import org.junit.jupiter.api.Test;
+
 import reve.core.Seed;
 import reve.core.derive.BoundingBoxes;
 import reve.core.frame.FrameBus;
@@ -32,12 +25,33 @@ import reve.core.world.SymbolType;
 import reve.core.world.World;
 import reve.core.world.WorldPrototype;
 
+import java.util.ArrayList;
+import java.util.Collections;
+import java.util.HashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.Random;
+import java.util.concurrent.atomic.AtomicInteger;
+import java.util.stream.IntStream;
+
 class RulesTest {
-    private static final WorldPrototype PROTOTYPE = WorldPrototype.standard("si-f64")
-            .extendedBy(List.of(new PropertyDescriptor("temperature", "body", ScalarType.F64, 1,
-                    Unit.parse("K"), Optional.empty(), "")))
-            .withSymbols(List.of(new SymbolDescriptor("pace", SymbolType.NUMBER,
-                    Unit.parse("km/h"), "")));
+    private static final WorldPrototype PROTOTYPE =
+            WorldPrototype.standard("si-f64")
+                    .extendedBy(
+                            List.of(
+                                    new PropertyDescriptor(
+                                            "temperature",
+                                            "body",
+                                            ScalarType.F64,
+                                            1,
+                                            Unit.parse("K"),
+                                            Optional.empty(),
+                                            "")))
+                    .withSymbols(
+                            List.of(
+                                    new SymbolDescriptor(
+                                            "pace", SymbolType.NUMBER, Unit.parse("km/h"), "")));
 
     /** An expression of more than 100 steps. */
     private static final String DEAR =
@@ -59,8 +73,13 @@ class RulesTest {
         Rule[] rules = new Rule[symbolsAndExpressions.length / 2];
         Scope scope = Scope.ofItem(PROTOTYPE, "body");
         for (int i = 0; i < rules.length; i++) {
-            rules[i] = new Rule(symbolsAndExpressions[2 * i], "body", Optional.empty(),
-                    scope.compile(symbolsAndExpressions[2 * i + 1]), "");
+            rules[i] =
+                    new Rule(
+                            symbolsAndExpressions[2 * i],
+                            "body",
+                            Optional.empty(),
+                            scope.compile(symbolsAndExpressions[2 * i + 1]),
+                            "");
         }
         return new Rules(world, List.of(rules));
     }
@@ -68,8 +87,13 @@ class RulesTest {
     private Rules sharing(long steps, String... symbolsAndExpressions) throws ExpressionException {
         List<Rule> rules = new ArrayList<>();
         for (int i = 0; i < symbolsAndExpressions.length; i += 2) {
-            rules.add(new Rule(symbolsAndExpressions[i], "body", Optional.empty(),
-                    Scope.ofItem(PROTOTYPE, "body").compile(symbolsAndExpressions[i + 1]), ""));
+            rules.add(
+                    new Rule(
+                            symbolsAndExpressions[i],
+                            "body",
+                            Optional.empty(),
+                            Scope.ofItem(PROTOTYPE, "body").compile(symbolsAndExpressions[i + 1]),
+                            ""));
         }
         return new Rules(world, rules, steps);
     }
@@ -121,8 +145,12 @@ class RulesTest {
     @Test
     void ruleSeesWhatThoseBeforeItGaveInTheSameFrame() throws Exception {
         Item pot = body("pot", 400);
-        Rules rules = rules("hot", "physics.temperature > 350",
-                "warning", "semantic.hot ? 'careful' : 'fine'");
+        Rules rules =
+                rules(
+                        "hot",
+                        "physics.temperature > 350",
+                        "warning",
+                        "semantic.hot ? 'careful' : 'fine'");
 
         rules.update(1);
         assertThat(of(pot, "warning")).isEqualTo("careful");
@@ -136,8 +164,17 @@ class RulesTest {
         Item pot = body("pot", 400);
         Item cup = body("cup", 400);
         pot.semantic().set("class", "pot");
-        Rules rules = new Rules(world, List.of(new Rule("hot", "body", Optional.of("pot"),
-                Scope.ofItem(PROTOTYPE, "body").compile("physics.temperature > 350"), "")));
+        Rules rules =
+                new Rules(
+                        world,
+                        List.of(
+                                new Rule(
+                                        "hot",
+                                        "body",
+                                        Optional.of("pot"),
+                                        Scope.ofItem(PROTOTYPE, "body")
+                                                .compile("physics.temperature > 350"),
+                                        "")));
 
         rules.update(1);
         assertThat(of(pot, "hot")).isEqualTo(true);
@@ -170,12 +207,15 @@ class RulesTest {
 
         assertThat(of(one, "inverse")).isEqualTo("none");
         assertThat(of(two, "always")).isEqualTo(true);
-        assertThat(world.events()).singleElement().satisfies(event -> {
-            assertThat(event.type()).isEqualTo("fault");
-            assertThat(event.fields()).containsEntry("source", "rule inverse");
-            assertThat(event.fields().get("message").toString())
-                    .contains("item one", "1.0 / physics.temperature", "Infinity");
-        });
+        assertThat(world.events())
+                .singleElement()
+                .satisfies(
+                        event -> {
+                            assertThat(event.type()).isEqualTo("fault");
+                            assertThat(event.fields()).containsEntry("source", "rule inverse");
+                            assertThat(event.fields().get("message").toString())
+                                    .contains("item one", "1.0 / physics.temperature", "Infinity");
+                        });
         one.physics().set("temperature", 4);
         rules.update(3);
         assertThat(of(one, "inverse")).isEqualTo(0.25);
@@ -205,16 +245,18 @@ class RulesTest {
     @Test
     void standardSymbolsAreNotGivenByRules() {
         for (String symbol : List.of("name", "class", "near")) {
-            assertThatIllegalArgumentException().isThrownBy(() -> rules(symbol, "'x'"))
-                    .withMessageContaining(symbol).withMessageContaining("standard");
+            assertThatIllegalArgumentException()
+                    .isThrownBy(() -> rules(symbol, "'x'"))
+                    .withMessageContaining(symbol)
+                    .withMessageContaining("standard");
         }
     }
 
     @Test
     void costliestRuleIsDisabledWhenTheRulesOfAFrameTakeTooManySteps() throws Exception {
         List<Item> items = bodies(10);
-        Rules rules = sharing(1000, "cheap", "physics.temperature >= 0.0",
-                "dear", DEAR, "last", "'x'");
+        Rules rules =
+                sharing(1000, "cheap", "physics.temperature >= 0.0", "dear", DEAR, "last", "'x'");
         items.forEach(item -> item.semantic().derive("dear", true));
 
         rules.update(1);
@@ -222,13 +264,22 @@ class RulesTest {
         assertThat(all(items, "cheap")).containsOnly(true);
         assertThat(all(items, "dear")).containsOnly("none");
         assertThat(all(items, "last")).containsOnly("none");
-        assertThat(world.events()).singleElement().satisfies(event -> {
-            assertThat(event.type()).isEqualTo("fault");
-            assertThat(event.fields()).containsEntry("source", "rule dear")
-                    .containsEntry("error", "TooManySteps");
-            assertThat(event.fields().get("message").toString()).contains("rule dear took 1,",
-                    "in frame 1", "at most 1,000", "disabled", "loop over less");
-        });
+        assertThat(world.events())
+                .singleElement()
+                .satisfies(
+                        event -> {
+                            assertThat(event.type()).isEqualTo("fault");
+                            assertThat(event.fields())
+                                    .containsEntry("source", "rule dear")
+                                    .containsEntry("error", "TooManySteps");
+                            assertThat(event.fields().get("message").toString())
+                                    .contains(
+                                            "rule dear took 1,",
+                                            "in frame 1",
+                                            "at most 1,000",
+                                            "disabled",
+                                            "loop over less");
+                        });
         world.endFrame();
         rules.update(2);
         assertThat(all(items, "dear")).containsOnly("none");
@@ -239,8 +290,15 @@ class RulesTest {
     @Test
     void itemsThatAreLeftKeepTheirSymbolsUntilTheNextFrame() throws Exception {
         List<Item> items = bodies(10);
-        Rules rules = sharing(1300, "warm", "physics.temperature > 100.0", "dear",
-                "physics.temperature < 50.0 || " + DEAR, "after", "physics.temperature + 1.0");
+        Rules rules =
+                sharing(
+                        1300,
+                        "warm",
+                        "physics.temperature > 100.0",
+                        "dear",
+                        "physics.temperature < 50.0 || " + DEAR,
+                        "after",
+                        "physics.temperature + 1.0");
         rules.update(1);
         List<Object> before = all(items, "after");
 
@@ -257,12 +315,20 @@ class RulesTest {
     @Test
     void ruleThatLeavesFewStepsIsDisabledAndNotTheOneThatExceedsTheBudget() throws Exception {
         List<Item> items = bodies(10);
-        Rules rules = sharing(2000, "dear", DEAR, "cheap", "physics.temperature >= 0.0",
-                "other", "physics.temperature >= 0.0");
+        Rules rules =
+                sharing(
+                        2000,
+                        "dear",
+                        DEAR,
+                        "cheap",
+                        "physics.temperature >= 0.0",
+                        "other",
+                        "physics.temperature >= 0.0");
         rules.update(1);
-        assertThat(world.events()).singleElement()
-                .satisfies(event -> assertThat(event.fields()).containsEntry("source",
-                        "rule dear"));
+        assertThat(world.events())
+                .singleElement()
+                .satisfies(
+                        event -> assertThat(event.fields()).containsEntry("source", "rule dear"));
         rules.update(2);
         assertThat(all(items, "cheap")).containsOnly(true);
         assertThat(all(items, "other")).containsOnly(true);
@@ -285,8 +351,15 @@ class RulesTest {
 
     @Test
     void bodiesThatAreComparedForARelationCountAsSteps() throws Exception {
-        List<Item> items = IntStream.range(0, 100).mapToObj(i -> world.add(
-                ItemDefinition.named("s" + i).shape(Shape.sphere(1)).build())).toList();
+        List<Item> items =
+                IntStream.range(0, 100)
+                        .mapToObj(
+                                i ->
+                                        world.add(
+                                                ItemDefinition.named("s" + i)
+                                                        .shape(Shape.sphere(1))
+                                                        .build()))
+                        .toList();
         new BoundingBoxes().update(world);
 
         sharing(100 * 150, "first", "semantic.near[0]").update(1);
@@ -300,8 +373,8 @@ class RulesTest {
         List<Item> items = bodies(10);
         FrameBus bus = new FrameBus();
         AtomicInteger asked = new AtomicInteger();
-        rules("warm", "physics.temperature >= 0.0").subscribeTo(bus,
-                () -> asked.incrementAndGet() > 4);
+        rules("warm", "physics.temperature >= 0.0")
+                .subscribeTo(bus, () -> asked.incrementAndGet() > 4);
 
         new FrameLoop(world, bus, Timing.DEFAULT, Pacing.FAST).run(0);
 
@@ -313,9 +386,14 @@ class RulesTest {
     void keptSymbolsAreThoseOfAWorldWithoutMemory() throws Exception {
         long seed = Seed.of("rules");
         var random = new Random(seed);
-        String[] texts = {"hot", "physics.temperature > 5", "label",
-            "has(semantic.tag) ? semantic.tag + item.name : 'plain'", "both",
-            "semantic.hot && semantic.label != 'plain'"};
+        String[] texts = {
+            "hot",
+            "physics.temperature > 5",
+            "label",
+            "has(semantic.tag) ? semantic.tag + item.name : 'plain'",
+            "both",
+            "semantic.hot && semantic.label != 'plain'"
+        };
         Rules kept = rules(texts);
         Map<Long, Item> items = new HashMap<>();
         for (int round = 0; round < 300; round++) {
@@ -332,8 +410,10 @@ class RulesTest {
         Item any = all.length == 0 ? null : all[random.nextInt(all.length)];
         switch (any == null ? 0 : random.nextInt(6)) {
             case 0 -> {
-                Item added = random.nextBoolean() ? body("i" + round, random.nextInt(10))
-                        : world.add(ItemDefinition.named("i" + round).build());
+                Item added =
+                        random.nextBoolean()
+                                ? body("i" + round, random.nextInt(10))
+                                : world.add(ItemDefinition.named("i" + round).build());
                 items.put(added.id().value(), added);
             }
             case 1 -> {

@@ -1,9 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.space;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatIllegalArgumentException;
 
 import com.sun.management.ThreadMXBean;
+
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.CsvSource;
+
+import reve.core.Seed;
+
 import java.lang.foreign.Arena;
 import java.lang.foreign.MemorySegment;
 import java.lang.foreign.ValueLayout;
@@ -14,10 +22,6 @@ import java.util.List;
 import java.util.Random;
 import java.util.function.IntPredicate;
 import java.util.function.LongPredicate;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.params.ParameterizedTest;
-import org.junit.jupiter.params.provider.CsvSource;
-import reve.core.Seed;
 
 class BoxIndexTest {
 
@@ -71,10 +75,10 @@ class BoxIndexTest {
 
     @Test
     void aBoxWithoutOrderIsRefused() {
-        assertThatIllegalArgumentException().isThrownBy(() -> new Box(0, 0, 0, 1, -1, 1))
-                .withMessageContaining("0.0, 0.0, 0.0 to 1.0, -1.0, 1.0");
         assertThatIllegalArgumentException()
-                .isThrownBy(() -> new Box(0, 0, Double.NaN, 1, 1, 1));
+                .isThrownBy(() -> new Box(0, 0, 0, 1, -1, 1))
+                .withMessageContaining("0.0, 0.0, 0.0 to 1.0, -1.0, 1.0");
+        assertThatIllegalArgumentException().isThrownBy(() -> new Box(0, 0, Double.NaN, 1, 1, 1));
     }
 
     @Test
@@ -105,8 +109,13 @@ class BoxIndexTest {
         for (int row = 0; row < rows; row++) {
             double spread = random.nextInt(50) == 0 ? 1e30 : 100;
             double half = random.nextInt(4) == 0 ? 0 : random.nextDouble() * 5;
-            put(row, row * 7L + 1, random.nextDouble() * spread, random.nextDouble() * spread,
-                    random.nextInt(20), half);
+            put(
+                    row,
+                    row * 7L + 1,
+                    random.nextDouble() * spread,
+                    random.nextDouble() * spread,
+                    random.nextInt(20),
+                    half);
             if (random.nextInt(30) == 0) {
                 lows.setAtIndex(ValueLayout.JAVA_DOUBLE, 3L * row + random.nextInt(3), Double.NaN);
             }
@@ -136,21 +145,28 @@ class BoxIndexTest {
         double z = random.nextDouble() * 20;
         double size = random.nextDouble() * 30;
         index.inBox(Box.around(x, y, z, size), found);
-        assertThat(keys()).as("box, " + when).isEqualTo(where(row -> {
-            for (int axis = 0; axis < 3; axis++) {
-                double at = axis == 0 ? x : axis == 1 ? y : z;
-                if (low(3 * row + axis) > at + size || high(3 * row + axis) < at - size) {
-                    return false;
-                }
-            }
-            return true;
-        }));
+        assertThat(keys())
+                .as("box, " + when)
+                .isEqualTo(
+                        where(
+                                row -> {
+                                    for (int axis = 0; axis < 3; axis++) {
+                                        double at = axis == 0 ? x : axis == 1 ? y : z;
+                                        if (low(3 * row + axis) > at + size
+                                                || high(3 * row + axis) < at - size) {
+                                            return false;
+                                        }
+                                    }
+                                    return true;
+                                }));
         index.inSphere(x, y, z, size, found);
-        assertThat(keys()).as("sphere, " + when)
+        assertThat(keys())
+                .as("sphere, " + when)
                 .isEqualTo(where(row -> squaredDistance(row, x, y, z) <= size * size));
         double[] from = {x, y, z};
-        double[] to =
-                {random.nextDouble() * 100, random.nextBoolean() ? y : size, random.nextInt(20)};
+        double[] to = {
+            random.nextDouble() * 100, random.nextBoolean() ? y : size, random.nextInt(20)
+        };
         var onWay = new ArrayList<Long>();
         assertThat(index.isOnWay(from, to, 0, key -> !onWay.add(key))).isFalse();
         onWay.sort(null);
@@ -194,8 +210,11 @@ class BoxIndexTest {
                 all.add(new At(squaredDistance(row, x, y, z), key(row)));
             }
         }
-        return all.stream().sorted(Comparator.comparingDouble(At::distance)
-                .thenComparingLong(At::key)).limit(most).map(At::key).toList();
+        return all.stream()
+                .sorted(Comparator.comparingDouble(At::distance).thenComparingLong(At::key))
+                .limit(most)
+                .map(At::key)
+                .toList();
     }
 
     private List<Long> where(IntPredicate test) {

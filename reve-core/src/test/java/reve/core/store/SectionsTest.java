@@ -1,13 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.store;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatExceptionOfType;
 
+import org.junit.jupiter.api.Test;
+
 import java.util.Arrays;
 import java.util.LinkedHashMap;
 import java.util.Map;
 import java.util.Random;
-import org.junit.jupiter.api.Test;
 
 class SectionsTest {
 
@@ -27,7 +29,8 @@ class SectionsTest {
         for (int bit = 0; bit < 8 * whole.length; bit++) {
             byte[] damaged = whole.clone();
             damaged[bit / 8] ^= (byte) (1 << bit % 8);
-            assertThatExceptionOfType(CorruptException.class).as("bit %d", bit)
+            assertThatExceptionOfType(CorruptException.class)
+                    .as("bit %d", bit)
                     .isThrownBy(() -> Sections.read(damaged));
         }
     }
@@ -37,7 +40,8 @@ class SectionsTest {
         byte[] whole = Sections.write(sections());
         for (int length = 0; length < whole.length; length++) {
             byte[] cut = Arrays.copyOf(whole, length);
-            assertThatExceptionOfType(CorruptException.class).as("%d bytes", length)
+            assertThatExceptionOfType(CorruptException.class)
+                    .as("%d bytes", length)
                     .isThrownBy(() -> Sections.read(cut));
         }
         assertThatExceptionOfType(CorruptException.class)
@@ -48,8 +52,10 @@ class SectionsTest {
     void anotherVersionIsNamed() {
         byte[] newer = Sections.write(sections());
         newer[8] = 99;
-        assertThatExceptionOfType(CorruptException.class).isThrownBy(() -> Sections.read(newer))
-                .withMessageContaining("version 99").withMessageContaining("reads 1");
+        assertThatExceptionOfType(CorruptException.class)
+                .isThrownBy(() -> Sections.read(newer))
+                .withMessageContaining("version 99")
+                .withMessageContaining("reads 1");
     }
 
     private static Map<String, byte[]> sections() {

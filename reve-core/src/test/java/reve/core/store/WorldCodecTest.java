@@ -1,20 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.store;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatExceptionOfType;
 
-import java.lang.foreign.ValueLayout;
-import java.nio.charset.StandardCharsets;
-import java.util.ArrayList;
-import java.util.HexFormat;
-import java.util.LinkedHashMap;
-import java.util.List;
-import java.util.Map;
-import java.util.Optional;
-import java.util.Random;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.params.ParameterizedTest;
 import org.junit.jupiter.params.provider.ValueSource;
+
 import reve.core.mesh.Assets;
 import reve.core.mesh.WorldFolder;
 import reve.core.unit.Unit;
@@ -35,16 +28,47 @@ import reve.core.world.WorldChange;
 import reve.core.world.WorldImage;
 import reve.core.world.WorldPrototype;
 
+import java.lang.foreign.ValueLayout;
+import java.nio.charset.StandardCharsets;
+import java.util.ArrayList;
+import java.util.HexFormat;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.Random;
+
 /** Images and changes go through bytes and come out as the same worlds. */
 class WorldCodecTest {
 
-    private static final WorldPrototype PROTOTYPE = WorldPrototype.standard("si-f64").extendedBy(
-            List.of(new PropertyDescriptor("temperature", "body", ScalarType.F32, 1,
-                    Unit.parse("K"), Optional.empty(), 0, "How hot it is."),
-                    new PropertyDescriptor("owner", "deed", ScalarType.REF, 2, Unit.ONE,
-                            Optional.of("body"), "Who has it."))).withSymbols(List.of(
-                    new SymbolDescriptor("reach", SymbolType.NUMBER, Unit.parse("km"),
-                            "How far.")));
+    private static final WorldPrototype PROTOTYPE =
+            WorldPrototype.standard("si-f64")
+                    .extendedBy(
+                            List.of(
+                                    new PropertyDescriptor(
+                                            "temperature",
+                                            "body",
+                                            ScalarType.F32,
+                                            1,
+                                            Unit.parse("K"),
+                                            Optional.empty(),
+                                            0,
+                                            "How hot it is."),
+                                    new PropertyDescriptor(
+                                            "owner",
+                                            "deed",
+                                            ScalarType.REF,
+                                            2,
+                                            Unit.ONE,
+                                            Optional.of("body"),
+                                            "Who has it.")))
+                    .withSymbols(
+                            List.of(
+                                    new SymbolDescriptor(
+                                            "reach",
+                                            SymbolType.NUMBER,
+                                            Unit.parse("km"),
+                                            "How far.")));
 
     private static final Assets NONE = new Assets(WorldFolder.none());
 
@@ -58,7 +82,8 @@ class WorldCodecTest {
         last.semantic().derive("tags", List.of("a", 2.0));
         world.forces().add(new Forces.Force(last.id(), List.of(1.0, -0.0, 1e-300), seed));
         World other = empty();
-        try (WorldImage image = new WorldImage(world); WorldImage back = new WorldImage(other)) {
+        try (WorldImage image = new WorldImage(world);
+                WorldImage back = new WorldImage(other)) {
             image.copyFrom(world, 12);
             byte[] bytes = Sections.write(new WorldImageCodec(PROTOTYPE, NONE).write(image));
             new WorldImageCodec(PROTOTYPE, NONE).read(Sections.read(bytes), back);
@@ -75,14 +100,16 @@ class WorldCodecTest {
         World world = empty();
         world.add(ItemDefinition.named("old").build());
         World other = empty();
-        try (WorldImage image = new WorldImage(world); WorldImage back = new WorldImage(other)) {
+        try (WorldImage image = new WorldImage(world);
+                WorldImage back = new WorldImage(other)) {
             image.copyFrom(world, 1);
-            Map<String, byte[]> sections = new LinkedHashMap<>(
-                    new WorldImageCodec(PROTOTYPE, NONE).write(image));
+            Map<String, byte[]> sections =
+                    new LinkedHashMap<>(new WorldImageCodec(PROTOTYPE, NONE).write(image));
             String items = new String(sections.get("items"), StandardCharsets.UTF_8);
             assertThat(items).contains("\"made\":{}");
-            sections.put("items", items.replace("\"made\":{}", "\"none\":{}")
-                    .getBytes(StandardCharsets.UTF_8));
+            sections.put(
+                    "items",
+                    items.replace("\"made\":{}", "\"none\":{}").getBytes(StandardCharsets.UTF_8));
             new WorldImageCodec(PROTOTYPE, NONE).read(sections, back);
             other.restore(back);
             assertThat(everything(other)).isEqualTo(everything(world));
@@ -94,14 +121,17 @@ class WorldCodecTest {
     void anImageThatClaimsMoreRowsThanItemsTakesNoMemory() {
         World world = empty();
         world.add(ItemDefinition.named("only").build());
-        try (WorldImage image = new WorldImage(world); WorldImage back = new WorldImage(empty())) {
+        try (WorldImage image = new WorldImage(world);
+                WorldImage back = new WorldImage(empty())) {
             image.copyFrom(world, 1);
-            Map<String, byte[]> sections = new LinkedHashMap<>(
-                    new WorldImageCodec(PROTOTYPE, NONE).write(image));
+            Map<String, byte[]> sections =
+                    new LinkedHashMap<>(new WorldImageCodec(PROTOTYPE, NONE).write(image));
             String tables = new String(sections.get("world"), StandardCharsets.UTF_8);
             for (String rows : List.of("2147483647", "-1", "4294967297", "null")) {
-                sections.put("world", tables.replaceFirst("\"rows\":[0-9]+", "\"rows\":" + rows)
-                        .getBytes(StandardCharsets.UTF_8));
+                sections.put(
+                        "world",
+                        tables.replaceFirst("\"rows\":[0-9]+", "\"rows\":" + rows)
+                                .getBytes(StandardCharsets.UTF_8));
                 assertThatExceptionOfType(CorruptException.class)
                         .isThrownBy(() -> new WorldImageCodec(PROTOTYPE, NONE).read(sections, back))
                         .withMessageContaining("the field rows: found " + rows + ", expected");
@@ -136,18 +166,21 @@ class WorldCodecTest {
     @Test
     void aChangeThatCannotBeMadeIsToldWithTheReason() {
         var codec = new ChangeCodec(PROTOTYPE, NONE);
-        assertThatExceptionOfType(CorruptException.class).isThrownBy(() -> codec.apply(empty(),
-                        Trees.read("{\"detach\": 99}".getBytes())))
-                .withMessageContaining("{\"detach\":99}").withMessageContaining("no item #99");
-        assertThatExceptionOfType(CorruptException.class).isThrownBy(() -> codec.apply(empty(),
-                Trees.read("{}".getBytes()))).withMessageContaining("kind is missing");
+        assertThatExceptionOfType(CorruptException.class)
+                .isThrownBy(() -> codec.apply(empty(), Trees.read("{\"detach\": 99}".getBytes())))
+                .withMessageContaining("{\"detach\":99}")
+                .withMessageContaining("no item #99");
+        assertThatExceptionOfType(CorruptException.class)
+                .isThrownBy(() -> codec.apply(empty(), Trees.read("{}".getBytes())))
+                .withMessageContaining("kind is missing");
     }
 
     @Test
     void anImageOfAnotherPrototypeIsRefused() {
         World narrow = new World("test", WorldPrototype.standard("si-f32"), new OffHeapArena());
         World wide = empty();
-        try (WorldImage from = new WorldImage(narrow); WorldImage into = new WorldImage(wide)) {
+        try (WorldImage from = new WorldImage(narrow);
+                WorldImage into = new WorldImage(wide)) {
             from.copyFrom(narrow, 0);
             var sections = new WorldImageCodec(narrow.prototype(), NONE).write(from);
             assertThatExceptionOfType(CorruptException.class)
@@ -172,8 +205,11 @@ class WorldCodecTest {
 
     private static byte[] rows(World world, WorldChange change) {
         return change instanceof WorldChange.ColumnEdited edited
-                ? world.table(edited.kind()).column(edited.property()).segment()
-                        .toArray(ValueLayout.JAVA_BYTE) : null;
+                ? world.table(edited.kind())
+                        .column(edited.property())
+                        .segment()
+                        .toArray(ValueLayout.JAVA_BYTE)
+                : null;
     }
 
     /** The last changes of a frame, so that the rows at its end are what was written. */
@@ -186,8 +222,8 @@ class WorldCodecTest {
 
     private static void change(World world, Random random, int times) {
         for (int i = 0; i < times; i++) {
-            List<Item> bodies = world.items().stream()
-                    .filter(item -> item.kind().equals("body")).toList();
+            List<Item> bodies =
+                    world.items().stream().filter(item -> item.kind().equals("body")).toList();
             if (bodies.size() < 4 || random.nextInt(4) == 0) {
                 String maker = random.nextInt(3) == 0 ? null : "agent-" + random.nextInt(3);
                 world.addAll(List.of(body(random)), maker);
@@ -206,11 +242,20 @@ class WorldCodecTest {
                 }
                 case 4 -> any.physical().setLocation(random.nextGaussian(), -0.0, 1e-300);
                 case 5 -> any.physical().setOrientation(random.nextGaussian(), 1, 0, 0);
-                case 6 -> any.physical().setShape(random.nextBoolean() ? Shape.none()
-                        : Shape.box(1, random.nextDouble() + 0.1, 3));
+                case 6 ->
+                        any.physical()
+                                .setShape(
+                                        random.nextBoolean()
+                                                ? Shape.none()
+                                                : Shape.box(1, random.nextDouble() + 0.1, 3));
                 case 7 -> any.physical().setColour(new Colour(random.nextInt()));
-                case 8 -> any.semantic().set("mood " + random.nextInt(3),
-                        random.nextBoolean() ? (Object) random.nextDouble() : "söso \"" );
+                case 8 ->
+                        any.semantic()
+                                .set(
+                                        "mood " + random.nextInt(3),
+                                        random.nextBoolean()
+                                                ? (Object) random.nextDouble()
+                                                : "söso \"");
                 case 9 -> any.semantic().remove("mood 1");
                 case 10 -> any.physics().set("temperature", random.nextFloat());
                 case 11 -> clearPhysics(world, any);
@@ -220,10 +265,13 @@ class WorldCodecTest {
     }
 
     private static ItemDefinition body(Random random) {
-        var item = ItemDefinition.named("item " + random.nextLong())
-                .at(random.nextGaussian(), random.nextGaussian(), 0)
-                .symbol("class", "thing").symbol("heavy", random.nextBoolean());
-        return random.nextBoolean() ? item.build()
+        var item =
+                ItemDefinition.named("item " + random.nextLong())
+                        .at(random.nextGaussian(), random.nextGaussian(), 0)
+                        .symbol("class", "thing")
+                        .symbol("heavy", random.nextBoolean());
+        return random.nextBoolean()
+                ? item.build()
                 : item.physics("velocity", random.nextGaussian(), -0.0, 1).build();
     }
 
@@ -243,9 +291,14 @@ class WorldCodecTest {
 
     private static void addSpring(World world, Random random, Item one, Item other) {
         if (!one.physics().isEmpty() && !other.physics().isEmpty()) {
-            Item spring = world.add(ItemDefinition.named("spring " + random.nextLong())
-                    .kind("spring").physics("length", random.nextDouble())
-                    .reference("end1", one.name()).reference("end2", other.name()).build());
+            Item spring =
+                    world.add(
+                            ItemDefinition.named("spring " + random.nextLong())
+                                    .kind("spring")
+                                    .physics("length", random.nextDouble())
+                                    .reference("end1", one.name())
+                                    .reference("end2", other.name())
+                                    .build());
             spring.physics().setReferences("end1", other.id());
         }
     }
@@ -261,8 +314,17 @@ class WorldCodecTest {
             for (int row = 0; row < table.rowCount(); row++) {
                 all.put(table.kind() + " row " + row, table.idAt(row));
             }
-            table.columns().forEach(column -> all.put(table.kind() + "." + column.name(),
-                    HexFormat.of().formatHex(column.segment().toArray(ValueLayout.JAVA_BYTE))));
+            table.columns()
+                    .forEach(
+                            column ->
+                                    all.put(
+                                            table.kind() + "." + column.name(),
+                                            HexFormat.of()
+                                                    .formatHex(
+                                                            column.segment()
+                                                                    .toArray(
+                                                                            ValueLayout
+                                                                                    .JAVA_BYTE))));
         }
         return all;
     }

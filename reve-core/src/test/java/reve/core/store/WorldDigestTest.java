@@ -1,13 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.store;
 
 import static org.assertj.core.api.Assertions.assertThat;
 
-import java.util.Optional;
-import java.util.Random;
 import org.junit.jupiter.api.BeforeEach;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.params.ParameterizedTest;
 import org.junit.jupiter.params.provider.ValueSource;
+
 import reve.core.store.WorldDigest.Difference;
 import reve.core.world.Column;
 import reve.core.world.Item;
@@ -16,6 +16,9 @@ import reve.core.world.OffHeapArena;
 import reve.core.world.Table;
 import reve.core.world.World;
 import reve.core.world.WorldPrototype;
+
+import java.util.Optional;
+import java.util.Random;
 
 class WorldDigestTest {
 
@@ -32,9 +35,11 @@ class WorldDigestTest {
         for (World each : new World[] {world, other}) {
             Random random = new Random(SEED);
             for (int i = 0; i < ITEMS; i++) {
-                each.add(ItemDefinition.named("item " + i)
-                        .at(random.nextGaussian(), random.nextGaussian(), 0)
-                        .physics("mass", random.nextDouble()).build());
+                each.add(
+                        ItemDefinition.named("item " + i)
+                                .at(random.nextGaussian(), random.nextGaussian(), 0)
+                                .physics("mass", random.nextDouble())
+                                .build());
             }
             each.remove(each.find("item 7").orElseThrow().id());
         }
@@ -57,8 +62,8 @@ class WorldDigestTest {
             int component = random.nextInt(column.components());
             long bit = 1L << random.nextInt(8 * column.type().bytes());
             flip(column, row, component, bit);
-            assertThat(new WorldDigest(other).firstDifference(numbers(world))).contains(
-                    new Difference("body", property, Optional.of(bodies.idAt(row))));
+            assertThat(new WorldDigest(other).firstDifference(numbers(world)))
+                    .contains(new Difference("body", property, Optional.of(bodies.idAt(row))));
             flip(column, row, component, bit);
         }
         assertThat(numbers(world)).isEqualTo(numbers(other));
@@ -66,7 +71,8 @@ class WorldDigestTest {
 
     @Test
     void amongSeveralPropertiesTheOneThatNamesItsItemComesFirst() {
-        other.items().stream().filter(item -> item.kind().equals("body"))
+        other.items().stream()
+                .filter(item -> item.kind().equals("body"))
                 .forEach(item -> item.physical().setLocation(9, 9, 9));
         Item heavy = other.find("item 50").orElseThrow();
         heavy.physics().set("mass", 2);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.unit;
 
 import static org.assertj.core.api.Assertions.assertThat;
@@ -5,79 +6,85 @@ import static org.assertj.core.api.Assertions.assertThatThrownBy;
 import static org.assertj.core.api.Assertions.fail;
 import static org.assertj.core.api.Assertions.within;
 
-import java.util.Locale;
-import java.util.Random;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.params.ParameterizedTest;
 import org.junit.jupiter.params.provider.CsvSource;
+
 import reve.core.Seed;
+
+import java.util.Locale;
+import java.util.Random;
 
 /** What texts mean as units. Exponents are in the order m kg s A K mol cd. */
 class UnitTest {
     @ParameterizedTest(name = "{0} is {2} * m kg s A K mol cd ^ {1}")
-    @CsvSource(delimiter = '|', textBlock = """
-            1            |  0  0  0  0  0  0  0 | 1
-            m            |  1  0  0  0  0  0  0 | 1
-            kg           |  0  1  0  0  0  0  0 | 1
-            s            |  0  0  1  0  0  0  0 | 1
-            A            |  0  0  0  1  0  0  0 | 1
-            K            |  0  0  0  0  1  0  0 | 1
-            mol          |  0  0  0  0  0  1  0 | 1
-            cd           |  0  0  0  0  0  0  1 | 1
-            g            |  0  1  0  0  0  0  0 | 1e-3
-            t            |  0  1  0  0  0  0  0 | 1e3
-            mg           |  0  1  0  0  0  0  0 | 1e-6
-            cm           |  1  0  0  0  0  0  0 | 1e-2
-            km           |  1  0  0  0  0  0  0 | 1e3
-            µm           |  1  0  0  0  0  0  0 | 1e-6
-            min          |  0  0  1  0  0  0  0 | 60
-            h            |  0  0  1  0  0  0  0 | 3600
-            d            |  0  0  1  0  0  0  0 | 86400
-            l            |  3  0  0  0  0  0  0 | 1e-3
-            Hz           |  0  0 -1  0  0  0  0 | 1
-            N            |  1  1 -2  0  0  0  0 | 1
-            kN           |  1  1 -2  0  0  0  0 | 1e3
-            mN           |  1  1 -2  0  0  0  0 | 1e-3
-            J            |  2  1 -2  0  0  0  0 | 1
-            W            |  2  1 -3  0  0  0  0 | 1
-            Pa           | -1  1 -2  0  0  0  0 | 1
-            C            |  0  0  1  1  0  0  0 | 1
-            V            |  2  1 -3 -1  0  0  0 | 1
-            Ω            |  2  1 -3 -2  0  0  0 | 1
-            ohm          |  2  1 -3 -2  0  0  0 | 1
-            T            |  0  1 -2 -1  0  0  0 | 1
-            rad          |  0  0  0  0  0  0  0 | 1
-            deg          |  0  0  0  0  0  0  0 | 0.017453292519943295
-            °            |  0  0  0  0  0  0  0 | 0.017453292519943295
-            %            |  0  0  0  0  0  0  0 | 1e-2
-            m/s          |  1  0 -1  0  0  0  0 | 1
-            km/h         |  1  0 -1  0  0  0  0 | 0.2777777777777778
-            m/s^2        |  1  0 -2  0  0  0  0 | 1
-            m/s²         |  1  0 -2  0  0  0  0 | 1
-            m/s/s        |  1  0 -2  0  0  0  0 | 1
-            m/(s*s)      |  1  0 -2  0  0  0  0 | 1
-            m/s*s        |  1  0  0  0  0  0  0 | 1
-            s^-1         |  0  0 -1  0  0  0  0 | 1
-            1/s          |  0  0 -1  0  0  0  0 | 1
-            rad/s        |  0  0 -1  0  0  0  0 | 1
-            deg/s        |  0  0 -1  0  0  0  0 | 0.017453292519943295
-            N·s          |  1  1 -1  0  0  0  0 | 1
-            N*s          |  1  1 -1  0  0  0  0 | 1
-            N*s/m        |  0  1 -1  0  0  0  0 | 1
-            N/m          |  0  1 -2  0  0  0  0 | 1
-            kg/m         | -1  1  0  0  0  0  0 | 1
-            kg*m^2       |  2  1  0  0  0  0  0 | 1
-            kg*m^2/s^2   |  2  1 -2  0  0  0  0 | 1
-            g/cm^3       | -3  1  0  0  0  0  0 | 1e3
-            m^3/(kg*s^2) |  3 -1 -2  0  0  0  0 | 1
-            m^3/kg/s^2   |  3 -1 -2  0  0  0  0 | 1
-            """)
+    @CsvSource(
+            delimiter = '|',
+            textBlock =
+                    """
+                    1            |  0  0  0  0  0  0  0 | 1
+                    m            |  1  0  0  0  0  0  0 | 1
+                    kg           |  0  1  0  0  0  0  0 | 1
+                    s            |  0  0  1  0  0  0  0 | 1
+                    A            |  0  0  0  1  0  0  0 | 1
+                    K            |  0  0  0  0  1  0  0 | 1
+                    mol          |  0  0  0  0  0  1  0 | 1
+                    cd           |  0  0  0  0  0  0  1 | 1
+                    g            |  0  1  0  0  0  0  0 | 1e-3
+                    t            |  0  1  0  0  0  0  0 | 1e3
+                    mg           |  0  1  0  0  0  0  0 | 1e-6
+                    cm           |  1  0  0  0  0  0  0 | 1e-2
+                    km           |  1  0  0  0  0  0  0 | 1e3
+                    µm           |  1  0  0  0  0  0  0 | 1e-6
+                    min          |  0  0  1  0  0  0  0 | 60
+                    h            |  0  0  1  0  0  0  0 | 3600
+                    d            |  0  0  1  0  0  0  0 | 86400
+                    l            |  3  0  0  0  0  0  0 | 1e-3
+                    Hz           |  0  0 -1  0  0  0  0 | 1
+                    N            |  1  1 -2  0  0  0  0 | 1
+                    kN           |  1  1 -2  0  0  0  0 | 1e3
+                    mN           |  1  1 -2  0  0  0  0 | 1e-3
+                    J            |  2  1 -2  0  0  0  0 | 1
+                    W            |  2  1 -3  0  0  0  0 | 1
+                    Pa           | -1  1 -2  0  0  0  0 | 1
+                    C            |  0  0  1  1  0  0  0 | 1
+                    V            |  2  1 -3 -1  0  0  0 | 1
+                    Ω            |  2  1 -3 -2  0  0  0 | 1
+                    ohm          |  2  1 -3 -2  0  0  0 | 1
+                    T            |  0  1 -2 -1  0  0  0 | 1
+                    rad          |  0  0  0  0  0  0  0 | 1
+                    deg          |  0  0  0  0  0  0  0 | 0.017453292519943295
+                    °            |  0  0  0  0  0  0  0 | 0.017453292519943295
+                    %            |  0  0  0  0  0  0  0 | 1e-2
+                    m/s          |  1  0 -1  0  0  0  0 | 1
+                    km/h         |  1  0 -1  0  0  0  0 | 0.2777777777777778
+                    m/s^2        |  1  0 -2  0  0  0  0 | 1
+                    m/s²         |  1  0 -2  0  0  0  0 | 1
+                    m/s/s        |  1  0 -2  0  0  0  0 | 1
+                    m/(s*s)      |  1  0 -2  0  0  0  0 | 1
+                    m/s*s        |  1  0  0  0  0  0  0 | 1
+                    s^-1         |  0  0 -1  0  0  0  0 | 1
+                    1/s          |  0  0 -1  0  0  0  0 | 1
+                    rad/s        |  0  0 -1  0  0  0  0 | 1
+                    deg/s        |  0  0 -1  0  0  0  0 | 0.017453292519943295
+                    N·s          |  1  1 -1  0  0  0  0 | 1
+                    N*s          |  1  1 -1  0  0  0  0 | 1
+                    N*s/m        |  0  1 -1  0  0  0  0 | 1
+                    N/m          |  0  1 -2  0  0  0  0 | 1
+                    kg/m         | -1  1  0  0  0  0  0 | 1
+                    kg*m^2       |  2  1  0  0  0  0  0 | 1
+                    kg*m^2/s^2   |  2  1 -2  0  0  0  0 | 1
+                    g/cm^3       | -3  1  0  0  0  0  0 | 1e3
+                    m^3/(kg*s^2) |  3 -1 -2  0  0  0  0 | 1
+                    m^3/kg/s^2   |  3 -1 -2  0  0  0  0 | 1
+                    """)
     void parsesDimensionAndScale(String text, String exponents, double scale) {
         Unit unit = Unit.parse(text);
 
         String[] expected = exponents.strip().split(" +");
         for (SiBase base : SiBase.values()) {
-            assertThat(unit.exponent(base)).as("exponent of %s", base.symbol())
+            assertThat(unit.exponent(base))
+                    .as("exponent of %s", base.symbol())
                     .isEqualTo(Integer.parseInt(expected[base.ordinal()]));
         }
         assertThat(unit.scale()).isCloseTo(scale, within(4 * Math.ulp(scale)));
@@ -85,32 +92,37 @@ class UnitTest {
     }
 
     @ParameterizedTest(name = "{0}: {1}")
-    @CsvSource(delimiter = '|', textBlock = """
-            ''       | it is empty
-            foo      | `foo` is not a unit that is known here
-            m/foo    | `foo` is not a unit that is known here
-            degC     | `degC` is not a unit that is known here
-            °C       | not a plain multiple of SI units (for temperatures use K)
-            °C/m     | not a plain multiple of SI units
-            ln(m)    | not a plain multiple of SI units
-            ((m      | not well formed
-            m*       | not well formed
-            /s       | not well formed
-            1//s     | not well formed
-            m^       | not well formed
-            m^^2     | not well formed
-            kg m     | only names
-            m^0.5    | only names
-            m+1      | only names
-            m2       | the number 2 is no exponent
-            m^1/2    | the number 2 is no exponent
-            2*m      | the number 2 is no exponent
-            m**2     | the number 2 is no exponent
-            m^200    | out of range
-            """)
+    @CsvSource(
+            delimiter = '|',
+            textBlock =
+                    """
+                    ''       | it is empty
+                    foo      | `foo` is not a unit that is known here
+                    m/foo    | `foo` is not a unit that is known here
+                    degC     | `degC` is not a unit that is known here
+                    °C       | not a plain multiple of SI units (for temperatures use K)
+                    °C/m     | not a plain multiple of SI units
+                    ln(m)    | not a plain multiple of SI units
+                    ((m      | not well formed
+                    m*       | not well formed
+                    /s       | not well formed
+                    1//s     | not well formed
+                    m^       | not well formed
+                    m^^2     | not well formed
+                    kg m     | only names
+                    m^0.5    | only names
+                    m+1      | only names
+                    m2       | the number 2 is no exponent
+                    m^1/2    | the number 2 is no exponent
+                    2*m      | the number 2 is no exponent
+                    m**2     | the number 2 is no exponent
+                    m^200    | out of range
+                    """)
     void refusesWithTheTextAndTheReason(String text, String reason) {
-        assertThatThrownBy(() -> Unit.parse(text)).isInstanceOf(IllegalArgumentException.class)
-                .hasMessageContaining("`" + text + "`").hasMessageContaining(reason);
+        assertThatThrownBy(() -> Unit.parse(text))
+                .isInstanceOf(IllegalArgumentException.class)
+                .hasMessageContaining("`" + text + "`")
+                .hasMessageContaining(reason);
     }
 
     @Test
@@ -124,8 +136,10 @@ class UnitTest {
     void randomTextsAreUnitsOrRefusedInAnOrderlyWay() {
         long seed = Seed.of("units");
         var random = new Random(seed);
-        String[] parts = {"m", "kg", "s", "°C", "deg", "k", "µ", "d", "ln", "%", "*", "·", "/", "^",
-            "(", ")", "-", "1", "2", "²", "9", " ", "e", "π", "Ω", "inf"};
+        String[] parts = {
+            "m", "kg", "s", "°C", "deg", "k", "µ", "d", "ln", "%", "*", "·", "/", "^", "(", ")",
+            "-", "1", "2", "²", "9", " ", "e", "π", "Ω", "inf"
+        };
         int units = 0;
         for (int n = 0; n < 20_000; n++) {
             var text = new StringBuilder();
@@ -173,7 +187,8 @@ class UnitTest {
 
     @Test
     void unitsAreEqualByWhatTheyMean() {
-        assertThat(Unit.parse("N")).isEqualTo(Unit.parse("kg*m/s^2"))
+        assertThat(Unit.parse("N"))
+                .isEqualTo(Unit.parse("kg*m/s^2"))
                 .hasSameHashCodeAs(Unit.parse("kg*m/s^2"));
         assertThat(Unit.parse("km")).isNotEqualTo(Unit.parse("m"));
         assertThat(Unit.parse("rad")).isEqualTo(Unit.ONE);

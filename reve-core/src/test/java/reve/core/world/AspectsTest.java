@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
 import static org.assertj.core.api.Assertions.assertThat;
@@ -5,13 +6,15 @@ import static org.assertj.core.api.Assertions.assertThatIllegalArgumentException
 import static org.assertj.core.api.Assertions.assertThatIllegalStateException;
 import static org.assertj.core.api.Assertions.within;
 
-import java.util.List;
-import java.util.Map;
-import java.util.Optional;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.params.ParameterizedTest;
 import org.junit.jupiter.params.provider.ValueSource;
+
 import reve.core.unit.Unit;
+
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
 
 class AspectsTest {
 
@@ -22,8 +25,15 @@ class AspectsTest {
     @ValueSource(strings = {"si-f64", "si-f32"})
     void whatIsWrittenIsReadBack(String prototype) {
         World any = new World("any", WorldPrototype.standard(prototype), new OffHeapArena());
-        Item ball = any.add(ItemDefinition.named("ball").shape(Shape.sphere(0.5)).colour("#c0392b")
-                .at(1, -2, 3.5).physics("mass", 1000).physics("velocity", 0, 3, 0).build());
+        Item ball =
+                any.add(
+                        ItemDefinition.named("ball")
+                                .shape(Shape.sphere(0.5))
+                                .colour("#c0392b")
+                                .at(1, -2, 3.5)
+                                .physics("mass", 1000)
+                                .physics("velocity", 0, 3, 0)
+                                .build());
         assertThat(ball.physical().location()).containsExactly(1, -2, 3.5);
         assertThat(ball.physical().orientation()).containsExactly(0, 0, 0, 1);
         assertThat(ball.physical().size()).containsExactly(1, 1, 1);
@@ -51,7 +61,8 @@ class AspectsTest {
         World narrow = new World("n", WorldPrototype.standard("si-f32"), new OffHeapArena());
         Item ball = narrow.add(ItemDefinition.named("ball").physics("mass", 0.1).build());
         assertThat(ball.physics().scalar("mass")).isEqualTo(0.1f).isNotEqualTo(0.1);
-        assertThatIllegalArgumentException().isThrownBy(() -> ball.physics().set("mass", 1e39))
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> ball.physics().set("mass", 1e39))
                 .withMessage("item ball: mass is 1.0E39, which does not fit type F32");
         assertThatIllegalArgumentException()
                 .isThrownBy(() -> ball.physical().setLocation(0, 0, 1e39));
@@ -62,9 +73,15 @@ class AspectsTest {
     @ParameterizedTest
     @ValueSource(doubles = {Double.NaN, Double.POSITIVE_INFINITY, Double.NEGATIVE_INFINITY})
     void refusesWhatIsNotFiniteAndKeepsTheOldValue(double bad) {
-        Item ball = world.add(ItemDefinition.named("ball").at(1, 2, 3).physics("mass", 5)
-                .physics("velocity", 1, 1, 1).build());
-        assertThatIllegalArgumentException().isThrownBy(() -> ball.physics().set("mass", bad))
+        Item ball =
+                world.add(
+                        ItemDefinition.named("ball")
+                                .at(1, 2, 3)
+                                .physics("mass", 5)
+                                .physics("velocity", 1, 1, 1)
+                                .build());
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> ball.physics().set("mass", bad))
                 .withMessage("item ball: mass is " + bad + ", expected finite numbers");
         assertThatIllegalArgumentException()
                 .isThrownBy(() -> ball.physics().set("velocity", 9, bad, 9));
@@ -85,14 +102,20 @@ class AspectsTest {
     void refusesWhatIsBelowTheLeastValueAndKeepsTheOldOne(String property) {
         Item ball = world.add(ItemDefinition.named("ball").physics(property, 5).build());
         String unit = property.equals("mass") ? "kg" : "m";
-        assertThatIllegalArgumentException().isThrownBy(() -> ball.physics().set(property, -2))
-                .withMessage("item ball: " + property + " is -2.0, expected 0 or more ["
-                        + unit + "]");
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> ball.physics().set(property, -2))
+                .withMessage(
+                        "item ball: " + property + " is -2.0, expected 0 or more [" + unit + "]");
         assertThat(ball.physics().scalar(property)).isEqualTo(5);
         ball.physics().set(property, -0.0);
         ball.physics().set("charge", -2);
-        assertThatIllegalArgumentException().isThrownBy(() -> world.add(
-                        ItemDefinition.named("hole").physics(property, -1e-300).build()))
+        assertThatIllegalArgumentException()
+                .isThrownBy(
+                        () ->
+                                world.add(
+                                        ItemDefinition.named("hole")
+                                                .physics(property, -1e-300)
+                                                .build()))
                 .withMessageStartingWith("item hole: " + property + " is -1.0E-300");
         assertThat(world.findItem("hole")).isNull();
     }
@@ -100,27 +123,51 @@ class AspectsTest {
     @Test
     void refusesUnknownPropertiesAndWrongNumbersOfComponents() {
         Item ball = world.add(ItemDefinition.named("ball").physics("mass", 1).build());
-        assertThatIllegalArgumentException().isThrownBy(() -> ball.physics().set("masss", 1))
-                .withMessageContaining("masss").withMessageContaining("mass, charge");
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> ball.physics().set("masss", 1))
+                .withMessageContaining("masss")
+                .withMessageContaining("mass, charge");
         assertThatIllegalArgumentException()
                 .isThrownBy(() -> ball.physics().set("position", 1, 2, 3))
                 .withMessageContaining("no physics property position");
-        assertThatIllegalArgumentException().isThrownBy(() -> ball.physics().set("velocity", 1, 2))
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> ball.physics().set("velocity", 1, 2))
                 .withMessageContaining("2 components, expected 3 [m/s]");
-        assertThatIllegalArgumentException().isThrownBy(() -> ball.physics().scalar("velocity"))
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> ball.physics().scalar("velocity"))
                 .withMessageContaining("3 components");
     }
 
     @Test
     void integersMustBeWholeAndInRange() {
-        WorldPrototype counted = WorldPrototype.standard("si-f64").extendedBy(List.of(
-                new PropertyDescriptor("layer", "body", ScalarType.I32, 1, Unit.parse("1"),
-                        Optional.empty(), ""),
-                new PropertyDescriptor("mask", "body", ScalarType.U32, 1, Unit.parse("1"),
-                        Optional.empty(), "")));
+        WorldPrototype counted =
+                WorldPrototype.standard("si-f64")
+                        .extendedBy(
+                                List.of(
+                                        new PropertyDescriptor(
+                                                "layer",
+                                                "body",
+                                                ScalarType.I32,
+                                                1,
+                                                Unit.parse("1"),
+                                                Optional.empty(),
+                                                ""),
+                                        new PropertyDescriptor(
+                                                "mask",
+                                                "body",
+                                                ScalarType.U32,
+                                                1,
+                                                Unit.parse("1"),
+                                                Optional.empty(),
+                                                "")));
         World any = new World("any", counted, new OffHeapArena());
-        PhysicsAspect ball = any.add(ItemDefinition.named("ball").physics("layer", -7)
-                .physics("mask", 4294967295.0).build()).physics();
+        PhysicsAspect ball =
+                any.add(
+                                ItemDefinition.named("ball")
+                                        .physics("layer", -7)
+                                        .physics("mask", 4294967295.0)
+                                        .build())
+                        .physics();
         assertThat(ball.scalar("layer")).isEqualTo(-7);
         assertThat(ball.scalar("mask")).isEqualTo(4294967295.0);
         assertThatIllegalArgumentException().isThrownBy(() -> ball.set("layer", 0.5));
@@ -136,8 +183,10 @@ class AspectsTest {
         Table body = world.table("body");
         assertThat(lamp.physics().isEmpty()).isTrue();
         assertThat(lamp.physics().properties()).isEmpty();
-        assertThatIllegalStateException().isThrownBy(() -> lamp.physics().scalar("mass"))
-                .withMessageContaining("lamp").withMessageContaining("scenery");
+        assertThatIllegalStateException()
+                .isThrownBy(() -> lamp.physics().scalar("mass"))
+                .withMessageContaining("lamp")
+                .withMessageContaining("scenery");
         assertThat(body.physicsRowCount()).isEqualTo(1);
         assertThat(body.rowOf(ball.id())).isZero();
 
@@ -171,18 +220,26 @@ class AspectsTest {
 
     @Test
     void standardSymbolsAreAlwaysThere() {
-        Item ball = world.add(ItemDefinition.named("ball").shape(Shape.plane(4, 6))
-                .symbol("zeal", true).symbol("age", 3).build());
-        assertThat(ball.semantic().symbols()).containsExactly(Map.entry("name", "ball"),
-                Map.entry("class", "body"), Map.entry("dimensions", List.of(4.0, 0.0, 6.0)),
-                Map.entry("age", 3.0), Map.entry("zeal", true));
+        Item ball =
+                world.add(
+                        ItemDefinition.named("ball")
+                                .shape(Shape.plane(4, 6))
+                                .symbol("zeal", true)
+                                .symbol("age", 3)
+                                .build());
+        assertThat(ball.semantic().symbols())
+                .containsExactly(
+                        Map.entry("name", "ball"),
+                        Map.entry("class", "body"),
+                        Map.entry("dimensions", List.of(4.0, 0.0, 6.0)),
+                        Map.entry("age", 3.0),
+                        Map.entry("zeal", true));
         ball.semantic().set("class", "floor");
         assertThat(ball.semantic().get("class")).contains("floor");
         assertThat(ball.semantic().symbols().get("class")).isEqualTo("floor");
         ball.semantic().remove("class");
         assertThat(ball.semantic().get("class")).contains("body");
-        assertThatIllegalArgumentException()
-                .isThrownBy(() -> ball.semantic().set("name", "other"));
+        assertThatIllegalArgumentException().isThrownBy(() -> ball.semantic().set("name", "other"));
     }
 
     @Test
@@ -198,13 +255,25 @@ class AspectsTest {
     void onlyBodiesHaveAPlace() {
         world.add(ItemDefinition.named("a").physics("mass", 1).build());
         world.add(ItemDefinition.named("b").physics("mass", 1).build());
-        Item spring = world.add(ItemDefinition.named("s").kind("spring").reference("end1", "a")
-                .reference("end2", "b").build());
+        Item spring =
+                world.add(
+                        ItemDefinition.named("s")
+                                .kind("spring")
+                                .reference("end1", "a")
+                                .reference("end2", "b")
+                                .build());
         assertThat(spring.physical().isEmpty()).isTrue();
-        assertThatIllegalStateException().isThrownBy(() -> spring.physical().location())
+        assertThatIllegalStateException()
+                .isThrownBy(() -> spring.physical().location())
                 .withMessageContaining("no place");
-        assertThatIllegalArgumentException().isThrownBy(() -> world.add(
-                ItemDefinition.named("t").kind("spring").at(1, 2, 3).build()));
+        assertThatIllegalArgumentException()
+                .isThrownBy(
+                        () ->
+                                world.add(
+                                        ItemDefinition.named("t")
+                                                .kind("spring")
+                                                .at(1, 2, 3)
+                                                .build()));
     }
 
     @Test
@@ -238,20 +307,33 @@ class AspectsTest {
     void aRemovedItemRefusesEveryUse() {
         Item ball = world.add(ItemDefinition.named("ball").physics("mass", 1).build());
         world.remove(ball.id());
-        for (Runnable use : List.<Runnable>of(() -> ball.physics().scalar("mass"),
-                () -> ball.physics().set("mass", 1), () -> ball.physical().location(),
-                () -> ball.semantic().symbols(), () -> ball.semantic().set("a", "b"),
-                () -> ball.access().actions())) {
-            assertThatIllegalStateException().isThrownBy(use::run)
-                    .withMessageContaining("item ball").withMessageContaining("removed");
+        for (Runnable use :
+                List.<Runnable>of(
+                        () -> ball.physics().scalar("mass"),
+                        () -> ball.physics().set("mass", 1),
+                        () -> ball.physical().location(),
+                        () -> ball.semantic().symbols(),
+                        () -> ball.semantic().set("a", "b"),
+                        () -> ball.access().actions())) {
+            assertThatIllegalStateException()
+                    .isThrownBy(use::run)
+                    .withMessageContaining("item ball")
+                    .withMessageContaining("removed");
         }
     }
 
     @Test
     void symbolHasTheTypeThatIsDeclaredForIt() {
-        WorldPrototype declared = WorldPrototype.standard("si-f64").withSymbols(List.of(
-                new SymbolDescriptor("tags", SymbolType.LIST, Unit.ONE, ""),
-                new SymbolDescriptor("limit", SymbolType.NUMBER, Unit.parse("km/h"), "")));
+        WorldPrototype declared =
+                WorldPrototype.standard("si-f64")
+                        .withSymbols(
+                                List.of(
+                                        new SymbolDescriptor("tags", SymbolType.LIST, Unit.ONE, ""),
+                                        new SymbolDescriptor(
+                                                "limit",
+                                                SymbolType.NUMBER,
+                                                Unit.parse("km/h"),
+                                                "")));
         World world = new World("declared", declared, new OffHeapArena());
         Item sign = world.add(ItemDefinition.named("sign").symbol("limit", 30).build());
 
@@ -261,8 +343,8 @@ class AspectsTest {
                 .isThrownBy(() -> sign.semantic().set("limit", "fast"))
                 .withMessage("item sign: limit is a text, declared as a number");
         assertThatIllegalArgumentException()
-                .isThrownBy(() ->
-                        world.add(ItemDefinition.named("other").symbol("tags", 3).build()))
+                .isThrownBy(
+                        () -> world.add(ItemDefinition.named("other").symbol("tags", 3).build()))
                 .withMessage("item other: tags is a number, declared as a list");
         assertThat(world.find("other")).isEmpty();
     }
@@ -271,8 +353,8 @@ class AspectsTest {
     void symbolIsDeclaredOnce() {
         var tags = new SymbolDescriptor("tags", SymbolType.LIST, Unit.ONE, "");
         assertThatIllegalArgumentException()
-                .isThrownBy(() ->
-                        WorldPrototype.standard("si-f64").withSymbols(List.of(tags, tags)))
+                .isThrownBy(
+                        () -> WorldPrototype.standard("si-f64").withSymbols(List.of(tags, tags)))
                 .withMessageContaining("tags is declared twice");
     }
 }

@@ -1,15 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.within;
 
+import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.CsvSource;
+
+import reve.core.Seed;
+
 import java.util.ArrayList;
 import java.util.List;
 import java.util.Optional;
 import java.util.Random;
-import org.junit.jupiter.params.ParameterizedTest;
-import org.junit.jupiter.params.provider.CsvSource;
-import reve.core.Seed;
 
 /** Random histories of attaching, moving and removing, compared with 4 x 4 matrices. */
 class HierarchyModelTest {
@@ -67,8 +70,10 @@ class HierarchyModelTest {
     private void add() {
         double[] at = random.doubles(3, -10, 10).toArray();
         double[] q = quaternion();
-        var definition = ItemDefinition.named("n" + named++).at(at[0], at[1], at[2])
-                .orientation(q[0], q[1], q[2], q[3]);
+        var definition =
+                ItemDefinition.named("n" + named++)
+                        .at(at[0], at[1], at[2])
+                        .orientation(q[0], q[1], q[2], q[3]);
         Node parent = nodes.isEmpty() || random.nextBoolean() ? null : any();
         if (parent != null) {
             definition.parent(parent.item.name());
@@ -115,8 +120,10 @@ class HierarchyModelTest {
         double[] q = quaternion();
         node.item.physical().setLocation(at[0], at[1], at[2]);
         node.item.physical().setOrientation(q[0], q[1], q[2], q[3]);
-        node.own = node.parent == null ? matrix(at, q)
-                : multiply(inverse(node.parent.inWorld()), matrix(at, q));
+        node.own =
+                node.parent == null
+                        ? matrix(at, q)
+                        : multiply(inverse(node.parent.inWorld()), matrix(at, q));
     }
 
     private void remove() {
@@ -139,12 +146,14 @@ class HierarchyModelTest {
             for (int i = 0; i < 4; i++) {
                 q[i] = bodies.column("orientation").getDouble(row, i);
             }
-            assertThat(matrix(at, q)).as(when + " " + node.item)
+            assertThat(matrix(at, q))
+                    .as(when + " " + node.item)
                     .containsExactly(expected, within(tolerance));
             assertThat(node.item.physical().location()).as(when).containsExactly(at);
             assertThat(node.item.physical().orientation()).as(when).containsExactly(q);
-            assertThat(node.item.parent().map(Item::id)).as(when).isEqualTo(
-                    Optional.ofNullable(node.parent).map(parent -> parent.item.id()));
+            assertThat(node.item.parent().map(Item::id))
+                    .as(when)
+                    .isEqualTo(Optional.ofNullable(node.parent).map(parent -> parent.item.id()));
         }
     }
 
@@ -155,7 +164,8 @@ class HierarchyModelTest {
     private double[] quaternion() {
         double[] q = random.doubles(4, -1, 1).toArray();
         double length = Math.sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-        return length < 0.1 ? new double[] {0, 0, 0, 1}
+        return length < 0.1
+                ? new double[] {0, 0, 0, 1}
                 : new double[] {q[0] / length, q[1] / length, q[2] / length, q[3] / length};
     }
 
@@ -165,10 +175,23 @@ class HierarchyModelTest {
         double z = q[2];
         double w = q[3];
         return new double[] {
-            1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w), at[0],
-            2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w), at[1],
-            2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y), at[2],
-            0, 0, 0, 1};
+            1 - 2 * (y * y + z * z),
+            2 * (x * y - z * w),
+            2 * (x * z + y * w),
+            at[0],
+            2 * (x * y + z * w),
+            1 - 2 * (x * x + z * z),
+            2 * (y * z - x * w),
+            at[1],
+            2 * (x * z - y * w),
+            2 * (y * z + x * w),
+            1 - 2 * (x * x + y * y),
+            at[2],
+            0,
+            0,
+            0,
+            1
+        };
     }
 
     private static double[] multiply(double[] a, double[] b) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
 import static org.assertj.core.api.Assertions.assertThat;
@@ -5,11 +6,12 @@ import static org.assertj.core.api.Assertions.assertThatIllegalArgumentException
 import static org.assertj.core.api.Assertions.assertThatIllegalStateException;
 import static org.assertj.core.api.Assertions.within;
 
+import org.junit.jupiter.api.Test;
+
 import java.util.ArrayList;
 import java.util.Collections;
 import java.util.List;
 import java.util.Random;
-import org.junit.jupiter.api.Test;
 
 class HierarchyTest {
 
@@ -32,9 +34,11 @@ class HierarchyTest {
     private double[] positionColumn(Item item) {
         Table bodies = world.table("body");
         int row = bodies.rowOf(item.id());
-        return new double[] {bodies.column("position").getDouble(row, 0),
+        return new double[] {
+            bodies.column("position").getDouble(row, 0),
             bodies.column("position").getDouble(row, 1),
-            bodies.column("position").getDouble(row, 2)};
+            bodies.column("position").getDouble(row, 2)
+        };
     }
 
     @Test
@@ -79,7 +83,8 @@ class HierarchyTest {
         assertAt(wheel, 1, 7, 0);
         assertThat(wheel.parent()).isEmpty();
         assertThat(cart.children()).isEmpty();
-        assertThatIllegalArgumentException().isThrownBy(() -> world.detach(wheel.id()))
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> world.detach(wheel.id()))
                 .withMessageContaining("item wheel (body #3) is not attached to anything");
     }
 
@@ -88,8 +93,8 @@ class HierarchyTest {
         List<ItemDefinition> chain = new ArrayList<>();
         chain.add(ItemDefinition.named("link0").at(1, 2, 3).orientation(0, HALF, 0, HALF).build());
         for (int i = 1; i < 50; i++) {
-            chain.add(ItemDefinition.named("link" + i).parent("link" + (i - 1))
-                    .at(1, 0, 0).build());
+            chain.add(
+                    ItemDefinition.named("link" + i).parent("link" + (i - 1)).at(1, 0, 0).build());
         }
         Collections.shuffle(chain, new Random(7));
         world.addAll(chain);
@@ -107,8 +112,8 @@ class HierarchyTest {
         List<ItemDefinition> chain = new ArrayList<>();
         chain.add(ItemDefinition.named("link0").build());
         for (int i = 1; i < 20_000; i++) {
-            chain.add(ItemDefinition.named("link" + i).parent("link" + (i - 1))
-                    .at(1, 0, 0).build());
+            chain.add(
+                    ItemDefinition.named("link" + i).parent("link" + (i - 1)).at(1, 0, 0).build());
         }
         world.addAll(chain);
         world.find("link0").orElseThrow().physical().setLocation(0, 1, 0);
@@ -124,14 +129,20 @@ class HierarchyTest {
         Item c = body("c", 0, 0, 0);
         world.attach(b.id(), a.id());
         world.attach(c.id(), b.id());
-        assertThatIllegalArgumentException().isThrownBy(() -> world.attach(a.id(), c.id()))
-                .withMessage("item a (body #2) cannot be attached to item c (body #4): c already "
-                        + "moves with a");
-        assertThatIllegalArgumentException().isThrownBy(() -> world.attach(a.id(), a.id()))
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> world.attach(a.id(), c.id()))
+                .withMessage(
+                        "item a (body #2) cannot be attached to item c (body #4): c already "
+                                + "moves with a");
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> world.attach(a.id(), a.id()))
                 .withMessageContaining("it is the same item");
-        var circle = List.of(ItemDefinition.named("x").parent("y").build(),
-                ItemDefinition.named("y").parent("x").build());
-        assertThatIllegalArgumentException().isThrownBy(() -> world.addAll(circle))
+        var circle =
+                List.of(
+                        ItemDefinition.named("x").parent("y").build(),
+                        ItemDefinition.named("y").parent("x").build());
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> world.addAll(circle))
                 .withMessage("item x cannot be attached to itself, as by x to y");
         assertThat(world.find("x")).isEmpty();
     }
@@ -140,16 +151,25 @@ class HierarchyTest {
     void lawsDoNotMoveWhatMovesWithSomethingElse() {
         Item cart = world.add(ItemDefinition.named("cart").physics("mass", 5).build());
         Item ball = world.add(ItemDefinition.named("ball").physics("mass", 2).build());
-        assertThatIllegalArgumentException().isThrownBy(() -> world.attach(ball.id(), cart.id()))
-                .withMessage("item ball (body #3) cannot be attached to item cart (body #2): "
-                        + "mass is 2.0 kg, but laws cannot move what moves with another item: "
-                        + "give it mass 0, or hold it with a spring");
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> world.attach(ball.id(), cart.id()))
+                .withMessage(
+                        "item ball (body #3) cannot be attached to item cart (body #2): mass is 2.0"
+                                + " kg, but laws cannot move what moves with another item: give it mass"
+                                + " 0, or hold it with a spring");
         ball.physics().set("mass", 0);
         world.attach(ball.id(), cart.id());
-        assertThatIllegalArgumentException().isThrownBy(() -> ball.physics().set("mass", 1))
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> ball.physics().set("mass", 1))
                 .withMessageContaining("item ball (body #3) is attached to cart: mass is 1.0 kg");
-        assertThatIllegalArgumentException().isThrownBy(() -> world.add(
-                ItemDefinition.named("wheel").parent("cart").physics("mass", 1).build()))
+        assertThatIllegalArgumentException()
+                .isThrownBy(
+                        () ->
+                                world.add(
+                                        ItemDefinition.named("wheel")
+                                                .parent("cart")
+                                                .physics("mass", 1)
+                                                .build()))
                 .withMessageContaining("item wheel cannot be attached to cart: mass is 1.0 kg");
         assertThat(world.find("wheel")).isEmpty();
     }
@@ -159,13 +179,20 @@ class HierarchyTest {
         body("a", 0, 0, 0);
         Item constants = world.find("world").orElseThrow();
         Item a = world.find("a").orElseThrow();
-        assertThatIllegalArgumentException().isThrownBy(() -> world.attach(a.id(), constants.id()))
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> world.attach(a.id(), constants.id()))
                 .withMessageContaining("world is of kind world, which has no place");
-        assertThatIllegalArgumentException().isThrownBy(
-                () -> world.add(ItemDefinition.named("b").parent("nobody").build()))
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> world.add(ItemDefinition.named("b").parent("nobody").build()))
                 .withMessage("item b cannot be attached to nobody: it does not exist");
-        assertThatIllegalArgumentException().isThrownBy(() -> world.add(
-                ItemDefinition.named("s").kind("spring").parent("a").build()))
+        assertThatIllegalArgumentException()
+                .isThrownBy(
+                        () ->
+                                world.add(
+                                        ItemDefinition.named("s")
+                                                .kind("spring")
+                                                .parent("a")
+                                                .build()))
                 .withMessageContaining("s is of kind spring");
     }
 
@@ -176,7 +203,8 @@ class HierarchyTest {
         Item hub = body("hub", 1, 0, 0);
         world.attach(wheel.id(), cart.id());
         world.attach(hub.id(), wheel.id());
-        assertThatIllegalArgumentException().isThrownBy(() -> world.remove(cart.id()))
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> world.remove(cart.id()))
                 .withMessageContaining("item wheel (body #3) refers to it or is attached to it");
         world.removeCascade(cart.id());
         assertThat(world.items()).extracting(Item::name).containsExactly("world");
@@ -188,7 +216,8 @@ class HierarchyTest {
         Item cart = body("cart", 0, 0, 0);
         Item wheel = body("wheel", 1, 0, 0);
         world.guard().lockStructure("PHYSICS");
-        assertThatIllegalStateException().isThrownBy(() -> world.attach(wheel.id(), cart.id()))
+        assertThatIllegalStateException()
+                .isThrownBy(() -> world.attach(wheel.id(), cart.id()))
                 .withMessageContaining("PHYSICS");
         assertThatIllegalStateException().isThrownBy(() -> world.detach(wheel.id()));
         assertThatIllegalStateException().isThrownBy(() -> world.rename(wheel.id(), "tyre"));

@@ -1,21 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatIllegalArgumentException;
 import static org.assertj.core.api.Assertions.within;
 
-import java.util.Collections;
-import java.util.List;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.params.ParameterizedTest;
 import org.junit.jupiter.params.provider.ValueSource;
+
+import java.util.Collections;
+import java.util.List;
 
 class ItemDefinitionTest {
 
     @ParameterizedTest
     @ValueSource(strings = {"", "  ", "a\nb", "tab\there", "\u0000", "del\u007f"})
     void refusesNamesThatCannotBeRead(String name) {
-        assertThatIllegalArgumentException().isThrownBy(() -> ItemDefinition.named(name))
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> ItemDefinition.named(name))
                 .withMessageContaining("item name");
     }
 
@@ -24,21 +27,29 @@ class ItemDefinitionTest {
         assertThat(ItemDefinition.named("x".repeat(128)).build().name()).hasSize(128);
         assertThatIllegalArgumentException()
                 .isThrownBy(() -> ItemDefinition.named("x".repeat(129)))
-                .withMessageContaining("129 characters").withMessageContaining("at most 128");
+                .withMessageContaining("129 characters")
+                .withMessageContaining("at most 128");
     }
 
     @ParameterizedTest
     @ValueSource(doubles = {Double.NaN, Double.POSITIVE_INFINITY, Double.NEGATIVE_INFINITY})
     void refusesNumbersThatAreNotFiniteWhereverTheyAreGiven(double bad) {
         var ball = ItemDefinition.named("ball");
-        assertThatIllegalArgumentException().isThrownBy(() -> ball.at(0, bad, 0))
-                .withMessageContaining("item ball: position").withMessageContaining("" + bad);
-        assertThatIllegalArgumentException().isThrownBy(() -> ball.orientation(0, 0, 0, bad))
-                .withMessageContaining("item ball: orientation").withMessageContaining("" + bad);
-        assertThatIllegalArgumentException().isThrownBy(() -> ball.physics("mass", bad))
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> ball.at(0, bad, 0))
+                .withMessageContaining("item ball: position")
+                .withMessageContaining("" + bad);
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> ball.orientation(0, 0, 0, bad))
+                .withMessageContaining("item ball: orientation")
+                .withMessageContaining("" + bad);
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> ball.physics("mass", bad))
                 .withMessage("item ball: mass is " + bad + ", expected finite numbers");
-        assertThatIllegalArgumentException().isThrownBy(() -> ball.symbol("heat", bad))
-                .withMessageContaining("item ball: heat").withMessageContaining("" + bad);
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> ball.symbol("heat", bad))
+                .withMessageContaining("item ball: heat")
+                .withMessageContaining("" + bad);
         assertThatIllegalArgumentException().isThrownBy(() -> Shape.sphere(bad));
         assertThatIllegalArgumentException().isThrownBy(() -> Shape.box(1, 1, bad));
         assertThatIllegalArgumentException().isThrownBy(() -> Shape.plane(bad, 1));
@@ -47,8 +58,11 @@ class ItemDefinitionTest {
     @Test
     void normalisesOrientationsOfAnyMagnitude() {
         for (double scale : new double[] {1e-300, 1, 1e300}) {
-            double[] unit = ItemDefinition.named("ball")
-                    .orientation(scale, -scale, scale, scale).build().orientation();
+            double[] unit =
+                    ItemDefinition.named("ball")
+                            .orientation(scale, -scale, scale, scale)
+                            .build()
+                            .orientation();
             assertThat(unit).containsExactly(new double[] {0.5, -0.5, 0.5, 0.5}, within(1e-15));
         }
     }
@@ -63,13 +77,16 @@ class ItemDefinitionTest {
     @Test
     void refusesSymbolsThatTheWorldDerivesAndValuesOfOtherTypes() {
         var ball = ItemDefinition.named("ball");
-        assertThatIllegalArgumentException().isThrownBy(() -> ball.symbol("name", "other"))
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> ball.symbol("name", "other"))
                 .withMessageContaining("derives");
-        assertThatIllegalArgumentException().isThrownBy(() -> ball.symbol("dimensions", 3))
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> ball.symbol("dimensions", 3))
                 .withMessageContaining("derives");
         assertThatIllegalArgumentException()
                 .isThrownBy(() -> ball.symbol("tags", List.of(List.of("a"))))
-                .withMessageContaining("tags").withMessageContaining("expected text");
+                .withMessageContaining("tags")
+                .withMessageContaining("expected text");
         assertThatIllegalArgumentException()
                 .isThrownBy(() -> ball.symbol("tags", Collections.nCopies(65, "a")))
                 .withMessageContaining("65");
@@ -92,7 +109,8 @@ class ItemDefinitionTest {
     @ParameterizedTest
     @ValueSource(strings = {"", "red", "#12345", "#1234567", "#123456789", "123456", "#12345g"})
     void refusesOtherColours(String text) {
-        assertThatIllegalArgumentException().isThrownBy(() -> Colour.parse(text))
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> Colour.parse(text))
                 .withMessageContaining("#rrggbb");
     }
 
@@ -108,9 +126,10 @@ class ItemDefinitionTest {
         assertThatIllegalArgumentException().isThrownBy(() -> Shape.mesh(corners, new int[] {}));
         assertThatIllegalArgumentException().isThrownBy(() -> Shape.mesh(new float[4], triangle));
         assertThatIllegalArgumentException()
-                .isThrownBy(() -> Shape.mesh(
-                        new float[] {0, 0, 0, Float.NaN, 0, 0, 0, 1, 0}, triangle))
-                .withMessageContaining("vertex 1").withMessageContaining("NaN");
+                .isThrownBy(
+                        () -> Shape.mesh(new float[] {0, 0, 0, Float.NaN, 0, 0, 0, 1, 0}, triangle))
+                .withMessageContaining("vertex 1")
+                .withMessageContaining("NaN");
     }
 
     @Test
@@ -127,9 +146,16 @@ class ItemDefinitionTest {
 
     @Test
     void renamedKeepsEverythingButTheName() {
-        ItemDefinition template = ItemDefinition.named("guest").shape(Shape.box(1, 2, 3))
-                .colour("#010203").at(4, 5, 6).orientation(1, 0, 0, 0).symbol("class", "visitor")
-                .physics("mass", 7).reference("end1", "x").build();
+        ItemDefinition template =
+                ItemDefinition.named("guest")
+                        .shape(Shape.box(1, 2, 3))
+                        .colour("#010203")
+                        .at(4, 5, 6)
+                        .orientation(1, 0, 0, 0)
+                        .symbol("class", "visitor")
+                        .physics("mass", 7)
+                        .reference("end1", "x")
+                        .build();
         ItemDefinition copy = template.renamed("ada");
         assertThat(copy.name()).isEqualTo("ada");
         assertThat(copy).usingRecursiveComparison().ignoringFields("name").isEqualTo(template);

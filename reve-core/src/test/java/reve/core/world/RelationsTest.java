@@ -1,15 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatIllegalArgumentException;
 
+import org.junit.jupiter.api.AfterEach;
+import org.junit.jupiter.api.Test;
+
+import reve.core.Seed;
+import reve.core.derive.BoundingBoxes;
+
 import java.util.ArrayList;
 import java.util.List;
 import java.util.Random;
-import org.junit.jupiter.api.AfterEach;
-import org.junit.jupiter.api.Test;
-import reve.core.Seed;
-import reve.core.derive.BoundingBoxes;
 
 class RelationsTest {
     private final OffHeapArena arena = new OffHeapArena();
@@ -21,8 +24,8 @@ class RelationsTest {
     }
 
     private Item box(String name, double size, double x, double y, double z) {
-        return world.add(ItemDefinition.named(name).shape(Shape.box(size, size, size)).at(x, y, z)
-                .build());
+        return world.add(
+                ItemDefinition.named(name).shape(Shape.box(size, size, size)).at(x, y, z).build());
     }
 
     private void derive() {
@@ -105,8 +108,10 @@ class RelationsTest {
         }
         derive();
 
-        assertThat((List<?>) of(middle, "near")).hasSize(Relations.MAX_ITEMS)
-                .first().isEqualTo("b39");
+        assertThat((List<?>) of(middle, "near"))
+                .hasSize(Relations.MAX_ITEMS)
+                .first()
+                .isEqualTo("b39");
     }
 
     @Test
@@ -117,12 +122,14 @@ class RelationsTest {
             crowd.add(box("one-" + i, 1, 0.001 * i, 0, 0));
         }
         derive();
-        List<String> first = crowd.stream().skip(1).limit(Relations.MAX_ITEMS).map(Item::name)
-                .toList();
+        List<String> first =
+                crowd.stream().skip(1).limit(Relations.MAX_ITEMS).map(Item::name).toList();
         assertThat(of(crowd.getFirst(), "near")).isEqualTo(first);
         assertThat(of(crowd.getFirst(), "touching")).isEqualTo(first);
-        assertThat((List<?>) of(crowd.getLast(), "near")).hasSize(Relations.MAX_ITEMS)
-                .first().isEqualTo("one-0");
+        assertThat((List<?>) of(crowd.getLast(), "near"))
+                .hasSize(Relations.MAX_ITEMS)
+                .first()
+                .isEqualTo("one-0");
     }
 
     @Test
@@ -131,9 +138,11 @@ class RelationsTest {
         derive();
         assertThatIllegalArgumentException()
                 .isThrownBy(() -> world.relations().of(one.id(), "above"))
-                .withMessageContaining("above").withMessageContaining("touching");
+                .withMessageContaining("above")
+                .withMessageContaining("touching");
         assertThatIllegalArgumentException()
-                .isThrownBy(() -> one.semantic().set("near", "x")).withMessageContaining("derives");
+                .isThrownBy(() -> one.semantic().set("near", "x"))
+                .withMessageContaining("derives");
     }
 
     @Test
@@ -142,8 +151,13 @@ class RelationsTest {
         var random = new Random(seed);
         List<Item> items = new ArrayList<>();
         for (int i = 0; i < 60; i++) {
-            items.add(box("i" + i, Math.exp(random.nextDouble() * 3 - 2), random.nextInt(8),
-                    0.5 * random.nextInt(4), random.nextInt(8)));
+            items.add(
+                    box(
+                            "i" + i,
+                            Math.exp(random.nextDouble() * 3 - 2),
+                            random.nextInt(8),
+                            0.5 * random.nextInt(4),
+                            random.nextInt(8)));
         }
         derive();
         for (Item item : items) {
@@ -155,8 +169,9 @@ class RelationsTest {
                 }
             }
             List<?> found = (List<?>) of(item, "near");
-            assertThat(near).as("seed %d, %s", seed, item).containsAll(List.copyOf(found).stream()
-                    .map(Object::toString).toList());
+            assertThat(near)
+                    .as("seed %d, %s", seed, item)
+                    .containsAll(List.copyOf(found).stream().map(Object::toString).toList());
             assertThat(found).hasSize(Math.min(near.size(), Relations.MAX_ITEMS));
         }
     }
@@ -164,8 +179,9 @@ class RelationsTest {
     private static double gap(Item a, Item b) {
         double sum = 0;
         for (int axis = 0; axis < 3; axis++) {
-            double apart = Math.abs(a.physical().location()[axis] - b.physical().location()[axis])
-                    - (a.physical().size()[axis] + b.physical().size()[axis]) / 2;
+            double apart =
+                    Math.abs(a.physical().location()[axis] - b.physical().location()[axis])
+                            - (a.physical().size()[axis] + b.physical().size()[axis]) / 2;
             sum += Math.max(0, apart) * Math.max(0, apart);
         }
         return Math.sqrt(sum);

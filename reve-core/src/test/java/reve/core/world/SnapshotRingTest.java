@@ -1,22 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatIllegalArgumentException;
 import static org.assertj.core.api.Assertions.assertThatIllegalStateException;
 
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.ValueSource;
+
+import reve.core.Seed;
+
 import java.lang.foreign.ValueLayout;
 import java.util.ArrayList;
 import java.util.List;
-import java.util.Random;
 import java.util.Map;
+import java.util.Random;
 import java.util.concurrent.ExecutorService;
 import java.util.concurrent.Executors;
 import java.util.concurrent.Future;
 import java.util.concurrent.atomic.AtomicBoolean;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.params.ParameterizedTest;
-import org.junit.jupiter.params.provider.ValueSource;
-import reve.core.Seed;
 
 class SnapshotRingTest {
 
@@ -36,8 +39,13 @@ class SnapshotRingTest {
     @Test
     void aSnapshotKeepsWhatWasPublishedWhileTheWorldGoesOn() {
         var ring = new SnapshotRing(world, 3);
-        Item red = world.add(ItemDefinition.named("red").at(1, 2, 3).symbol("lit", true)
-                .physics("mass", 5).build());
+        Item red =
+                world.add(
+                        ItemDefinition.named("red")
+                                .at(1, 2, 3)
+                                .symbol("lit", true)
+                                .physics("mass", 5)
+                                .build());
         world.raise(new WorldEvent(7, "joined", Map.of("agent", "ada")));
         ring.publish(7, 0.25);
         red.physical().setLocation(9, 9, 9);
@@ -74,8 +82,10 @@ class SnapshotRingTest {
         ring.publish(1, 0);
         try (WorldSnapshot snapshot = ring.acquireLatest().orElseThrow()) {
             TableSnapshot body = snapshot.table("body");
-            assertThat(body.columns()).extracting(ColumnView::name).containsExactlyElementsOf(
-                    world.table("body").columns().stream().map(ColumnView::name).toList());
+            assertThat(body.columns())
+                    .extracting(ColumnView::name)
+                    .containsExactlyElementsOf(
+                            world.table("body").columns().stream().map(ColumnView::name).toList());
             var segment = body.column("mass").segment();
             assertThat(segment.byteSize()).isEqualTo(8);
             assertThatIllegalArgumentException()
@@ -127,7 +137,7 @@ class SnapshotRingTest {
                     world.remove(item.id());
                     ball("ball" + frame);
                 }
-                default -> { }
+                default -> {}
             }
             ring.publish(frame, 0);
             WorldSnapshot latest = ring.acquireLatest().orElseThrow();
@@ -143,7 +153,8 @@ class SnapshotRingTest {
                     held.remove(i).close();
                     then.remove(i);
                 } else {
-                    assertThat(text(held.get(i))).as("seed %d frame %d", seed, frame)
+                    assertThat(text(held.get(i)))
+                            .as("seed %d frame %d", seed, frame)
                             .isEqualTo(then.get(i));
                 }
             }
@@ -231,10 +242,12 @@ class SnapshotRingTest {
         var ring = new SnapshotRing(world, 2);
         var slot = new SnapshotSlot(world, new SnapshotSlot.Memory(world));
         ring.publish(1, 0);
-        ownedByAnother(() -> {
-            assertThatIllegalStateException().isThrownBy(() -> ring.publish(2, 0));
-            assertThatIllegalStateException().isThrownBy(() -> slot.write(world, 2, 0, null));
-        });
+        ownedByAnother(
+                () -> {
+                    assertThatIllegalStateException().isThrownBy(() -> ring.publish(2, 0));
+                    assertThatIllegalStateException()
+                            .isThrownBy(() -> slot.write(world, 2, 0, null));
+                });
         assertThat(slot.acquire()).as("half a frame").isEmpty();
         assertThat(slot.isFree()).isTrue();
         slot.write(world, 3, 0, null);

@@ -1,14 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
 import static org.assertj.core.api.Assertions.assertThat;
 
-import java.util.ArrayList;
-import java.util.List;
-import java.util.Random;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.params.ParameterizedTest;
 import org.junit.jupiter.params.provider.ValueSource;
+
 import reve.core.Seed;
+
+import java.util.ArrayList;
+import java.util.List;
+import java.util.Random;
 
 class SymbolIndexTest {
 
@@ -19,8 +22,12 @@ class SymbolIndexTest {
     void findsStandardAndDesignersSymbols() {
         Item wheel = world.add(ItemDefinition.named("left").symbol("class", "wheel").build());
         Item other = world.add(ItemDefinition.named("right").symbol("class", "wheel").build());
-        Item lamp = world.add(ItemDefinition.named("lamp").symbol("lit", true).symbol("floor", 0)
-                .build());
+        Item lamp =
+                world.add(
+                        ItemDefinition.named("lamp")
+                                .symbol("lit", true)
+                                .symbol("floor", 0)
+                                .build());
         assertThat(world.withSymbol("class", "wheel")).containsExactly(wheel, other);
         assertThat(world.withSymbol("class", "body")).containsExactly(lamp);
         assertThat(world.withSymbol("class", "world")).hasSize(1);
@@ -44,8 +51,11 @@ class SymbolIndexTest {
         for (int step = 0; step < 2000; step++) {
             int what = items.isEmpty() ? 0 : random.nextInt(6);
             if (what < 2) {
-                items.add(world.add(ItemDefinition.named("i" + step)
-                        .symbol("group", random.nextInt(4)).build()));
+                items.add(
+                        world.add(
+                                ItemDefinition.named("i" + step)
+                                        .symbol("group", random.nextInt(4))
+                                        .build()));
                 continue;
             }
             Item item = items.get(random.nextInt(items.size()));
@@ -61,11 +71,17 @@ class SymbolIndexTest {
             for (String symbol : List.of("group", "class")) {
                 Object value = symbol.equals("group") ? random.nextInt(4) : "c" + random.nextInt(3);
                 Object kept = value instanceof Integer number ? (double) number : value;
-                assertThat(world.withSymbol(symbol, value)).as("seed %d step %d", seed, step)
-                        .containsExactlyElementsOf(world.items().stream()
-                                .filter(each -> each.semantic().get(symbol)
-                                        .filter(kept::equals).isPresent())
-                                .toList());
+                assertThat(world.withSymbol(symbol, value))
+                        .as("seed %d step %d", seed, step)
+                        .containsExactlyElementsOf(
+                                world.items().stream()
+                                        .filter(
+                                                each ->
+                                                        each.semantic()
+                                                                .get(symbol)
+                                                                .filter(kept::equals)
+                                                                .isPresent())
+                                        .toList());
             }
         }
     }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
 import java.util.List;
@@ -5,7 +6,7 @@ import java.util.List;
 /** An action in Java, as a designer may write one. */
 public record TestAction(String name, String doc, Deed deed) implements Action {
 
-    private static final Deed NOTHING = call -> { };
+    private static final Deed NOTHING = call -> {};
 
     /** What it does. */
     public interface Deed {

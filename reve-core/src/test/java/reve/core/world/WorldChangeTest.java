@@ -1,13 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatIllegalArgumentException;
 
-import java.util.List;
 import org.junit.jupiter.api.BeforeEach;
 import org.junit.jupiter.api.Test;
+
 import reve.core.world.WorldChange.Aspect;
 import reve.core.world.WorldChange.Edited;
+
+import java.util.List;
 
 class WorldChangeTest {
 
@@ -24,15 +27,22 @@ class WorldChangeTest {
     @Test
     void tellsWhatCameAndWent() {
         var a = ItemDefinition.named("a").physics("mass", 1).build();
-        var s = ItemDefinition.named("s").kind("spring").reference("end1", "a")
-                .reference("end2", "a").physics("length", 1).build();
+        var s =
+                ItemDefinition.named("s")
+                        .kind("spring")
+                        .reference("end1", "a")
+                        .reference("end2", "a")
+                        .physics("length", 1)
+                        .build();
         List<Item> added = world.addAll(List.of(s, a));
         world.remove(lamp.id());
         world.removeCascade(added.get(1).id());
-        assertThat(world.changes()).containsExactly(
-                new WorldChange.Added(added.get(0).id(), List.of(s, a)),
-                new WorldChange.Removed(lamp.id(), "lamp", List.of()),
-                new WorldChange.Removed(added.get(1).id(), "a", List.of(added.get(0).id())));
+        assertThat(world.changes())
+                .containsExactly(
+                        new WorldChange.Added(added.get(0).id(), List.of(s, a)),
+                        new WorldChange.Removed(lamp.id(), "lamp", List.of()),
+                        new WorldChange.Removed(
+                                added.get(1).id(), "a", List.of(added.get(0).id())));
     }
 
     @Test
@@ -44,11 +54,12 @@ class WorldChangeTest {
         world.detach(lamp.id());
         var here = new Attachment(ball.id(), Pose.ORIGIN);
         var there = new Attachment(ball.id(), new Pose(1, 0, 0, 0, 0, 0, 1));
-        assertThat(world.changes()).containsExactly(
-                new WorldChange.Renamed(lamp.id(), "lamp", "torch"),
-                new WorldChange.Attached(lamp.id(), null, here),
-                new WorldChange.Attached(lamp.id(), here, there),
-                new WorldChange.Detached(lamp.id(), there));
+        assertThat(world.changes())
+                .containsExactly(
+                        new WorldChange.Renamed(lamp.id(), "lamp", "torch"),
+                        new WorldChange.Attached(lamp.id(), null, here),
+                        new WorldChange.Attached(lamp.id(), here, there),
+                        new WorldChange.Detached(lamp.id(), there));
     }
 
     @Test
@@ -74,36 +85,52 @@ class WorldChangeTest {
         lamp.access().remove("push");
         ball.physics().set("mass", 3);
         lamp.physics().set("charge", 4);
-        assertThat(world.changes()).containsExactly(
-                physical("location", List.of(0.0, 0.0, 0.0), List.of(1.0, 2.0, 3.0)),
-                physical("orientation", List.of(0.0, 0.0, 0.0, 1.0), List.of(0.0, 0.0, 1.0, 0.0)),
-                physical("shape", Shape.none(), Shape.sphere(1)),
-                physical("colour", Colour.DEFAULT, Colour.parse("#ff0000")),
-                new Edited(lamp.id(), Aspect.SEMANTIC, "lit", null, true),
-                new Edited(lamp.id(), Aspect.SEMANTIC, "lit", true, null),
-                new Edited(lamp.id(), Aspect.ACCESS, "push", null, push),
-                new Edited(lamp.id(), Aspect.ACCESS, "push", push, harder),
-                new Edited(lamp.id(), Aspect.ACCESS, "push", harder, null),
-                new Edited(ball.id(), Aspect.PHYSICS, "mass", List.of(2.0), List.of(3.0)),
-                new Edited(lamp.id(), Aspect.PHYSICS, "charge", null, List.of(4.0)));
+        assertThat(world.changes())
+                .containsExactly(
+                        physical("location", List.of(0.0, 0.0, 0.0), List.of(1.0, 2.0, 3.0)),
+                        physical(
+                                "orientation",
+                                List.of(0.0, 0.0, 0.0, 1.0),
+                                List.of(0.0, 0.0, 1.0, 0.0)),
+                        physical("shape", Shape.none(), Shape.sphere(1)),
+                        physical("colour", Colour.DEFAULT, Colour.parse("#ff0000")),
+                        new Edited(lamp.id(), Aspect.SEMANTIC, "lit", null, true),
+                        new Edited(lamp.id(), Aspect.SEMANTIC, "lit", true, null),
+                        new Edited(lamp.id(), Aspect.ACCESS, "push", null, push),
+                        new Edited(lamp.id(), Aspect.ACCESS, "push", push, harder),
+                        new Edited(lamp.id(), Aspect.ACCESS, "push", harder, null),
+                        new Edited(ball.id(), Aspect.PHYSICS, "mass", List.of(2.0), List.of(3.0)),
+                        new Edited(lamp.id(), Aspect.PHYSICS, "charge", null, List.of(4.0)));
     }
 
     @Test
     void tellsWhereReferencesPointNow() {
-        Item spring = world.add(ItemDefinition.named("s").kind("spring").reference("end1", "ball")
-                .reference("end2", "ball").build());
+        Item spring =
+                world.add(
+                        ItemDefinition.named("s")
+                                .kind("spring")
+                                .reference("end1", "ball")
+                                .reference("end2", "ball")
+                                .build());
         Item other = world.add(ItemDefinition.named("other").physics("mass", 1).build());
         world.endFrame();
         spring.physics().setReferences("end2", other.id());
-        assertThat(world.changes()).containsExactly(new Edited(spring.id(), Aspect.PHYSICS, "end2",
-                List.of(ball.id()), List.of(other.id())));
+        assertThat(world.changes())
+                .containsExactly(
+                        new Edited(
+                                spring.id(),
+                                Aspect.PHYSICS,
+                                "end2",
+                                List.of(ball.id()),
+                                List.of(other.id())));
     }
 
     @Test
     void takingAnItemOutOfPhysicsTellsEveryPropertyItHad() {
         int properties = ball.physics().properties().size();
         ball.physics().clear();
-        assertThat(world.changes()).hasSize(properties)
+        assertThat(world.changes())
+                .hasSize(properties)
                 .contains(new Edited(ball.id(), Aspect.PHYSICS, "mass", List.of(2.0), null));
     }
 
@@ -127,7 +154,8 @@ class WorldChangeTest {
 
     @Test
     void whatIsRefusedIsNotTold() {
-        assertThatIllegalArgumentException().isThrownBy(() -> world.rename(lamp.id(), "ball"))
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> world.rename(lamp.id(), "ball"))
                 .withMessage("item name ball is already taken");
         assertThatIllegalArgumentException().isThrownBy(() -> world.rename(lamp.id(), " "));
         assertThatIllegalArgumentException().isThrownBy(() -> world.rename(lamp.id(), "world"));
@@ -137,15 +165,19 @@ class WorldChangeTest {
                 .isThrownBy(() -> ball.physics().set("mass", Double.NaN));
         assertThatIllegalArgumentException()
                 .isThrownBy(() -> lamp.physical().setLocation(0, Double.NaN, 0));
-        assertThatIllegalArgumentException()
-                .isThrownBy(() -> lamp.semantic().set("name", "torch"));
+        assertThatIllegalArgumentException().isThrownBy(() -> lamp.semantic().set("name", "torch"));
         assertThat(world.changes()).isEmpty();
     }
 
     @Test
     void aRenamedItemIsFoundByItsNewNameAndKeepsItsReferences() {
-        Item spring = world.add(ItemDefinition.named("s").kind("spring").reference("end1", "ball")
-                .reference("end2", "ball").build());
+        Item spring =
+                world.add(
+                        ItemDefinition.named("s")
+                                .kind("spring")
+                                .reference("end1", "ball")
+                                .reference("end2", "ball")
+                                .build());
         world.rename(ball.id(), "globe");
         assertThat(world.find("ball")).isEmpty();
         assertThat(world.find("globe")).contains(ball);

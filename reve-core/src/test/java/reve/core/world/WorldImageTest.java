@@ -1,8 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatIllegalArgumentException;
 import static org.assertj.core.api.Assertions.assertThatIllegalStateException;
+
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.ValueSource;
 
 import java.lang.foreign.ValueLayout;
 import java.util.ArrayList;
@@ -11,9 +16,6 @@ import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Random;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.params.ParameterizedTest;
-import org.junit.jupiter.params.provider.ValueSource;
 
 class WorldImageTest {
 
@@ -57,7 +59,8 @@ class WorldImageTest {
             assertThat(world.find("early").orElseThrow().physics().scalar("mass")).isEqualTo(2);
             assertThat(world.find("stays")).containsSame(stays);
             assertThat(world.find("late")).isEmpty();
-            assertThatIllegalStateException().isThrownBy(() -> late.physics().scalar("mass"))
+            assertThatIllegalStateException()
+                    .isThrownBy(() -> late.physics().scalar("mass"))
                     .withMessageContaining("late");
         }
     }
@@ -65,16 +68,23 @@ class WorldImageTest {
     @Test
     void referencesAreCountedAgain() {
         World world = empty();
-        world.addAll(List.of(ItemDefinition.named("a").physics("mass", 1).build(),
-                ItemDefinition.named("b").physics("mass", 1).build(),
-                ItemDefinition.named("s").kind("spring").physics("length", 1)
-                        .reference("end1", "a").reference("end2", "b").build()));
+        world.addAll(
+                List.of(
+                        ItemDefinition.named("a").physics("mass", 1).build(),
+                        ItemDefinition.named("b").physics("mass", 1).build(),
+                        ItemDefinition.named("s")
+                                .kind("spring")
+                                .physics("length", 1)
+                                .reference("end1", "a")
+                                .reference("end2", "b")
+                                .build()));
         try (WorldImage image = new WorldImage(world)) {
             image.copyFrom(world, 0);
             World other = empty();
             other.restore(image);
             ItemId a = other.find("a").orElseThrow().id();
-            assertThatIllegalArgumentException().isThrownBy(() -> other.remove(a))
+            assertThatIllegalArgumentException()
+                    .isThrownBy(() -> other.remove(a))
                     .withMessageContaining("item s");
             other.remove(other.find("s").orElseThrow().id());
             other.remove(a);
@@ -88,7 +98,8 @@ class WorldImageTest {
         World narrow = new World("test", WorldPrototype.standard("si-f32"), new OffHeapArena());
         try (WorldImage image = new WorldImage(world)) {
             image.copyFrom(world, 0);
-            assertThatIllegalArgumentException().isThrownBy(() -> narrow.restore(image))
+            assertThatIllegalArgumentException()
+                    .isThrownBy(() -> narrow.restore(image))
                     .withMessageContaining("kind body");
         }
     }
@@ -125,8 +136,8 @@ class WorldImageTest {
                 case 7 -> any.semantic().set("mood", random.nextDouble());
                 default -> {
                     if (any.kind().equals("body")) {
-                        any.physics().set("mass",
-                                any.parent().isPresent() ? 0 : random.nextDouble());
+                        any.physics()
+                                .set("mass", any.parent().isPresent() ? 0 : random.nextDouble());
                         any.physical().setLocation(random.nextDouble(), 2, 3);
                     }
                 }
@@ -136,28 +147,43 @@ class WorldImageTest {
 
     /** Attaches to a younger body with no mass, so that no two can move with each other. */
     private static void attach(World world, Random random, Item parent) {
-        List<Item> younger = world.items().stream().filter(item -> item.kind().equals("body")
-                && item.physics().isEmpty() && item.id().compareTo(parent.id()) > 0).toList();
+        List<Item> younger =
+                world.items().stream()
+                        .filter(
+                                item ->
+                                        item.kind().equals("body")
+                                                && item.physics().isEmpty()
+                                                && item.id().compareTo(parent.id()) > 0)
+                        .toList();
         if (parent.kind().equals("body") && !younger.isEmpty()) {
             world.attach(younger.get(random.nextInt(younger.size())).id(), parent.id());
         }
     }
 
     private static void add(World world, Random random) {
-        var item = ItemDefinition.named("item " + random.nextLong())
-                .at(random.nextDouble(), random.nextDouble(), 0).shape(Shape.sphere(1));
-        world.add(random.nextBoolean() ? item.physics("mass", random.nextDouble()).build()
-                : item.build());
+        var item =
+                ItemDefinition.named("item " + random.nextLong())
+                        .at(random.nextDouble(), random.nextDouble(), 0)
+                        .shape(Shape.sphere(1));
+        world.add(
+                random.nextBoolean()
+                        ? item.physics("mass", random.nextDouble()).build()
+                        : item.build());
     }
 
     private static void addSpring(World world, Random random) {
-        List<Item> bodies = world.items().stream().filter(item -> item.kind().equals("body")
-                && !item.physics().isEmpty()).toList();
+        List<Item> bodies =
+                world.items().stream()
+                        .filter(item -> item.kind().equals("body") && !item.physics().isEmpty())
+                        .toList();
         if (!bodies.isEmpty()) {
-            world.add(ItemDefinition.named("spring " + random.nextLong()).kind("spring")
-                    .physics("length", random.nextDouble())
-                    .reference("end1", bodies.get(random.nextInt(bodies.size())).name())
-                    .reference("end2", bodies.get(random.nextInt(bodies.size())).name()).build());
+            world.add(
+                    ItemDefinition.named("spring " + random.nextLong())
+                            .kind("spring")
+                            .physics("length", random.nextDouble())
+                            .reference("end1", bodies.get(random.nextInt(bodies.size())).name())
+                            .reference("end2", bodies.get(random.nextInt(bodies.size())).name())
+                            .build());
         }
     }
 
@@ -174,8 +200,17 @@ class WorldImageTest {
                 named.add(table.itemAt(row).name());
             }
             all.put(table.kind() + " rows", named);
-            table.allColumns().forEach(column -> all.put(table.kind() + "." + column.name(),
-                    HexFormat.of().formatHex(column.segment().toArray(ValueLayout.JAVA_BYTE))));
+            table.allColumns()
+                    .forEach(
+                            column ->
+                                    all.put(
+                                            table.kind() + "." + column.name(),
+                                            HexFormat.of()
+                                                    .formatHex(
+                                                            column.segment()
+                                                                    .toArray(
+                                                                            ValueLayout
+                                                                                    .JAVA_BYTE))));
         }
         return all;
     }

@@ -1,4 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.core.world.WorldChange.Added;
+import reve.core.world.WorldChange.Attached;
+import reve.core.world.WorldChange.ColumnEdited;
+import reve.core.world.WorldChange.Detached;
+import reve.core.world.WorldChange.Edited;
+import reve.core.world.WorldChange.Pushed;
+import reve.core.world.WorldChange.Removed;
+import reve.core.world.WorldChange.Renamed;
+import reve.core.world.WorldChange.Restored;
 
 import java.util.ArrayList;
 import java.util.Arrays;
@@ -9,16 +22,6 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.TreeMap;
-import org.jspecify.annotations.Nullable;
-import reve.core.world.WorldChange.Added;
-import reve.core.world.WorldChange.Attached;
-import reve.core.world.WorldChange.ColumnEdited;
-import reve.core.world.WorldChange.Detached;
-import reve.core.world.WorldChange.Edited;
-import reve.core.world.WorldChange.Pushed;
-import reve.core.world.WorldChange.Removed;
-import reve.core.world.WorldChange.Renamed;
-import reve.core.world.WorldChange.Restored;
 
 /**
  * A world as a listener knows it who is told of changes and nothing else: plain values, no columns.
@@ -37,6 +40,7 @@ final class WorldMirror {
         Colour colour;
         final Map<String, Object> symbols;
         final Map<String, Action> actions = new LinkedHashMap<>();
+
         /** Numbers as a {@code List<Double>}, references as a {@code List<ItemId>}. */
         final Map<String, Object> physics = new TreeMap<>();
 
@@ -63,7 +67,9 @@ final class WorldMirror {
         return items;
     }
 
-    /** @param world for what {@link ColumnEdited} says: the numbers are in the column */
+    /**
+     * @param world for what {@link ColumnEdited} says: the numbers are in the column
+     */
     void follow(List<WorldChange> changes, World world) {
         changes.forEach(this::follow);
         for (WorldChange change : changes) {
@@ -91,7 +97,7 @@ final class WorldMirror {
                 item(detached.item()).pose = place;
             }
             case Edited edited -> edit(item(edited.item()), edited);
-            case ColumnEdited _ -> { } // what all changes together came to is in the column
+            case ColumnEdited _ -> {} // what all changes together came to is in the column
             case Pushed pushed -> throw new AssertionError("nobody pushes here: " + pushed);
             case Restored restored -> throw new AssertionError("nobody goes back: " + restored);
         }
@@ -123,17 +129,30 @@ final class WorldMirror {
             if (definition.hasPhysics()) {
                 zero(item);
             }
-            definition.physicsProperties().forEach(property -> item.physics.put(property,
-                    kept(item, property, definition.physics(property).orElseThrow())));
-            definition.references().forEach((property, names) ->
-                    item.physics.put(property, names.stream().map(byName::get).toList()));
+            definition
+                    .physicsProperties()
+                    .forEach(
+                            property ->
+                                    item.physics.put(
+                                            property,
+                                            kept(
+                                                    item,
+                                                    property,
+                                                    definition.physics(property).orElseThrow())));
+            definition
+                    .references()
+                    .forEach(
+                            (property, names) ->
+                                    item.physics.put(
+                                            property, names.stream().map(byName::get).toList()));
         }
     }
 
     /** Numbers of a definition as a column of that type keeps them. */
     private List<Double> kept(Mirrored item, String property, double[] said) {
         boolean single = prototype.find(item.kind, property).orElseThrow().type() == ScalarType.F32;
-        return Arrays.stream(said).mapToObj(number -> single ? (double) (float) number : number)
+        return Arrays.stream(said)
+                .mapToObj(number -> single ? (double) (float) number : number)
                 .toList();
     }
 

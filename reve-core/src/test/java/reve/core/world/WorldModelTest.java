@@ -1,7 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatIllegalArgumentException;
+
+import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.CsvSource;
+
+import reve.core.Seed;
 
 import java.util.ArrayList;
 import java.util.HashMap;
@@ -11,9 +17,6 @@ import java.util.Map;
 import java.util.Random;
 import java.util.Set;
 import java.util.stream.Collectors;
-import org.junit.jupiter.params.ParameterizedTest;
-import org.junit.jupiter.params.provider.CsvSource;
-import reve.core.Seed;
 
 /** Long random histories of a world, compared with plain hash maps after every step. */
 class WorldModelTest {
@@ -96,8 +99,14 @@ class WorldModelTest {
         String name = "spring" + named++;
         String end1 = pick(ends);
         String end2 = pick(ends);
-        Item item = world.add(ItemDefinition.named(name).kind("spring").reference("end1", end1)
-                .reference("end2", end2).physics("length", 3).build());
+        Item item =
+                world.add(
+                        ItemDefinition.named(name)
+                                .kind("spring")
+                                .reference("end1", end1)
+                                .reference("end2", end2)
+                                .physics("length", 3)
+                                .build());
         Expected expected = new Expected(item.id().value(), "spring");
         expected.physics = true;
         expected.numbers.put("length", new double[] {3});
@@ -162,10 +171,12 @@ class WorldModelTest {
         world.rename(world.find(name).orElseThrow().id(), newName);
         Map<String, Expected> before = new LinkedHashMap<>(oracle);
         oracle.clear();
-        before.forEach((key, expected) -> {
-            expected.references.replaceAll((property, to) -> to.equals(name) ? newName : to);
-            oracle.put(key.equals(name) ? newName : key, expected);
-        });
+        before.forEach(
+                (key, expected) -> {
+                    expected.references.replaceAll(
+                            (property, to) -> to.equals(name) ? newName : to);
+                    oracle.put(key.equals(name) ? newName : key, expected);
+                });
     }
 
     private void clear() {
@@ -180,7 +191,8 @@ class WorldModelTest {
             oracle.get(name).physics = false;
             oracle.get(name).numbers.clear();
         } else {
-            assertThatIllegalArgumentException().isThrownBy(item.physics()::clear)
+            assertThatIllegalArgumentException()
+                    .isThrownBy(item.physics()::clear)
                     .withMessageContaining("cannot become scenery");
         }
     }
@@ -192,19 +204,26 @@ class WorldModelTest {
         }
         String spring = pick(springs);
         String target = pick(names("body", true));
-        world.find(spring).orElseThrow().physics()
+        world.find(spring)
+                .orElseThrow()
+                .physics()
                 .setReferences("end1", world.find(target).orElseThrow().id());
         oracle.get(spring).references.put("end1", target);
     }
 
     private void check(String when) {
-        assertThat(world.items()).as(when).extracting(Item::name).containsExactlyElementsOf(
-                concat("world", oracle.keySet()));
-        assertThat(world.symbols().values()).as(when).extracting(ItemSymbols::name)
+        assertThat(world.items())
+                .as(when)
+                .extracting(Item::name)
+                .containsExactlyElementsOf(concat("world", oracle.keySet()));
+        assertThat(world.symbols().values())
+                .as(when)
+                .extracting(ItemSymbols::name)
                 .containsExactlyElementsOf(concat("world", oracle.keySet()));
         for (String kind : List.of("body", "spring")) {
             Table table = world.table(kind);
-            assertThat(table.rowCount()).as(when)
+            assertThat(table.rowCount())
+                    .as(when)
                     .isEqualTo(names(kind, true).size() + names(kind, false).size());
             assertThat(table.physicsRowCount()).as(when).isEqualTo(names(kind, true).size());
             for (int row = 0; row < table.rowCount(); row++) {
@@ -220,30 +239,40 @@ class WorldModelTest {
         assertThat(item.kind()).as(when).isEqualTo(expected.kind);
         assertThat(item.physics().isEmpty()).as(when).isEqualTo(!expected.physics);
         int row = world.table(expected.kind).rowOf(item.id());
-        assertThat(row < world.table(expected.kind).physicsRowCount()).as(when)
+        assertThat(row < world.table(expected.kind).physicsRowCount())
+                .as(when)
                 .isEqualTo(expected.physics);
         if (expected.kind.equals("body")) {
             assertThat(item.physical().location()).as(when).containsExactly(expected.location);
         }
-        expected.numbers.forEach((property, value) ->
-                assertThat(item.physics().vector(property)).as(when).containsExactly(value));
-        expected.references.forEach((property, target) ->
-                assertThat(item.physics().reference(property).value()).as(when)
-                        .isEqualTo(oracle.get(target).id));
+        expected.numbers.forEach(
+                (property, value) ->
+                        assertThat(item.physics().vector(property))
+                                .as(when)
+                                .containsExactly(value));
+        expected.references.forEach(
+                (property, target) ->
+                        assertThat(item.physics().reference(property).value())
+                                .as(when)
+                                .isEqualTo(oracle.get(target).id));
     }
 
     private List<String> names(String kind, boolean physics) {
         return oracle.entrySet().stream()
                 .filter(entry -> entry.getValue().kind.equals(kind))
                 .filter(entry -> entry.getValue().physics == physics)
-                .map(Map.Entry::getKey).toList();
+                .map(Map.Entry::getKey)
+                .toList();
     }
 
     private Set<String> referring(Set<String> targets) {
         return oracle.entrySet().stream()
-                .filter(entry -> entry.getValue().references.values().stream()
-                        .anyMatch(targets::contains))
-                .map(Map.Entry::getKey).collect(Collectors.toSet());
+                .filter(
+                        entry ->
+                                entry.getValue().references.values().stream()
+                                        .anyMatch(targets::contains))
+                .map(Map.Entry::getKey)
+                .collect(Collectors.toSet());
     }
 
     /** Numbers that both real types hold exactly. */

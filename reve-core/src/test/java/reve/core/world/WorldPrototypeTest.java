@@ -1,18 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatIllegalArgumentException;
 
+import org.junit.jupiter.api.Test;
+
+import reve.core.unit.Unit;
+
 import java.util.List;
 import java.util.Optional;
-import org.junit.jupiter.api.Test;
-import reve.core.unit.Unit;
 
 class WorldPrototypeTest {
 
     private static PropertyDescriptor number(String name, String kind) {
-        return new PropertyDescriptor(name, kind, ScalarType.F64, 1, Unit.parse("K"),
-                Optional.empty(), "");
+        return new PropertyDescriptor(
+                name, kind, ScalarType.F64, 1, Unit.parse("K"), Optional.empty(), "");
     }
 
     @Test
@@ -26,21 +29,24 @@ class WorldPrototypeTest {
             PropertyDescriptor narrow = f32.properties().get(i);
             assertThat(narrow.name()).isEqualTo(wide.name());
             assertThat(narrow.unit().symbol()).isEqualTo(wide.unit().symbol());
-            assertThat(narrow.type()).isEqualTo(
-                    wide.type() == ScalarType.F64 ? ScalarType.F32 : wide.type());
+            assertThat(narrow.type())
+                    .isEqualTo(wide.type() == ScalarType.F64 ? ScalarType.F32 : wide.type());
         }
     }
 
     @Test
     void refusesUnknownPrototypes() {
-        assertThatIllegalArgumentException().isThrownBy(() -> WorldPrototype.standard("si-f16"))
-                .withMessageContaining("si-f16").withMessageContaining("si-f64 or si-f32");
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> WorldPrototype.standard("si-f16"))
+                .withMessageContaining("si-f16")
+                .withMessageContaining("si-f64 or si-f32");
     }
 
     @Test
     void designersAddPropertiesAndKinds() {
-        WorldPrototype extended = WorldPrototype.standard("si-f64")
-                .extendedBy(List.of(number("temperature", "body"), number("heat", "sun")));
+        WorldPrototype extended =
+                WorldPrototype.standard("si-f64")
+                        .extendedBy(List.of(number("temperature", "body"), number("heat", "sun")));
         assertThat(extended.find("body", "temperature")).isPresent();
         assertThat(extended.find("spring", "temperature")).isEmpty();
         assertThat(extended.kinds()).endsWith("world", "sun");
@@ -56,7 +62,8 @@ class WorldPrototypeTest {
         for (String taken : List.of("mass", "length", "position", "colour")) {
             assertThatIllegalArgumentException()
                     .isThrownBy(() -> standard.extendedBy(List.of(number(taken, "surface"))))
-                    .withMessageContaining(taken).withMessageContaining("already taken");
+                    .withMessageContaining(taken)
+                    .withMessageContaining("already taken");
         }
     }
 
@@ -67,23 +74,53 @@ class WorldPrototypeTest {
 
     @Test
     void refusesReferencesToKindsThatDoNotExist() {
-        var wrong = new PropertyDescriptor("owner", "body", ScalarType.REF, 1, Unit.parse("1"),
-                Optional.of("ghost"), "");
+        var wrong =
+                new PropertyDescriptor(
+                        "owner",
+                        "body",
+                        ScalarType.REF,
+                        1,
+                        Unit.parse("1"),
+                        Optional.of("ghost"),
+                        "");
         assertThatIllegalArgumentException()
                 .isThrownBy(() -> WorldPrototype.standard("si-f64").extendedBy(List.of(wrong)))
-                .withMessageContaining("owner").withMessageContaining("ghost");
+                .withMessageContaining("owner")
+                .withMessageContaining("ghost");
     }
 
     @Test
     void refusesDescriptorsThatContradictThemselves() {
         Unit one = Unit.parse("1");
-        assertThatIllegalArgumentException().isThrownBy(() -> new PropertyDescriptor("a", "body",
-                ScalarType.F64, 1, one, Optional.of("body"), ""));
-        assertThatIllegalArgumentException().isThrownBy(() -> new PropertyDescriptor("a", "body",
-                ScalarType.REF, 1, one, Optional.empty(), ""));
-        assertThatIllegalArgumentException().isThrownBy(() -> new PropertyDescriptor("a", "body",
-                ScalarType.F64, 17, one, Optional.empty(), ""));
-        assertThatIllegalArgumentException().isThrownBy(() -> number("a-b", "body"))
+        assertThatIllegalArgumentException()
+                .isThrownBy(
+                        () ->
+                                new PropertyDescriptor(
+                                        "a",
+                                        "body",
+                                        ScalarType.F64,
+                                        1,
+                                        one,
+                                        Optional.of("body"),
+                                        ""));
+        assertThatIllegalArgumentException()
+                .isThrownBy(
+                        () ->
+                                new PropertyDescriptor(
+                                        "a", "body", ScalarType.REF, 1, one, Optional.empty(), ""));
+        assertThatIllegalArgumentException()
+                .isThrownBy(
+                        () ->
+                                new PropertyDescriptor(
+                                        "a",
+                                        "body",
+                                        ScalarType.F64,
+                                        17,
+                                        one,
+                                        Optional.empty(),
+                                        ""));
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> number("a-b", "body"))
                 .withMessageContaining("a-b");
         assertThatIllegalArgumentException().isThrownBy(() -> number("x".repeat(48), "body"));
     }

@@ -1,6 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
 import static org.assertj.core.api.Assertions.assertThat;
+
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
 
 import java.io.ByteArrayOutputStream;
 import java.io.PrintStream;
@@ -13,14 +17,14 @@ import java.util.List;
 import java.util.Objects;
 import java.util.regex.MatchResult;
 import java.util.regex.Pattern;
+
 import javax.tools.ToolProvider;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.api.io.TempDir;
 
 /** {@code docs/world-store.md}: all of its code together, compiled and run. */
 class WorldStoreDocumentTest {
 
-    private static final String PROGRAM = """
+    private static final String PROGRAM =
+            """
             import java.util.*;
             import reve.core.derive.*;
             import reve.core.frame.*;
@@ -38,15 +42,18 @@ class WorldStoreDocumentTest {
             }
             """;
 
-    @TempDir
-    private Path folder;
+    @TempDir private Path folder;
 
     private static String blocks(String language) throws Exception {
-        Path page = Path.of(Objects.requireNonNull(System.getProperty("reve.root")))
-                .resolve("docs/world-store.md");
-        List<String> blocks = Pattern.compile("```" + language + "\n(.*?)```", Pattern.DOTALL)
-                .matcher(Files.readString(page)).results().map((MatchResult it) -> it.group(1))
-                .toList();
+        Path page =
+                Path.of(Objects.requireNonNull(System.getProperty("reve.root")))
+                        .resolve("docs/world-store.md");
+        List<String> blocks =
+                Pattern.compile("```" + language + "\n(.*?)```", Pattern.DOTALL)
+                        .matcher(Files.readString(page))
+                        .results()
+                        .map((MatchResult it) -> it.group(1))
+                        .toList();
         return String.join("", blocks);
     }
 
@@ -55,16 +62,25 @@ class WorldStoreDocumentTest {
         Path source = folder.resolve("Program.java");
         Files.writeString(source, PROGRAM.formatted(blocks("java")));
         var problems = new ByteArrayOutputStream();
-        int status = ToolProvider.getSystemJavaCompiler().run(null, null, problems, "-d",
-                folder.toString(), "-cp", System.getProperty("java.class.path"),
-                source.toString());
+        int status =
+                ToolProvider.getSystemJavaCompiler()
+                        .run(
+                                null,
+                                null,
+                                problems,
+                                "-d",
+                                folder.toString(),
+                                "-cp",
+                                System.getProperty("java.class.path"),
+                                source.toString());
         assertThat(status).as(problems.toString(StandardCharsets.UTF_8)).isZero();
 
         var printed = new ByteArrayOutputStream();
         PrintStream out = System.out;
         try (var loader = new URLClassLoader(new URL[] {folder.toUri().toURL()})) {
             System.setOut(new PrintStream(printed, true, StandardCharsets.UTF_8));
-            loader.loadClass("Program").getMethod("main", String[].class)
+            loader.loadClass("Program")
+                    .getMethod("main", String[].class)
                     .invoke(null, (Object) new String[0]);
         } finally {
             System.setOut(out);

@@ -1,16 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatIllegalArgumentException;
 import static org.assertj.core.api.Assertions.assertThatIllegalStateException;
 
+import org.junit.jupiter.api.AfterEach;
+import org.junit.jupiter.api.Test;
+
 import java.lang.foreign.MemorySegment;
 import java.util.ArrayList;
 import java.util.List;
 import java.util.Map;
 import java.util.concurrent.atomic.AtomicInteger;
-import org.junit.jupiter.api.AfterEach;
-import org.junit.jupiter.api.Test;
 
 class WorldStructureTest {
 
@@ -27,18 +29,26 @@ class WorldStructureTest {
     }
 
     private ItemDefinition spring(String name, String end1, String end2) {
-        return ItemDefinition.named(name).kind("spring").physics("springConstant", 100)
-                .reference("end1", end1).reference("end2", end2).build();
+        return ItemDefinition.named(name)
+                .kind("spring")
+                .physics("springConstant", 100)
+                .reference("end1", end1)
+                .reference("end2", end2)
+                .build();
     }
 
     @Test
     void aNewWorldHoldsOneItemForItsConstants() {
-        assertThat(world.items()).singleElement().satisfies(constants -> {
-            assertThat(constants.name()).isEqualTo("world");
-            assertThat(constants.kind()).isEqualTo("world");
-            constants.physics().set("gravity", 0, -9.81, 0);
-            assertThat(constants.physics().vector("gravity")).containsExactly(0, -9.81, 0);
-        });
+        assertThat(world.items())
+                .singleElement()
+                .satisfies(
+                        constants -> {
+                            assertThat(constants.name()).isEqualTo("world");
+                            assertThat(constants.kind()).isEqualTo("world");
+                            constants.physics().set("gravity", 0, -9.81, 0);
+                            assertThat(constants.physics().vector("gravity"))
+                                    .containsExactly(0, -9.81, 0);
+                        });
         assertThat(world.table("world").physicsRowCount()).isEqualTo(1);
     }
 
@@ -59,7 +69,8 @@ class WorldStructureTest {
     @Test
     void addRejectsDuplicateNamesInTheWorldAndInTheBatch() {
         ball("red");
-        assertThatIllegalArgumentException().isThrownBy(() -> ball("red"))
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> ball("red"))
                 .withMessage("item name red is already taken");
         ItemDefinition blue = ItemDefinition.named("blue").build();
         assertThatIllegalArgumentException().isThrownBy(() -> world.addAll(List.of(blue, blue)));
@@ -71,18 +82,27 @@ class WorldStructureTest {
         long layout = world.layoutVersion();
         var symbols = world.symbols();
         var good = ItemDefinition.named("good").physics("mass", 1).build();
-        var refused = List.of(
-                ItemDefinition.named("bad").physics("mas", 1).build(),
-                ItemDefinition.named("bad").physics("velocity", 1).build(),
-                ItemDefinition.named("bad").kind("ghost").build(),
-                ItemDefinition.named("bad").physics("end1", 1).build(),
-                ItemDefinition.named("bad").reference("mass", "good").build(),
-                spring("bad", "good", "nobody"), spring("bad", "good", "bad"),
-                ItemDefinition.named("bad").kind("spring").reference("end1", "good").build(),
-                ItemDefinition.named("bad").kind("spring").reference("end1", "good", "good")
-                        .reference("end2", "good").build());
+        var refused =
+                List.of(
+                        ItemDefinition.named("bad").physics("mas", 1).build(),
+                        ItemDefinition.named("bad").physics("velocity", 1).build(),
+                        ItemDefinition.named("bad").kind("ghost").build(),
+                        ItemDefinition.named("bad").physics("end1", 1).build(),
+                        ItemDefinition.named("bad").reference("mass", "good").build(),
+                        spring("bad", "good", "nobody"),
+                        spring("bad", "good", "bad"),
+                        ItemDefinition.named("bad")
+                                .kind("spring")
+                                .reference("end1", "good")
+                                .build(),
+                        ItemDefinition.named("bad")
+                                .kind("spring")
+                                .reference("end1", "good", "good")
+                                .reference("end2", "good")
+                                .build());
         for (ItemDefinition bad : refused) {
-            assertThatIllegalArgumentException().isThrownBy(() -> world.addAll(List.of(good, bad)))
+            assertThatIllegalArgumentException()
+                    .isThrownBy(() -> world.addAll(List.of(good, bad)))
                     .withMessageMatching(".*(bad|ghost).*");
         }
         assertThat(world.layoutVersion()).isEqualTo(layout);
@@ -92,9 +112,12 @@ class WorldStructureTest {
 
     @Test
     void itemsOfABatchMayReferToEachOtherInAnyOrder() {
-        List<Item> added = world.addAll(List.of(spring("s", "a", "b"),
-                ItemDefinition.named("b").physics("mass", 1).build(),
-                ItemDefinition.named("a").physics("mass", 1).build()));
+        List<Item> added =
+                world.addAll(
+                        List.of(
+                                spring("s", "a", "b"),
+                                ItemDefinition.named("b").physics("mass", 1).build(),
+                                ItemDefinition.named("a").physics("mass", 1).build()));
         assertThat(added.get(0).physics().reference("end1")).isEqualTo(added.get(2).id());
         assertThat(added.get(0).physics().reference("end2")).isEqualTo(added.get(1).id());
     }
@@ -105,9 +128,11 @@ class WorldStructureTest {
         ball("b");
         world.add(ItemDefinition.named("lamp").build());
         world.add(spring("s", "a", "b"));
-        assertThatIllegalArgumentException().isThrownBy(() -> world.add(spring("t", "a", "lamp")))
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> world.add(spring("t", "a", "lamp")))
                 .withMessageContaining("item t: end2 refers to lamp, which is scenery");
-        assertThatIllegalArgumentException().isThrownBy(() -> world.add(spring("t", "a", "s")))
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> world.add(spring("t", "a", "s")))
                 .withMessageContaining("end2 refers to s of kind spring, expected kind body");
         Item spring = world.find("s").orElseThrow();
         Item lamp = world.find("lamp").orElseThrow();
@@ -134,8 +159,10 @@ class WorldStructureTest {
         Item a = ball("a");
         ball("b");
         Item s = world.add(spring("s", "a", "b"));
-        assertThatIllegalArgumentException().isThrownBy(() -> world.remove(a.id()))
-                .withMessageContaining("item a").withMessageContaining("item s");
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> world.remove(a.id()))
+                .withMessageContaining("item a")
+                .withMessageContaining("item s");
         world.remove(s.id());
         world.remove(a.id());
         assertThat(world.items()).extracting(Item::name).containsExactly("world", "b");
@@ -147,11 +174,18 @@ class WorldStructureTest {
         ball("b");
         ball("c");
         ball("d");
-        world.addAll(List.of(spring("ab", "a", "b"), spring("ca", "c", "a"),
-                spring("bc", "b", "c"), ItemDefinition.named("f").kind("surface")
-                        .reference("vertices", "a", "b", "c").build()));
+        world.addAll(
+                List.of(
+                        spring("ab", "a", "b"),
+                        spring("ca", "c", "a"),
+                        spring("bc", "b", "c"),
+                        ItemDefinition.named("f")
+                                .kind("surface")
+                                .reference("vertices", "a", "b", "c")
+                                .build()));
         world.removeCascade(a.id());
-        assertThat(world.items()).extracting(Item::name)
+        assertThat(world.items())
+                .extracting(Item::name)
                 .containsExactly("world", "b", "c", "d", "bc");
         assertThatIllegalArgumentException()
                 .isThrownBy(() -> world.remove(world.find("b").orElseThrow().id()));
@@ -160,10 +194,13 @@ class WorldStructureTest {
 
     @Test
     void unknownItemsAndKindsAreNamed() {
-        assertThatIllegalArgumentException().isThrownBy(() -> world.item(new ItemId(99)))
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> world.item(new ItemId(99)))
                 .withMessageContaining("#99");
-        assertThatIllegalArgumentException().isThrownBy(() -> world.table("ghost"))
-                .withMessageContaining("ghost").withMessageContaining("body, spring");
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> world.table("ghost"))
+                .withMessageContaining("ghost")
+                .withMessageContaining("body, spring");
         assertThat(world.find("nobody")).isEmpty();
         assertThat(world.table("body").rowOf(new ItemId(1))).isEqualTo(-1);
     }
@@ -173,10 +210,16 @@ class WorldStructureTest {
         Item a = ball("a");
         Item lamp = world.add(ItemDefinition.named("lamp").build());
         world.guard().lockStructure("PHYSICS");
-        for (Runnable change : List.<Runnable>of(() -> ball("b"), () -> world.remove(a.id()),
-                () -> world.removeCascade(a.id()), () -> lamp.physics().set("mass", 1))) {
-            assertThatIllegalStateException().isThrownBy(change::run)
-                    .withMessageContaining("PHYSICS").withMessageContaining("test");
+        for (Runnable change :
+                List.<Runnable>of(
+                        () -> ball("b"),
+                        () -> world.remove(a.id()),
+                        () -> world.removeCascade(a.id()),
+                        () -> lamp.physics().set("mass", 1))) {
+            assertThatIllegalStateException()
+                    .isThrownBy(change::run)
+                    .withMessageContaining("PHYSICS")
+                    .withMessageContaining("test");
         }
         a.physics().set("mass", 2);
         lamp.physical().setLocation(1, 2, 3);
@@ -232,26 +275,35 @@ class WorldStructureTest {
     void anotherThreadIsRefusedUntilItClaimsTheWorld() throws InterruptedException {
         assertThat(Boolean.getBoolean("reve.check.thread")).as("tests run checked").isTrue();
         Item a = ball("a");
-        List<Runnable> uses = List.of(() -> world.find("a"), () -> world.items(), () -> ball("b"),
-                () -> a.physics().scalar("mass"), () -> a.physical().setLocation(0, 0, 0),
-                () -> a.semantic().set("x", 1), () -> world.raise(
-                        new WorldEvent(1, "acted", Map.of())));
+        List<Runnable> uses =
+                List.of(
+                        () -> world.find("a"),
+                        () -> world.items(),
+                        () -> ball("b"),
+                        () -> a.physics().scalar("mass"),
+                        () -> a.physical().setLocation(0, 0, 0),
+                        () -> a.semantic().set("x", 1),
+                        () -> world.raise(new WorldEvent(1, "acted", Map.of())));
         var refused = new AtomicInteger();
-        Thread other = new Thread(() -> {
-            for (Runnable use : uses) {
-                try {
-                    use.run();
-                } catch (IllegalStateException e) {
-                    refused.addAndGet(e.getMessage().contains("intruder") ? 1 : 0);
-                }
-            }
-            world.guard().claim();
-            a.physics().set("mass", 3);
-        }, "intruder");
+        Thread other =
+                new Thread(
+                        () -> {
+                            for (Runnable use : uses) {
+                                try {
+                                    use.run();
+                                } catch (IllegalStateException e) {
+                                    refused.addAndGet(e.getMessage().contains("intruder") ? 1 : 0);
+                                }
+                            }
+                            world.guard().claim();
+                            a.physics().set("mass", 3);
+                        },
+                        "intruder");
         other.start();
         other.join();
         assertThat(refused).hasValue(uses.size());
-        assertThatIllegalStateException().isThrownBy(() -> world.find("a"))
+        assertThatIllegalStateException()
+                .isThrownBy(() -> world.find("a"))
                 .withMessageContaining("belongs to thread intruder");
         world.guard().claim();
         assertThat(a.physics().scalar("mass")).isEqualTo(3);
@@ -264,7 +316,8 @@ class WorldStructureTest {
             assertThat(new World(name, prototype, arena).name()).isEqualTo(name);
         }
         for (String name : List.of("", "..", "a/b", "../a", " a", "é", "a\n", "x".repeat(129))) {
-            assertThatIllegalArgumentException().as(name)
+            assertThatIllegalArgumentException()
+                    .as(name)
                     .isThrownBy(() -> new World(name, prototype, arena))
                     .withMessageContaining("world name");
         }
@@ -281,7 +334,8 @@ class WorldStructureTest {
         for (int i = 0; i < 200; i++) {
             many.add(ItemDefinition.named("b" + i).physics("mass", i).build());
         }
-        assertThatIllegalStateException().isThrownBy(() -> small.addAll(many))
+        assertThatIllegalStateException()
+                .isThrownBy(() -> small.addAll(many))
                 .withMessageContaining("full");
         assertThat(small.items()).hasSize(2);
         assertThat(small.table("body").rowCount()).isEqualTo(1);

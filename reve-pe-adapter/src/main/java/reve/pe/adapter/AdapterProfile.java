@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe.adapter;
 
 /**
@@ -9,6 +10,9 @@ package reve.pe.adapter;
  * @param copyNanoseconds keeping the columns that laws may write
  * @param advanceNanoseconds inside the engine, redone frames included
  */
-public record AdapterProfile(long frames, long redoneFrames, long bindNanoseconds,
-                             long copyNanoseconds, long advanceNanoseconds) {
-}
+public record AdapterProfile(
+        long frames,
+        long redoneFrames,
+        long bindNanoseconds,
+        long copyNanoseconds,
+        long advanceNanoseconds) {}

@@ -1,4 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe.adapter;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.core.frame.Command;
+import reve.core.frame.FrameEvent;
+import reve.core.world.World;
+import reve.pe.PhysicsException;
+import reve.pe.PreparedLibrary;
+import reve.pe.Status;
 
 import java.nio.file.Path;
 import java.util.HashMap;
@@ -10,13 +20,6 @@ import java.util.Queue;
 import java.util.Set;
 import java.util.concurrent.ConcurrentLinkedQueue;
 import java.util.stream.Collectors;
-import org.jspecify.annotations.Nullable;
-import reve.core.frame.Command;
-import reve.core.frame.FrameEvent;
-import reve.core.world.World;
-import reve.pe.PhysicsException;
-import reve.pe.PreparedLibrary;
-import reve.pe.Status;
 
 /**
  * Which file of a {@link LawFolder} is active as which library. Changes come as commands on the
@@ -25,8 +28,10 @@ import reve.pe.Status;
 final class FolderLaws implements AutoCloseable {
     private final Laws laws;
     private final Map<String, ActiveFile> byName = new HashMap<>();
+
     /** Everything prepared, so that what no engine took is dropped at the end. */
     private final Set<PreparedLibrary> tracked = new HashSet<>();
+
     private final Queue<SpareWanted> wanted = new ConcurrentLinkedQueue<>();
 
     /** A change to the folder's laws, made in ACT of a frame. */
@@ -38,13 +43,11 @@ final class FolderLaws implements AutoCloseable {
      * @param spare the same library once more: what to go back to if a successor is refused; null
      *     once it was used, until the folder has made another from the bytes
      */
-    private record ActiveFile(int libraryId, String sha256, @Nullable PreparedLibrary spare,
-                              byte[] bytes) {
-    }
+    private record ActiveFile(
+            int libraryId, String sha256, @Nullable PreparedLibrary spare, byte[] bytes) {}
 
     /** An active file whose spare was used. */
-    record SpareWanted(String name, byte[] bytes) {
-    }
+    record SpareWanted(String name, byte[] bytes) {}
 
     /** A change on its way through the command queue. */
     record Entry(long sequence, Change change) implements Command {
@@ -101,8 +104,10 @@ final class FolderLaws implements AutoCloseable {
             return;
         }
         try {
-            int id = replaces ? replace(frame, file, old, library)
-                : laws.load(frame, library, Map.of(), file);
+            int id =
+                    replaces
+                            ? replace(frame, file, old, library)
+                            : laws.load(frame, library, Map.of(), file);
             untrack(library);
             if (old != null) {
                 drop(old.spare);
@@ -120,14 +125,17 @@ final class FolderLaws implements AutoCloseable {
 
     /** Takes charge of the same library where it acts already: resumed, or named by the world. */
     private boolean adopted(String name, PreparedLibrary library, PreparedLibrary spare) {
-        Set<Integer> owned = byName.values().stream().map(ActiveFile::libraryId)
-            .collect(Collectors.toSet());
-        Optional<Integer> free = laws.forFolder(library.sha256()).stream()
-            .filter(id -> !owned.contains(id)).findFirst();
-        free.ifPresent(id -> {
-            byName.put(name, new ActiveFile(id, library.sha256(), spare, library.bytes()));
-            drop(library);
-        });
+        Set<Integer> owned =
+                byName.values().stream().map(ActiveFile::libraryId).collect(Collectors.toSet());
+        Optional<Integer> free =
+                laws.forFolder(library.sha256()).stream()
+                        .filter(id -> !owned.contains(id))
+                        .findFirst();
+        free.ifPresent(
+                id -> {
+                    byName.put(name, new ActiveFile(id, library.sha256(), spare, library.bytes()));
+                    drop(library);
+                });
         return free.isPresent();
     }
 
@@ -163,8 +171,11 @@ final class FolderLaws implements AutoCloseable {
     private int replace(long frame, Path file, ActiveFile old, PreparedLibrary library) {
         String name = file.getFileName().toString();
         if (old.spare == null) {
-            throw new PhysicsException(Status.ALREADY_EXISTS, name + " was replaced"
-                + " too soon after an earlier replacement was refused; drop it again");
+            throw new PhysicsException(
+                    Status.ALREADY_EXISTS,
+                    name
+                            + " was replaced"
+                            + " too soon after an earlier replacement was refused; drop it again");
         }
         laws.unload(frame, old.libraryId);
         try {
@@ -176,8 +187,12 @@ final class FolderLaws implements AutoCloseable {
     }
 
     /** A failure to do so is told behind the refusal that led here. */
-    private void goBack(long frame, String name, ActiveFile old, PreparedLibrary spare,
-                        PhysicsException refusal) {
+    private void goBack(
+            long frame,
+            String name,
+            ActiveFile old,
+            PreparedLibrary spare,
+            PhysicsException refusal) {
         try {
             int back = laws.load(frame, spare, Map.of());
             untrack(spare);

@@ -1,4 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe.adapter;
+
+import org.jspecify.annotations.Nullable;
+import org.slf4j.Logger;
+import org.slf4j.LoggerFactory;
+
+import reve.core.frame.CommandQueue;
+import reve.pe.PhysicsEngine;
+import reve.pe.PhysicsException;
+import reve.pe.PreparedLibrary;
+import reve.pe.Status;
 
 import java.io.IOException;
 import java.io.UncheckedIOException;
@@ -14,14 +25,6 @@ import java.util.TreeMap;
 import java.util.TreeSet;
 import java.util.concurrent.TimeUnit;
 import java.util.stream.Stream;
-import org.jspecify.annotations.Nullable;
-import org.slf4j.Logger;
-import org.slf4j.LoggerFactory;
-import reve.core.frame.CommandQueue;
-import reve.pe.PhysicsEngine;
-import reve.pe.PhysicsException;
-import reve.pe.PreparedLibrary;
-import reve.pe.Status;
 
 /**
  * A folder of law libraries that a running world follows: a file dropped acts from the next frame
@@ -35,8 +38,10 @@ import reve.pe.Status;
 public final class LawFolder implements AutoCloseable {
     /** Origin of this folder's commands; with its space, no agent can be called that. */
     public static final String ORIGIN = "laws folder";
+
     /** Most libraries of one folder that are active at a time. */
     public static final int MAX_LIBRARIES = 64;
+
     /** Time between two looks of the folder's own thread. */
     public static final Duration INTERVAL = Duration.ofMillis(200);
 
@@ -54,17 +59,19 @@ public final class LawFolder implements AutoCloseable {
     private @Nullable String lastWarning;
 
     /** What one content of a file is known by without reading it. */
-    private record Stamp(@Nullable Object key, long size, long modifiedNanoseconds) {
-    }
+    private record Stamp(@Nullable Object key, long size, long modifiedNanoseconds) {}
 
     /** A file as the last looks found it. */
     private static final class WatchedFile {
         @Nullable Stamp stamp;
         int equalLooks;
+
         /** Nothing is left to do until the file changes, but perhaps to tell the refusal. */
         boolean settled;
+
         /** Was handed to the world at least once. */
         boolean accepted;
+
         @Nullable PhysicsException refusal;
         int looksUntilTold;
         String told = "";
@@ -107,8 +114,12 @@ public final class LawFolder implements AutoCloseable {
                 }
             }
             makeSpares();
-            present.forEach((name, file) ->
-                lookAt(name, file, files.computeIfAbsent(name, n -> new WatchedFile())));
+            present.forEach(
+                    (name, file) ->
+                            lookAt(
+                                    name,
+                                    file,
+                                    files.computeIfAbsent(name, n -> new WatchedFile())));
         } catch (IOException | UncheckedIOException e) {
             warnOnce(folder + " cannot be read, laws stay as they are: " + e);
         }
@@ -157,7 +168,7 @@ public final class LawFolder implements AutoCloseable {
         Map<String, Path> present = new TreeMap<>();
         try (Stream<Path> entries = Files.list(folder)) {
             entries.filter(file -> file.getFileName().toString().endsWith(".so"))
-                .forEach(file -> present.put(file.getFileName().toString(), file));
+                    .forEach(file -> present.put(file.getFileName().toString(), file));
         }
         return present;
     }
@@ -170,10 +181,14 @@ public final class LawFolder implements AutoCloseable {
 
     private void lookAt(String name, Path path, WatchedFile file) {
         try {
-            BasicFileAttributes attributes = Files.readAttributes(path, BasicFileAttributes.class,
-                LinkOption.NOFOLLOW_LINKS);
-            Stamp stamp = new Stamp(attributes.fileKey(), attributes.size(),
-                attributes.lastModifiedTime().to(TimeUnit.NANOSECONDS));
+            BasicFileAttributes attributes =
+                    Files.readAttributes(
+                            path, BasicFileAttributes.class, LinkOption.NOFOLLOW_LINKS);
+            Stamp stamp =
+                    new Stamp(
+                            attributes.fileKey(),
+                            attributes.size(),
+                            attributes.lastModifiedTime().to(TimeUnit.NANOSECONDS));
             if (!stamp.equals(file.stamp)) {
                 file.stamp = stamp;
                 file.equalLooks = 0;
@@ -192,26 +207,38 @@ public final class LawFolder implements AutoCloseable {
         }
     }
 
-    private void settle(String name, Path path, BasicFileAttributes attributes,
-                        WatchedFile file) {
+    private void settle(String name, Path path, BasicFileAttributes attributes, WatchedFile file) {
         if (!attributes.isRegularFile()) {
-            file.refuse(new PhysicsException(Status.INVALID_ARGUMENT, path
-                + " is ignored: expected a regular file, found "
-                + (attributes.isSymbolicLink() ? "a symbolic link; copy the file itself here"
-                    : attributes.isDirectory() ? "a folder" : "a special file")), 0);
+            file.refuse(
+                    new PhysicsException(
+                            Status.INVALID_ARGUMENT,
+                            path
+                                    + " is ignored: expected a regular file, found "
+                                    + (attributes.isSymbolicLink()
+                                            ? "a symbolic link; copy the file itself here"
+                                            : attributes.isDirectory()
+                                                    ? "a folder"
+                                                    : "a special file")),
+                    0);
         } else if (!file.accepted && acceptedCount() >= MAX_LIBRARIES) {
-            file.refuse(new PhysicsException(Status.INVALID_ARGUMENT, path
-                + " is ignored: the folder has " + MAX_LIBRARIES
-                + " law libraries already; remove one, and drop it again"), 0);
+            file.refuse(
+                    new PhysicsException(
+                            Status.INVALID_ARGUMENT,
+                            path
+                                    + " is ignored: the folder has "
+                                    + MAX_LIBRARIES
+                                    + " law libraries already; remove one, and drop it again"),
+                    0);
         } else {
             try {
                 prepareAndOffer(name, path, file);
             } catch (PhysicsException e) {
-                file.refuse(e,
-                    e.status() == Status.LIBRARY_LOAD_FAILED ? LOOKS_UNTIL_TOLD : 0);
+                file.refuse(e, e.status() == Status.LIBRARY_LOAD_FAILED ? LOOKS_UNTIL_TOLD : 0);
             } catch (RuntimeException e) {
-                file.refuse(new PhysicsException(Status.LIBRARY_LOAD_FAILED,
-                    path + " cannot be loaded: " + e), 0);
+                file.refuse(
+                        new PhysicsException(
+                                Status.LIBRARY_LOAD_FAILED, path + " cannot be loaded: " + e),
+                        0);
             }
         }
     }
@@ -226,8 +253,9 @@ public final class LawFolder implements AutoCloseable {
             active.drop(library);
             throw e;
         }
-        file.settled = library.sha256().equals(spare.sha256())
-            && offer(frame -> active.put(frame, path, library, spare));
+        file.settled =
+                library.sha256().equals(spare.sha256())
+                        && offer(frame -> active.put(frame, path, library, spare));
         if (file.settled) {
             file.accepted = true;
         } else {
@@ -289,13 +317,15 @@ public final class LawFolder implements AutoCloseable {
     public static Path require(Path folder) {
         if (!Files.isDirectory(folder)) {
             throw new IllegalArgumentException(
-                "laws folder " + folder + " is not a folder; create it, or name another");
+                    "laws folder " + folder + " is not a folder; create it, or name another");
         }
         try {
-            if (Files.getPosixFilePermissions(folder)
-                .contains(PosixFilePermission.OTHERS_WRITE)) {
-                throw new IllegalArgumentException("laws folder " + folder + " can be written by"
-                    + " everybody, and what lies in it is run: chmod o-w it, or name another");
+            if (Files.getPosixFilePermissions(folder).contains(PosixFilePermission.OTHERS_WRITE)) {
+                throw new IllegalArgumentException(
+                        "laws folder "
+                                + folder
+                                + " can be written by everybody, and what lies in it is run: chmod"
+                                + " o-w it, or name another");
             }
         } catch (IOException e) {
             throw new IllegalArgumentException("laws folder " + folder + " cannot be read", e);

@@ -1,9 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe.adapter;
+
+import reve.pe.PreparedLibrary;
 
 import java.util.Collections;
 import java.util.LinkedHashMap;
 import java.util.Map;
-import reve.pe.PreparedLibrary;
 
 /**
  * A law library as it was loaded: what it takes to load the very same again.
@@ -13,8 +15,7 @@ import reve.pe.PreparedLibrary;
  * @param parameters by {@code parameter} or {@code law.parameter}; the rest have their default
  * @param bytes of the file; nobody changes them
  */
-public record LawLibrary(String name, String sha256, Map<String, Double> parameters,
-                         byte[] bytes) {
+public record LawLibrary(String name, String sha256, Map<String, Double> parameters, byte[] bytes) {
     /** Copies the parameters. */
     public LawLibrary {
         parameters = Collections.unmodifiableMap(new LinkedHashMap<>(parameters));

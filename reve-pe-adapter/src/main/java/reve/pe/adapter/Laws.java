@@ -1,4 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe.adapter;
+
+import reve.core.world.Item;
+import reve.core.world.World;
+import reve.core.world.WorldEvent;
+import reve.pe.PhysicsEngine;
+import reve.pe.PhysicsException;
+import reve.pe.PhysicsLaw;
+import reve.pe.PreparedLibrary;
 
 import java.nio.file.Path;
 import java.util.ArrayList;
@@ -10,28 +19,23 @@ import java.util.Optional;
 import java.util.Set;
 import java.util.function.Consumer;
 import java.util.stream.Collectors;
-import reve.core.world.Item;
-import reve.core.world.World;
-import reve.core.world.WorldEvent;
-import reve.pe.PhysicsEngine;
-import reve.pe.PhysicsException;
-import reve.pe.PhysicsLaw;
-import reve.pe.PreparedLibrary;
 
 /**
- * The laws of a world: what is loaded, and what is quarantined. Each change is told as a
- * {@code law-loaded}, {@code law-unloaded} or {@code fault} event; the last two carry the calls and
+ * The laws of a world: what is loaded, and what is quarantined. Each change is told as a {@code
+ * law-loaded}, {@code law-unloaded} or {@code fault} event; the last two carry the calls and
  * milliseconds (wall clock, for people) of all laws of the library. World's thread only.
  */
 public final class Laws {
     private final World world;
     private final PhysicsEngine engine;
     private final Map<Integer, LawLibrary> loaded = new LinkedHashMap<>();
+
     /** Libraries that a laws folder takes charge of if it has their bytes. */
     private final Set<Integer> forFolder = new HashSet<>();
+
     private final Map<String, Quarantined> quarantined = new LinkedHashMap<>();
     private final List<Consumer<LawChange>> listeners = new ArrayList<>();
-    private NameGuard guard = (name, file, library) -> { };
+    private NameGuard guard = (name, file, library) -> {};
     private long version;
 
     Laws(World world, PhysicsEngine engine) {
@@ -45,19 +49,19 @@ public final class Laws {
      * @param frame the frame that is being made, 0 before the first
      * @param parameters by {@code parameter} or {@code law.parameter}
      * @return id of the library, for {@link #unload}
-     * @throws PhysicsException if the engine refuses it, or these bytes are quarantined;
-     *     then nothing changed and the library is still the caller's
+     * @throws PhysicsException if the engine refuses it, or these bytes are quarantined; then
+     *     nothing changed and the library is still the caller's
      */
     public int load(long frame, PreparedLibrary prepared, Map<String, Double> parameters) {
-        return load(frame, prepared, parameters, name -> { });
+        return load(frame, prepared, parameters, name -> {});
     }
 
     /**
      * As the other one, of a library that was read from a file: what is responsible for names may
      * refuse it for its own name, or that of one of its laws.
      */
-    public int load(long frame, PreparedLibrary prepared, Map<String, Double> parameters,
-            Path file) {
+    public int load(
+            long frame, PreparedLibrary prepared, Map<String, Double> parameters, Path file) {
         byte[] bytes = prepared.bytes();
         return load(frame, prepared, parameters, name -> guard.check(name, file, bytes));
     }
@@ -77,20 +81,31 @@ public final class Laws {
         void check(String name, Path file, byte[] library);
     }
 
-    private int load(long frame, PreparedLibrary prepared, Map<String, Double> parameters,
+    private int load(
+            long frame,
+            PreparedLibrary prepared,
+            Map<String, Double> parameters,
             Consumer<String> names) {
         String library = prepared.name();
         String sha256 = prepared.sha256();
         Quarantined reason = quarantined.get(sha256);
         if (reason != null) {
-            throw new PhysicsException(reason.status(), "law library '" + library
-                + "' is in quarantine since frame " + reason.frame() + ": " + reason.message());
+            throw new PhysicsException(
+                    reason.status(),
+                    "law library '"
+                            + library
+                            + "' is in quarantine since frame "
+                            + reason.frame()
+                            + ": "
+                            + reason.message());
         }
         names.accept(library);
         int id = engine.loadPhysicsLaw(prepared, parameters);
         try {
-            engine.laws().stream().filter(law -> law.libraryId() == id).map(PhysicsLaw::name)
-                .forEach(names);
+            engine.laws().stream()
+                    .filter(law -> law.libraryId() == id)
+                    .map(PhysicsLaw::name)
+                    .forEach(names);
         } catch (PhysicsException refused) {
             engine.unloadPhysicsLaw(id);
             throw refused;
@@ -100,8 +115,12 @@ public final class Laws {
         version++;
         tell(new LawChange.Loaded(added));
         Map<String, Object> fields = fields(library, sha256);
-        fields.put("laws", engine.laws().stream().filter(law -> law.libraryId() == id)
-            .map(PhysicsLaw::name).collect(Collectors.joining(", ")));
+        fields.put(
+                "laws",
+                engine.laws().stream()
+                        .filter(law -> law.libraryId() == id)
+                        .map(PhysicsLaw::name)
+                        .collect(Collectors.joining(", ")));
         world.raise(new WorldEvent(frame, "law-loaded", fields));
         return id;
     }
@@ -121,8 +140,8 @@ public final class Laws {
     public void unload(long frame, int libraryId) {
         LawLibrary library = loaded.get(libraryId);
         if (library == null) {
-            throw new IllegalArgumentException("law library " + libraryId
-                + " is not loaded; loaded are " + loaded.keySet());
+            throw new IllegalArgumentException(
+                    "law library " + libraryId + " is not loaded; loaded are " + loaded.keySet());
         }
         Map<String, Object> fields = fields(library.name(), library.sha256());
         addCost(fields, libraryId);
@@ -166,8 +185,10 @@ public final class Laws {
     /** Ids of the loaded libraries with these bytes that a laws folder may take charge of. */
     List<Integer> forFolder(String sha256) {
         return loaded.entrySet().stream()
-            .filter(library -> library.getValue().sha256().equals(sha256))
-            .map(Map.Entry::getKey).filter(forFolder::contains).toList();
+                .filter(library -> library.getValue().sha256().equals(sha256))
+                .map(Map.Entry::getKey)
+                .filter(forFolder::contains)
+                .toList();
     }
 
     /** Tells a listener of every change from now on. */
@@ -204,7 +225,7 @@ public final class Laws {
                 quarantined.put(failed.reason().sha256(), failed.reason());
             }
             case LawChange.Arrested arrested ->
-                world.find(arrested.item()).ifPresent(world.arrests()::arrest);
+                    world.find(arrested.item()).ifPresent(world.arrests()::arrest);
         }
     }
 
@@ -232,8 +253,12 @@ public final class Laws {
 
     private int idAt(int place) {
         if (place < 0 || place >= loaded.size()) {
-            throw new IllegalArgumentException("there is no law library in place " + place + ", "
-                + loaded.size() + " are loaded");
+            throw new IllegalArgumentException(
+                    "there is no law library in place "
+                            + place
+                            + ", "
+                            + loaded.size()
+                            + " are loaded");
         }
         return List.copyOf(loaded.keySet()).get(place);
     }
@@ -256,8 +281,13 @@ public final class Laws {
         }
         Map<String, Object> fields = fields(library.name(), library.sha256());
         addCost(fields, failure.libraryId());
-        Quarantined reason = new Quarantined(library.sha256(), library.name(), frame,
-            failure.status(), String.valueOf(failure.getMessage()));
+        Quarantined reason =
+                new Quarantined(
+                        library.sha256(),
+                        library.name(),
+                        frame,
+                        failure.status(),
+                        String.valueOf(failure.getMessage()));
         quarantined.put(library.sha256(), reason);
         tell(new LawChange.Failed(drop(failure.libraryId()), reason));
         addPlace(fields, failure);

@@ -1,8 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe.adapter;
 
-import java.lang.foreign.MemorySegment;
 import reve.core.world.Column;
 import reve.core.world.Table;
+
+import java.lang.foreign.MemorySegment;
 
 /** A column that the engine works on in place. */
 final class LentColumn extends LentProperty {

@@ -1,8 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe.adapter;
 
-import java.lang.foreign.MemorySegment;
 import reve.core.world.Table;
 import reve.pe.PhysicalPropertyProvider;
+
+import java.lang.foreign.MemorySegment;
 
 /** A property of the engine and the world's columns behind it. World's thread only. */
 abstract sealed class LentProperty permits LentColumn, LentReferences {

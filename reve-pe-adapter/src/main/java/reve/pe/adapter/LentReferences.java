@@ -1,15 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe.adapter;
 
-import java.lang.foreign.MemorySegment;
-import java.lang.foreign.ValueLayout;
-import java.util.List;
 import org.jspecify.annotations.Nullable;
+
 import reve.core.world.Column;
 import reve.core.world.ColumnArena;
 import reve.core.world.Item;
 import reve.core.world.ItemId;
 import reve.core.world.Table;
 import reve.core.world.World;
+
+import java.lang.foreign.MemorySegment;
+import java.lang.foreign.ValueLayout;
+import java.util.List;
 
 /**
  * References as the engine sees them: U32 rows of the table referred to (physicsRowCount x
@@ -24,9 +27,16 @@ final class LentReferences extends LentProperty {
     private final long[] seen;
     private @Nullable MemorySegment rows;
 
-    /** @param columns of references to items of the target table, side by side in the property */
-    LentReferences(String name, World world, Table table, Table target, List<Column> columns,
-                   ColumnArena arena) {
+    /**
+     * @param columns of references to items of the target table, side by side in the property
+     */
+    LentReferences(
+            String name,
+            World world,
+            Table table,
+            Table target,
+            List<Column> columns,
+            ColumnArena arena) {
         super(name, table);
         this.world = world;
         this.target = target;
@@ -44,8 +54,8 @@ final class LentReferences extends LentProperty {
         for (int row = 0; row < table().physicsRowCount(); row++) {
             for (Column column : columns) {
                 for (int component = 0; component < column.components(); component++) {
-                    memory.setAtIndex(ValueLayout.JAVA_INT, at++,
-                        rowReferredTo(column, row, component));
+                    memory.setAtIndex(
+                            ValueLayout.JAVA_INT, at++, rowReferredTo(column, row, component));
                 }
             }
         }
@@ -76,8 +86,10 @@ final class LentReferences extends LentProperty {
             if (rows != null) {
                 arena.release(rows);
             }
-            rows = arena.reserve(table().kind() + "." + name(),
-                Math.max(bytes, rows == null ? 0 : 2 * rows.byteSize()));
+            rows =
+                    arena.reserve(
+                            table().kind() + "." + name(),
+                            Math.max(bytes, rows == null ? 0 : 2 * rows.byteSize()));
         }
         return rows;
     }
@@ -87,10 +99,17 @@ final class LentReferences extends LentProperty {
         int found = id == 0 ? -1 : target.rowOf(new ItemId(id));
         if (found < 0 || found >= target.physicsRowCount()) {
             Item item = world.item(table().idAt(row));
-            throw new IllegalStateException(item + ": " + column.name() + " refers to "
-                + (found < 0 ? "nothing" : world.item(new ItemId(id))
-                    + ", which has no physics aspect")
-                + ", expected a " + target.kind() + " with physics");
+            throw new IllegalStateException(
+                    item
+                            + ": "
+                            + column.name()
+                            + " refers to "
+                            + (found < 0
+                                    ? "nothing"
+                                    : world.item(new ItemId(id)) + ", which has no physics aspect")
+                            + ", expected a "
+                            + target.kind()
+                            + " with physics");
         }
         return found;
     }

@@ -1,9 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe.adapter;
+
+import reve.core.world.Table;
+import reve.pe.PhysicsEngine;
 
 import java.util.HashMap;
 import java.util.Map;
-import reve.core.world.Table;
-import reve.pe.PhysicsEngine;
 
 /** Which item stood in which of the engine's rows of a table. World's thread only. */
 final class LentRows {

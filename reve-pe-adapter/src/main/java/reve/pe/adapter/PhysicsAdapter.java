@@ -1,13 +1,6 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe.adapter;
 
-import java.util.ArrayList;
-import java.util.Collections;
-import java.util.Comparator;
-import java.util.HashSet;
-import java.util.List;
-import java.util.Optional;
-import java.util.Set;
-import java.util.stream.Collectors;
 import reve.core.frame.FrameEvent;
 import reve.core.frame.FrameListener;
 import reve.core.world.ColumnArena;
@@ -20,6 +13,15 @@ import reve.pe.PhysicsException;
 import reve.pe.PhysicsLaw;
 import reve.pe.PropertyDescriptor;
 import reve.pe.PropertyUse;
+
+import java.util.ArrayList;
+import java.util.Collections;
+import java.util.Comparator;
+import java.util.HashSet;
+import java.util.List;
+import java.util.Optional;
+import java.util.Set;
+import java.util.stream.Collectors;
 
 /**
  * Moves a world by the laws of a physics engine: the listener of phase PHYSICS. The engine works in
@@ -50,8 +52,10 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
     private final List<Arrested> arrests = new ArrayList<>();
     private long keptLayout = -1;
     private long keptLaws = -1;
+
     /** What the world's thread does in the engine, for people. */
     private String advancing = "";
+
     private long frames;
     private long redoneFrames;
     private long bindNanoseconds;
@@ -59,8 +63,7 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
     private long advanceNanoseconds;
 
     /** An item without which the frame is tried. */
-    private record Arrested(Item item, PhysicsException failure, Runnable release) {
-    }
+    private record Arrested(Item item, PhysicsException failure, Runnable release) {}
 
     /**
      * Lends the world's columns to the engine.
@@ -147,8 +150,8 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
 
     /** Where the time went. */
     public AdapterProfile profile() {
-        return new AdapterProfile(frames, redoneFrames, bindNanoseconds, copyNanoseconds,
-            advanceNanoseconds);
+        return new AdapterProfile(
+                frames, redoneFrames, bindNanoseconds, copyNanoseconds, advanceNanoseconds);
     }
 
     /** Frees the rollback copy; the engine still borrows the columns until it is closed. */
@@ -190,9 +193,14 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
             return false;
         }
         if (tried.size() < MOST_ARRESTS_ONE_BY_ONE) {
-            suspects = List.of(failed.filter(suspects::contains)
-                .orElse(Collections.max(suspects,
-                    Comparator.comparingDouble(world.arrests()::excess))));
+            suspects =
+                    List.of(
+                            failed.filter(suspects::contains)
+                                    .orElse(
+                                            Collections.max(
+                                                    suspects,
+                                                    Comparator.comparingDouble(
+                                                            world.arrests()::excess))));
         }
         tried.forEach(one -> arrest(one.item, one.failure));
         suspects.forEach(item -> arrest(item, failure));
@@ -204,16 +212,19 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
     }
 
     private Optional<Item> itemOf(PhysicsException failure) {
-        return failure.row().isEmpty() ? Optional.empty()
-            : kindOf(failure).flatMap(kind -> lent.item(kind, failure.row().getAsLong()));
+        return failure.row().isEmpty()
+                ? Optional.empty()
+                : kindOf(failure).flatMap(kind -> lent.item(kind, failure.row().getAsLong()));
     }
 
     /** Whose rows a failure counts: what a law remembers of each row is a property of its own. */
     private Optional<String> kindOf(PhysicsException failure) {
-        return laws.loaded().stream().filter(law -> law.libraryId() == failure.libraryId())
-            .flatMap(law -> law.uses().stream())
-            .filter(use -> use.name().equals(failure.property()))
-            .map(PropertyUse::kind).findFirst();
+        return laws.loaded().stream()
+                .filter(law -> law.libraryId() == failure.libraryId())
+                .flatMap(law -> law.uses().stream())
+                .filter(use -> use.name().equals(failure.property()))
+                .map(PropertyUse::kind)
+                .findFirst();
     }
 
     private void keepWhatLawsMayWrite() {
@@ -221,8 +232,11 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
             rollback.keep(lent.columns(writtenProperties()));
             keptLayout = lent.lentLayout();
             keptLaws = laws.version();
-            advancing = "native code (advance) of the laws " + laws.loaded().stream()
-                .map(PhysicsLaw::name).collect(Collectors.joining(", "));
+            advancing =
+                    "native code (advance) of the laws "
+                            + laws.loaded().stream()
+                                    .map(PhysicsLaw::name)
+                                    .collect(Collectors.joining(", "));
         }
     }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe.adapter;
 
 import java.util.List;
@@ -9,8 +10,8 @@ import java.util.List;
  * @param quarantined what failed and stays out
  * @param engineState as {@link reve.pe.PhysicsEngine#saveState} gives it
  */
-public record PhysicsImage(List<LawLibrary> libraries, List<Quarantined> quarantined,
-                           byte[] engineState) {
+public record PhysicsImage(
+        List<LawLibrary> libraries, List<Quarantined> quarantined, byte[] engineState) {
     /** Copies the lists. */
     public PhysicsImage {
         libraries = List.copyOf(libraries);

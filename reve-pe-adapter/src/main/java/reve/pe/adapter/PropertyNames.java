@@ -1,13 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe.adapter;
 
-import java.util.ArrayList;
-import java.util.EnumSet;
-import java.util.HashSet;
-import java.util.List;
-import java.util.Optional;
-import java.util.Set;
-import java.util.stream.Stream;
 import org.jspecify.annotations.Nullable;
+
 import reve.core.unit.Unit;
 import reve.core.world.WorldPrototype;
 import reve.pe.Access;
@@ -16,18 +11,27 @@ import reve.pe.Prototype;
 import reve.pe.ScalarType;
 import reve.pe.SiUnit;
 
+import java.util.ArrayList;
+import java.util.EnumSet;
+import java.util.HashSet;
+import java.util.List;
+import java.util.Optional;
+import java.util.Set;
+import java.util.stream.Stream;
+
 /** What REVE's properties are called in an engine: the same, but for the rows of one table. */
 public final class PropertyNames {
-    private static final List<Translation> TABLE = List.of(
-        new Translation("spring", "hookeConstant", List.of("springConstant")),
-        new Translation("spring", "endpoints", List.of("end1", "end2")));
+    private static final List<Translation> TABLE =
+            List.of(
+                    new Translation("spring", "hookeConstant", List.of("springConstant")),
+                    new Translation("spring", "endpoints", List.of("end1", "end2")));
 
-    /** @param columns REVE's columns, side by side in the engine's property */
-    private record Translation(String kind, String engineName, List<String> columns) {
-    }
+    /**
+     * @param columns REVE's columns, side by side in the engine's property
+     */
+    private record Translation(String kind, String engineName, List<String> columns) {}
 
-    private PropertyNames() {
-    }
+    private PropertyNames() {}
 
     /**
      * The prototype for an engine: what the world's items have, in REVE's types and units, and the
@@ -45,10 +49,14 @@ public final class PropertyNames {
                 continue;
             }
             List<reve.core.world.PropertyDescriptor> found =
-                find(world, property.kind(), columns(property.kind(), property.name()));
+                    find(world, property.kind(), columns(property.kind(), property.name()));
             if (!found.isEmpty()) {
-                properties.add(translated(property.name(), found, property.lawAccess(),
-                    property.initialFrom()));
+                properties.add(
+                        translated(
+                                property.name(),
+                                found,
+                                property.lawAccess(),
+                                property.initialFrom()));
                 found.forEach(column -> standardColumns.add(column.name()));
             }
         }
@@ -57,51 +65,65 @@ public final class PropertyNames {
                 properties.add(translated(own.name(), List.of(own), designersAccess(own), null));
             }
         }
-        return new Prototype(standard.name(), scalarType(world.realType()), standard.timeUnit(),
-            properties);
+        return new Prototype(
+                standard.name(), scalarType(world.realType()), standard.timeUnit(), properties);
     }
 
     /** REVE's columns behind an engine's property, side by side. */
     static List<String> columns(String kind, String engineName) {
         return TABLE.stream()
-            .filter(row -> row.kind.equals(kind) && row.engineName.equals(engineName))
-            .findFirst().map(Translation::columns).orElse(List.of(engineName));
+                .filter(row -> row.kind.equals(kind) && row.engineName.equals(engineName))
+                .findFirst()
+                .map(Translation::columns)
+                .orElse(List.of(engineName));
     }
 
     /** All the columns, or none if the world lacks one. */
-    private static List<reve.core.world.PropertyDescriptor> find(WorldPrototype world,
-                                                                 String kind,
-                                                                 List<String> columns) {
-        List<reve.core.world.PropertyDescriptor> found = columns.stream()
-            .map(column -> find(world, kind, column)).flatMap(Optional::stream).toList();
+    private static List<reve.core.world.PropertyDescriptor> find(
+            WorldPrototype world, String kind, List<String> columns) {
+        List<reve.core.world.PropertyDescriptor> found =
+                columns.stream()
+                        .map(column -> find(world, kind, column))
+                        .flatMap(Optional::stream)
+                        .toList();
         return found.size() == columns.size() ? found : List.of();
     }
 
-    private static Optional<reve.core.world.PropertyDescriptor> find(WorldPrototype world,
-                                                                     String kind,
-                                                                     String column) {
+    private static Optional<reve.core.world.PropertyDescriptor> find(
+            WorldPrototype world, String kind, String column) {
         return Stream.concat(world.physicalProperties().stream(), world.properties().stream())
-            .filter(property -> property.kind().equals(kind) && property.name().equals(column))
-            .findFirst();
+                .filter(property -> property.kind().equals(kind) && property.name().equals(column))
+                .findFirst();
     }
 
     private static PropertyDescriptor translated(
-            String name, List<reve.core.world.PropertyDescriptor> columns, Set<Access> access,
+            String name,
+            List<reve.core.world.PropertyDescriptor> columns,
+            Set<Access> access,
             @Nullable String initialFrom) {
         reve.core.world.PropertyDescriptor first = columns.getFirst();
         int components =
-            columns.stream().mapToInt(reve.core.world.PropertyDescriptor::components).sum();
+                columns.stream().mapToInt(reve.core.world.PropertyDescriptor::components).sum();
         // What laws write is not held to a least value; the world checks what others do.
-        double minimum = access.equals(Set.of(Access.READ)) ? first.minimum()
-            : Double.NEGATIVE_INFINITY;
-        return new PropertyDescriptor(name, first.kind(), scalarType(first.type()), components,
-            access, unit(first.unit()), first.refersTo().orElse(null), initialFrom, minimum,
-            first.doc());
+        double minimum =
+                access.equals(Set.of(Access.READ)) ? first.minimum() : Double.NEGATIVE_INFINITY;
+        return new PropertyDescriptor(
+                name,
+                first.kind(),
+                scalarType(first.type()),
+                components,
+                access,
+                unit(first.unit()),
+                first.refersTo().orElse(null),
+                initialFrom,
+                minimum,
+                first.doc());
     }
 
     private static Set<Access> designersAccess(reve.core.world.PropertyDescriptor property) {
-        return property.refersTo().isPresent() ? EnumSet.of(Access.READ)
-            : EnumSet.of(Access.READ, Access.WRITE);
+        return property.refersTo().isPresent()
+                ? EnumSet.of(Access.READ)
+                : EnumSet.of(Access.READ, Access.WRITE);
     }
 
     private static ScalarType scalarType(reve.core.world.ScalarType type) {

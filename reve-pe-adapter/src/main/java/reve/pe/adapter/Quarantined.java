@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe.adapter;
 
 import reve.pe.Status;
@@ -9,6 +10,5 @@ import reve.pe.Status;
  * @param frame in which it failed
  * @param message what the engine said about it
  */
-public record Quarantined(String sha256, String library, long frame, Status status,
-                          String message) {
-}
+public record Quarantined(
+        String sha256, String library, long frame, Status status, String message) {}

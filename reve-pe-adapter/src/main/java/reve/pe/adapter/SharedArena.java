@@ -1,15 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe.adapter;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.core.world.ColumnArena;
+import reve.pe.posix.SharedMemory;
 
 import java.lang.foreign.MemorySegment;
 import java.util.HashMap;
 import java.util.Map;
-import org.jspecify.annotations.Nullable;
-import reve.core.world.ColumnArena;
-import reve.pe.posix.SharedMemory;
 
 /**
- * Column memory that another process can map: each column lies behind a descriptor of its own.
- * Same thread rule as the world's.
+ * Column memory that another process can map: each column lies behind a descriptor of its own. Same
+ * thread rule as the world's.
  */
 public final class SharedArena implements ColumnArena {
     private final Map<Long, SharedMemory> byAddress = new HashMap<>();
@@ -41,11 +44,10 @@ public final class SharedArena implements ColumnArena {
         byAddress.clear();
     }
 
-    private static SharedMemory find(MemorySegment memory,
-                                     @Nullable SharedMemory found) {
+    private static SharedMemory find(MemorySegment memory, @Nullable SharedMemory found) {
         if (found == null) {
             throw new IllegalArgumentException(
-                "memory at " + memory.address() + " was not reserved here");
+                    "memory at " + memory.address() + " was not reserved here");
         }
         return found;
     }

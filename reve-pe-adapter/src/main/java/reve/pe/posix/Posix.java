@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe.posix;
 
 import static java.lang.foreign.ValueLayout.ADDRESS;
@@ -18,29 +19,31 @@ final class Posix {
     private static final Linker LINKER = Linker.nativeLinker();
     private static final StructLayout CALL_STATE = Linker.Option.captureStateLayout();
     private static final long ERRNO =
-        CALL_STATE.byteOffset(MemoryLayout.PathElement.groupElement("errno"));
+            CALL_STATE.byteOffset(MemoryLayout.PathElement.groupElement("errno"));
 
-    private static final MethodHandle MEMFD_CREATE = function("memfd_create", JAVA_INT,
-        ADDRESS, JAVA_INT);
-    private static final MethodHandle FTRUNCATE = function("ftruncate", JAVA_INT,
-        JAVA_INT, JAVA_LONG);
-    private static final MethodHandle MMAP = function("mmap", JAVA_LONG,
-        ADDRESS, JAVA_LONG, JAVA_INT, JAVA_INT, JAVA_INT, JAVA_LONG);
+    private static final MethodHandle MEMFD_CREATE =
+            function("memfd_create", JAVA_INT, ADDRESS, JAVA_INT);
+    private static final MethodHandle FTRUNCATE =
+            function("ftruncate", JAVA_INT, JAVA_INT, JAVA_LONG);
+    private static final MethodHandle MMAP =
+            function(
+                    "mmap", JAVA_LONG, ADDRESS, JAVA_LONG, JAVA_INT, JAVA_INT, JAVA_INT, JAVA_LONG);
     private static final MethodHandle MUNMAP = function("munmap", JAVA_INT, ADDRESS, JAVA_LONG);
     private static final MethodHandle CLOSE = function("close", JAVA_INT, JAVA_INT);
-    private static final MethodHandle STRERROR = LINKER.downcallHandle(
-        LINKER.defaultLookup().findOrThrow("strerror"), FunctionDescriptor.of(ADDRESS, JAVA_INT));
+    private static final MethodHandle STRERROR =
+            LINKER.downcallHandle(
+                    LINKER.defaultLookup().findOrThrow("strerror"),
+                    FunctionDescriptor.of(ADDRESS, JAVA_INT));
     private static final long LONGEST_WORDS = 256;
 
-    private Posix() {
-    }
+    private Posix() {}
 
     /** A new descriptor. */
     static int memfdCreate(String name, int flags) {
         try (Arena call = Arena.ofConfined()) {
             MemorySegment state = call.allocate(CALL_STATE);
-            return orErrno((int) MEMFD_CREATE.invokeExact(state, call.allocateFrom(name), flags),
-                state);
+            return orErrno(
+                    (int) MEMFD_CREATE.invokeExact(state, call.allocateFrom(name), flags), state);
         } catch (Throwable t) {
             throw unexpected(t);
         }
@@ -60,8 +63,16 @@ final class Posix {
     static long mmap(long bytes, int protection, int flags, int descriptor, long offset) {
         try (Arena call = Arena.ofConfined()) {
             MemorySegment state = call.allocate(CALL_STATE);
-            long address = (long) MMAP.invokeExact(state, MemorySegment.NULL, bytes, protection,
-                flags, descriptor, offset);
+            long address =
+                    (long)
+                            MMAP.invokeExact(
+                                    state,
+                                    MemorySegment.NULL,
+                                    bytes,
+                                    protection,
+                                    flags,
+                                    descriptor,
+                                    offset);
             return address == -1 ? -state.get(JAVA_INT, ERRNO) : address;
         } catch (Throwable t) {
             throw unexpected(t);
@@ -91,8 +102,9 @@ final class Posix {
     /** What an errno means, in the system's words. */
     static String words(int errno) {
         try {
-            return ((MemorySegment) STRERROR.invokeExact(errno)).reinterpret(LONGEST_WORDS)
-                .getString(0);
+            return ((MemorySegment) STRERROR.invokeExact(errno))
+                    .reinterpret(LONGEST_WORDS)
+                    .getString(0);
         } catch (Throwable t) {
             throw unexpected(t);
         }
@@ -102,10 +114,12 @@ final class Posix {
         return result == -1 ? -state.get(JAVA_INT, ERRNO) : result;
     }
 
-    private static MethodHandle function(String name, MemoryLayout result,
-                                         MemoryLayout... arguments) {
-        return LINKER.downcallHandle(LINKER.defaultLookup().findOrThrow(name),
-            FunctionDescriptor.of(result, arguments), Linker.Option.captureCallState("errno"));
+    private static MethodHandle function(
+            String name, MemoryLayout result, MemoryLayout... arguments) {
+        return LINKER.downcallHandle(
+                LINKER.defaultLookup().findOrThrow(name),
+                FunctionDescriptor.of(result, arguments),
+                Linker.Option.captureCallState("errno"));
     }
 
     private static RuntimeException unexpected(Throwable t) {

@@ -1,11 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe.posix;
 
 import java.lang.foreign.Arena;
 import java.lang.foreign.MemorySegment;
 
 /**
- * Zeroed memory behind a descriptor, so that another process can map the same bytes: through
- * {@code /proc/PID/fd/DESCRIPTOR}, or by inheriting the descriptor. Its size never changes. Linux.
+ * Zeroed memory behind a descriptor, so that another process can map the same bytes: through {@code
+ * /proc/PID/fd/DESCRIPTOR}, or by inheriting the descriptor. Its size never changes. Linux.
  */
 public final class SharedMemory implements AutoCloseable {
     private static final int MFD_CLOEXEC = 1;
@@ -29,8 +30,8 @@ public final class SharedMemory implements AutoCloseable {
      */
     public SharedMemory(String name, long bytes) {
         if (bytes <= 0) {
-            throw new IllegalArgumentException("shared memory '" + name + "': " + bytes
-                + " bytes, expected at least 1");
+            throw new IllegalArgumentException(
+                    "shared memory '" + name + "': " + bytes + " bytes, expected at least 1");
         }
         descriptor = check(name, "memfd_create", Posix.memfdCreate(name, MFD_CLOEXEC));
         try {
@@ -76,20 +77,21 @@ public final class SharedMemory implements AutoCloseable {
 
     private static void check(String name, String what, long result) {
         if (result < 0) {
-            throw new IllegalStateException("shared memory '" + name + "': " + what + " failed: "
-                + reason((int) -result));
+            throw new IllegalStateException(
+                    "shared memory '" + name + "': " + what + " failed: " + reason((int) -result));
         }
     }
 
     /** An errno in words, with what can be done about it. */
     static String reason(int errno) {
-        String advice = switch (errno) {
-            case EMFILE -> "; raise the limit of open files of the process (ulimit -n)";
-            case ENFILE -> "; raise the limit of open files of the system (fs.file-max)";
-            case EFBIG -> "; raise the limit of the size of files (ulimit -f)";
-            case ENOMEM -> "; make the world smaller, or give the process more memory";
-            default -> "";
-        };
+        String advice =
+                switch (errno) {
+                    case EMFILE -> "; raise the limit of open files of the process (ulimit -n)";
+                    case ENFILE -> "; raise the limit of open files of the system (fs.file-max)";
+                    case EFBIG -> "; raise the limit of the size of files (ulimit -f)";
+                    case ENOMEM -> "; make the world smaller, or give the process more memory";
+                    default -> "";
+                };
         return Posix.words(errno) + " (errno " + errno + ")" + advice;
     }
 }

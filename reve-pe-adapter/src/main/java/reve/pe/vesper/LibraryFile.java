@@ -1,4 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe.vesper;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.pe.PhysicsException;
+import reve.pe.Status;
 
 import java.io.IOException;
 import java.nio.file.Files;
@@ -9,18 +15,13 @@ import java.security.MessageDigest;
 import java.security.NoSuchAlgorithmException;
 import java.util.HexFormat;
 import java.util.List;
-import org.jspecify.annotations.Nullable;
-import reve.pe.PhysicsException;
-import reve.pe.Status;
 
 /** A law library on disk: where a name leads to, and what its bytes are. */
 final class LibraryFile {
-    private LibraryFile() {
-    }
+    private LibraryFile() {}
 
     /** What tells one content of a file from another without reading it. */
-    record Stamp(@Nullable Object key, long size, FileTime modified) {
-    }
+    record Stamp(@Nullable Object key, long size, FileTime modified) {}
 
     /**
      * Finds a library by the rule of {@code vesper_library_prepare}; the path is absolute.
@@ -36,9 +37,18 @@ final class LibraryFile {
     }
 
     private static Path existing(String library, List<Path> candidates) {
-        return candidates.stream().filter(Files::exists).findFirst().map(Path::toAbsolutePath)
-            .orElseThrow(() -> new PhysicsException(Status.NOT_FOUND,
-                "law library '" + library + "' was not found; looked for " + candidates));
+        return candidates.stream()
+                .filter(Files::exists)
+                .findFirst()
+                .map(Path::toAbsolutePath)
+                .orElseThrow(
+                        () ->
+                                new PhysicsException(
+                                        Status.NOT_FOUND,
+                                        "law library '"
+                                                + library
+                                                + "' was not found; looked for "
+                                                + candidates));
     }
 
     static Stamp stamp(Path file) throws IOException {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe.vesper;
 
 import static java.lang.foreign.ValueLayout.ADDRESS;
@@ -16,7 +17,7 @@ import java.lang.invoke.MethodType;
 final class LogUpcall {
     private static final Level[] LEVELS = {Level.DEBUG, Level.INFO, Level.WARNING, Level.ERROR};
     private static final FunctionDescriptor SIGNATURE =
-        FunctionDescriptor.ofVoid(ADDRESS, JAVA_INT, ADDRESS);
+            FunctionDescriptor.ofVoid(ADDRESS, JAVA_INT, ADDRESS);
     private static final MethodHandle RECEIVE = receiver();
 
     private final VesperLog log;
@@ -29,13 +30,12 @@ final class LogUpcall {
     @SuppressWarnings("restricted") // an upcall is the only way to receive log lines
     static MemorySegment create(VesperLog log, Arena arena) {
         return Linker.nativeLinker()
-            .upcallStub(RECEIVE.bindTo(new LogUpcall(log)), SIGNATURE, arena);
+                .upcallStub(RECEIVE.bindTo(new LogUpcall(log)), SIGNATURE, arena);
     }
 
     private void receive(MemorySegment user, int level, MemorySegment message) {
         try {
-            log.log(LEVELS[Math.clamp(level, 1, LEVELS.length) - 1],
-                VesperStrings.read(message));
+            log.log(LEVELS[Math.clamp(level, 1, LEVELS.length) - 1], VesperStrings.read(message));
         } catch (Throwable failure) {
             // Nothing may cross into C, and a log that fails cannot be told through the log.
             System.err.println("a Vesper log listener failed: " + failure);
@@ -44,9 +44,15 @@ final class LogUpcall {
 
     private static MethodHandle receiver() {
         try {
-            return MethodHandles.lookup().findVirtual(LogUpcall.class, "receive",
-                MethodType.methodType(void.class, MemorySegment.class, int.class,
-                    MemorySegment.class));
+            return MethodHandles.lookup()
+                    .findVirtual(
+                            LogUpcall.class,
+                            "receive",
+                            MethodType.methodType(
+                                    void.class,
+                                    MemorySegment.class,
+                                    int.class,
+                                    MemorySegment.class));
         } catch (ReflectiveOperationException e) {
             throw new ExceptionInInitializerError(e);
         }

@@ -1,17 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe.vesper;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.pe.PhysicsException;
+import reve.pe.Status;
 
 import java.nio.file.Files;
 import java.nio.file.Path;
-import org.jspecify.annotations.Nullable;
-import reve.pe.PhysicsException;
-import reve.pe.Status;
 
 /** Where libvesper lives: the folder that the system property {@code reve.native.path} names. */
 final class NativeFolder {
     private static final String PROPERTY = "reve.native.path";
 
-    private NativeFolder() {
-    }
+    private NativeFolder() {}
 
     /** The engine's shared library; checked to be there, so that the message can say what to do. */
     static Path libvesper() {
@@ -21,13 +23,23 @@ final class NativeFolder {
     static Path libvesper(@Nullable String folder) {
         String file = System.mapLibraryName("vesper");
         if (folder == null) {
-            throw new IllegalStateException("system property " + PROPERTY + " is not set: start"
-                + " Java with -D" + PROPERTY + "=FOLDER, the folder that holds " + file);
+            throw new IllegalStateException(
+                    "system property "
+                            + PROPERTY
+                            + " is not set: start"
+                            + " Java with -D"
+                            + PROPERTY
+                            + "=FOLDER, the folder that holds "
+                            + file);
         }
         Path library = Path.of(folder, file).toAbsolutePath();
         if (!Files.isRegularFile(library)) {
-            throw new IllegalStateException(library + " is not there: build it, or point system"
-                + " property " + PROPERTY + " to the folder that holds it");
+            throw new IllegalStateException(
+                    library
+                            + " is not there: build it, or point system"
+                            + " property "
+                            + PROPERTY
+                            + " to the folder that holds it");
         }
         return library;
     }
@@ -45,8 +57,13 @@ final class NativeFolder {
         } catch (UnsatisfiedLinkError unopened) {
             reason = unopened.getMessage();
         }
-        return new PhysicsException(Status.LIBRARY_LOAD_FAILED, "the engine cannot be loaded: "
-            + reason + " (`ldd " + library + "` lists the shared libraries that it needs; install"
-            + " those that are not found)");
+        return new PhysicsException(
+                Status.LIBRARY_LOAD_FAILED,
+                "the engine cannot be loaded: "
+                        + reason
+                        + " (`ldd "
+                        + library
+                        + "` lists the shared libraries that it needs; install"
+                        + " those that are not found)");
     }
 }

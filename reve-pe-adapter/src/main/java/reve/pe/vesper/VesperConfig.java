@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe.vesper;
 
 import java.nio.file.Path;
@@ -6,8 +7,8 @@ import java.util.List;
 /**
  * How a Vesper engine is made.
  *
- * @param threads threads that laws may share work among, the caller's included; at least 1.
- *     Results do not depend on it
+ * @param threads threads that laws may share work among, the caller's included; at least 1. Results
+ *     do not depend on it
  * @param validate true: laws run on guarded copies and are held to their declaration (slower)
  * @param lawPath folders searched for bare law names, in this order; no ':' in them
  * @param log receives the log lines of engine and laws
@@ -21,14 +22,16 @@ public record VesperConfig(int threads, boolean validate, List<Path> lawPath, Ve
         lawPath = List.copyOf(lawPath);
         for (Path folder : lawPath) {
             if (folder.toString().contains(":")) {
-                throw new IllegalArgumentException("law folder '" + folder
-                    + "' has a ':' in its name, which separates folders; rename it");
+                throw new IllegalArgumentException(
+                        "law folder '"
+                                + folder
+                                + "' has a ':' in its name, which separates folders; rename it");
             }
         }
     }
 
     /** One thread, no validation, log lines discarded. */
     public static VesperConfig of(List<Path> lawPath) {
-        return new VesperConfig(1, false, lawPath, (level, message) -> { });
+        return new VesperConfig(1, false, lawPath, (level, message) -> {});
     }
 }

@@ -1,14 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe.vesper;
+
+import static reve.pe.vesper.VesperLayouts.ENGINE_CONFIG;
+import static reve.pe.vesper.VesperLayouts.LAW_INFO;
+import static reve.pe.vesper.VesperLayouts.PARAMETER;
+import static reve.pe.vesper.VesperLayouts.offset;
 
 import static java.lang.foreign.ValueLayout.ADDRESS;
 import static java.lang.foreign.ValueLayout.JAVA_BYTE;
 import static java.lang.foreign.ValueLayout.JAVA_DOUBLE;
 import static java.lang.foreign.ValueLayout.JAVA_INT;
 import static java.lang.foreign.ValueLayout.JAVA_LONG;
-import static reve.pe.vesper.VesperLayouts.ENGINE_CONFIG;
-import static reve.pe.vesper.VesperLayouts.LAW_INFO;
-import static reve.pe.vesper.VesperLayouts.PARAMETER;
-import static reve.pe.vesper.VesperLayouts.offset;
+
+import reve.pe.LedgerLine;
+import reve.pe.PhysicalPropertyProvider;
+import reve.pe.PhysicsEngine;
+import reve.pe.PhysicsException;
+import reve.pe.PhysicsLaw;
+import reve.pe.PreparedLibrary;
+import reve.pe.Prototype;
+import reve.pe.Status;
+import reve.pe.vesper.VesperErrors.LibraryNames;
 
 import java.io.IOException;
 import java.lang.foreign.Arena;
@@ -21,20 +33,11 @@ import java.util.List;
 import java.util.Map;
 import java.util.TreeMap;
 import java.util.stream.Collectors;
-import reve.pe.LedgerLine;
-import reve.pe.PhysicalPropertyProvider;
-import reve.pe.PhysicsEngine;
-import reve.pe.PhysicsException;
-import reve.pe.PhysicsLaw;
-import reve.pe.PreparedLibrary;
-import reve.pe.Prototype;
-import reve.pe.Status;
-import reve.pe.vesper.VesperErrors.LibraryNames;
 
 /**
- * The Vesper engine. It works in place on the arrays that its provider is lent, and
- * {@link #advance} is one native call. Close prepared libraries, and let other threads end their
- * {@code prepare}, before closing the engine.
+ * The Vesper engine. It works in place on the arrays that its provider is lent, and {@link
+ * #advance} is one native call. Close prepared libraries, and let other threads end their {@code
+ * prepare}, before closing the engine.
  */
 public final class VesperEngine implements PhysicsEngine {
     private final Arena arena = Arena.ofShared();
@@ -70,8 +73,13 @@ public final class VesperEngine implements PhysicsEngine {
             arena.close();
             throw e;
         }
-        provider = new VesperProvider(this, VesperLibrary.enginePropertyProvider(engine), errors,
-            prototype, arena);
+        provider =
+                new VesperProvider(
+                        this,
+                        VesperLibrary.enginePropertyProvider(engine),
+                        errors,
+                        prototype,
+                        arena);
     }
 
     /**
@@ -83,11 +91,11 @@ public final class VesperEngine implements PhysicsEngine {
     public static Prototype standardPrototype(String name) {
         checkLibrary();
         try (Arena call = Arena.ofConfined()) {
-            MemorySegment found =
-                VesperLibrary.prototypeStandard(VesperStrings.write(call, name));
+            MemorySegment found = VesperLibrary.prototypeStandard(VesperStrings.write(call, name));
             if (found.address() == 0) {
-                throw new PhysicsException(Status.NOT_FOUND, "there is no standard prototype '"
-                    + name + "', expected si-f64 or si-f32");
+                throw new PhysicsException(
+                        Status.NOT_FOUND,
+                        "there is no standard prototype '" + name + "', expected si-f64 or si-f32");
             }
             return VesperPrototypes.read(found);
         }
@@ -97,8 +105,11 @@ public final class VesperEngine implements PhysicsEngine {
     public static String buildInfo() {
         checkLibrary();
         int abi = VesperLibrary.abiVersion();
-        return VesperStrings.read(VesperLibrary.buildInfo()) + ", contract " + (abi >>> 16) + "."
-            + (abi & 0xFFFF);
+        return VesperStrings.read(VesperLibrary.buildInfo())
+                + ", contract "
+                + (abi >>> 16)
+                + "."
+                + (abi & 0xFFFF);
     }
 
     @Override
@@ -122,8 +133,8 @@ public final class VesperEngine implements PhysicsEngine {
         try {
             return prepareUnchanged(file.toAbsolutePath());
         } catch (IOException e) {
-            throw new PhysicsException(Status.LIBRARY_LOAD_FAILED,
-                file + " cannot be read: " + e.getMessage());
+            throw new PhysicsException(
+                    Status.LIBRARY_LOAD_FAILED, file + " cannot be read: " + e.getMessage());
         }
     }
 
@@ -131,25 +142,33 @@ public final class VesperEngine implements PhysicsEngine {
     public int loadPhysicsLaw(PreparedLibrary prepared, Map<String, Double> parameters) {
         checkOpen();
         if (!(prepared instanceof VesperPreparedLibrary library)) {
-            throw new IllegalArgumentException("prepared library '" + prepared.name()
-                + "' was prepared by another kind of engine");
+            throw new IllegalArgumentException(
+                    "prepared library '"
+                            + prepared.name()
+                            + "' was prepared by another kind of engine");
         }
         try (Arena call = Arena.ofConfined()) {
-            errors.check(VesperLibrary.engineLoadPrepared(engine, library.handle(),
-                writeParameters(call, parameters), parameters.size(), out, errors.segment()));
+            errors.check(
+                    VesperLibrary.engineLoadPrepared(
+                            engine,
+                            library.handle(),
+                            writeParameters(call, parameters),
+                            parameters.size(),
+                            out,
+                            errors.segment()));
         }
         library.taken();
         int id = out.get(JAVA_INT, 0);
-        libraries.put(id, new LibraryNames(library.name(),
-            laws(id).stream().map(PhysicsLaw::name).toList()));
+        libraries.put(
+                id,
+                new LibraryNames(library.name(), laws(id).stream().map(PhysicsLaw::name).toList()));
         return id;
     }
 
     @Override
     public void unloadPhysicsLaw(int libraryId) {
         checkOpen();
-        errors.check(
-            VesperLibrary.engineUnloadPhysicsLaw(engine, libraryId, errors.segment()));
+        errors.check(VesperLibrary.engineUnloadPhysicsLaw(engine, libraryId, errors.segment()));
         libraries.remove(libraryId);
     }
 
@@ -176,16 +195,16 @@ public final class VesperEngine implements PhysicsEngine {
     public void moveRow(String kind, long from, long to) {
         checkOpen();
         try (Arena call = Arena.ofConfined()) {
-            errors.check(VesperLibrary.engineMoveRow(engine, VesperStrings.write(call, kind), from,
-                to, errors.segment()));
+            errors.check(
+                    VesperLibrary.engineMoveRow(
+                            engine, VesperStrings.write(call, kind), from, to, errors.segment()));
         }
     }
 
     @Override
     public void setStepCount(long steps, double dtSeconds) {
         checkOpen();
-        errors.check(VesperLibrary.engineSetStepCount(engine, steps, dtSeconds,
-            errors.segment()));
+        errors.check(VesperLibrary.engineSetStepCount(engine, steps, dtSeconds, errors.segment()));
     }
 
     @Override
@@ -209,8 +228,9 @@ public final class VesperEngine implements PhysicsEngine {
         try (Arena call = Arena.ofConfined()) {
             errors.check(VesperLibrary.engineStateSize(engine, out, errors.segment()));
             MemorySegment state = call.allocate(out.get(JAVA_LONG, 0));
-            errors.check(VesperLibrary.engineSaveState(engine, state, state.byteSize(),
-                errors.segment()));
+            errors.check(
+                    VesperLibrary.engineSaveState(
+                            engine, state, state.byteSize(), errors.segment()));
             return state.toArray(JAVA_BYTE);
         }
     }
@@ -220,8 +240,8 @@ public final class VesperEngine implements PhysicsEngine {
         checkOpen();
         try (Arena call = Arena.ofConfined()) {
             MemorySegment copy = call.allocateFrom(JAVA_BYTE, state);
-            errors.check(VesperLibrary.engineLoadState(engine, copy, copy.byteSize(),
-                errors.segment()));
+            errors.check(
+                    VesperLibrary.engineLoadState(engine, copy, copy.byteSize(), errors.segment()));
         }
     }
 
@@ -256,8 +276,12 @@ public final class VesperEngine implements PhysicsEngine {
     private MemorySegment create() {
         try (Arena call = Arena.ofConfined()) {
             MemorySegment handle = call.allocate(ADDRESS);
-            errors.check(VesperLibrary.engineCreate(config,
-                VesperPrototypes.write(call, prototype), handle, errors.segment()));
+            errors.check(
+                    VesperLibrary.engineCreate(
+                            config,
+                            VesperPrototypes.write(call, prototype),
+                            handle,
+                            errors.segment()));
             return handle.get(ADDRESS, 0);
         }
     }
@@ -268,10 +292,15 @@ public final class VesperEngine implements PhysicsEngine {
         struct.set(JAVA_INT, offset(ENGINE_CONFIG, "threads"), config.threads());
         struct.set(JAVA_INT, offset(ENGINE_CONFIG, "validate"), config.validate() ? 1 : 0);
         struct.set(JAVA_INT, offset(ENGINE_CONFIG, "touches"), 1);
-        struct.set(ADDRESS, offset(ENGINE_CONFIG, "law_path"), VesperStrings.write(arena,
-            config.lawPath().stream().map(Path::toString).collect(Collectors.joining(":"))));
-        struct.set(ADDRESS, offset(ENGINE_CONFIG, "log"),
-            LogUpcall.create(config.log(), arena));
+        struct.set(
+                ADDRESS,
+                offset(ENGINE_CONFIG, "law_path"),
+                VesperStrings.write(
+                        arena,
+                        config.lawPath().stream()
+                                .map(Path::toString)
+                                .collect(Collectors.joining(":"))));
+        struct.set(ADDRESS, offset(ENGINE_CONFIG, "log"), LogUpcall.create(config.log(), arena));
         return struct;
     }
 
@@ -279,16 +308,21 @@ public final class VesperEngine implements PhysicsEngine {
     private PreparedLibrary prepareUnchanged(Path file) throws IOException {
         LibraryFile.Stamp before = LibraryFile.stamp(file);
         if (Files.size(file) > PreparedLibrary.MAX_BYTES) {
-            throw new PhysicsException(Status.LIBRARY_LOAD_FAILED, file + " has "
-                + Files.size(file) + " bytes, expected a law library of at most "
-                + PreparedLibrary.MAX_BYTES);
+            throw new PhysicsException(
+                    Status.LIBRARY_LOAD_FAILED,
+                    file
+                            + " has "
+                            + Files.size(file)
+                            + " bytes, expected a law library of at most "
+                            + PreparedLibrary.MAX_BYTES);
         }
         MemorySegment prepared = prepareCopy(file);
         try {
             byte[] bytes = Files.readAllBytes(file);
             if (!LibraryFile.stamp(file).equals(before)) {
-                throw new PhysicsException(Status.LIBRARY_LOAD_FAILED, file
-                    + " changed while it was being read; try again when it is complete");
+                throw new PhysicsException(
+                        Status.LIBRARY_LOAD_FAILED,
+                        file + " changed while it was being read; try again when it is complete");
             }
             return new VesperPreparedLibrary(prepared, bytes);
         } catch (IOException | RuntimeException e) {
@@ -301,8 +335,12 @@ public final class VesperEngine implements PhysicsEngine {
         try (Arena call = Arena.ofConfined()) {
             VesperErrors failure = new VesperErrors(call, id -> null);
             MemorySegment handle = call.allocate(ADDRESS);
-            failure.check(VesperLibrary.libraryPrepare(config,
-                VesperStrings.write(call, file.toString()), handle, failure.segment()));
+            failure.check(
+                    VesperLibrary.libraryPrepare(
+                            config,
+                            VesperStrings.write(call, file.toString()),
+                            handle,
+                            failure.segment()));
             return handle.get(ADDRESS, 0);
         }
     }
@@ -317,8 +355,8 @@ public final class VesperEngine implements PhysicsEngine {
 
     private boolean nextLaw(int libraryId, int index) {
         lawInfo.set(JAVA_INT, offset(LAW_INFO, "struct_size"), (int) LAW_INFO.byteSize());
-        return VesperLibrary.engineLawInfo(engine, libraryId, index, lawInfo,
-            errors.segment()) == 0;
+        return VesperLibrary.engineLawInfo(engine, libraryId, index, lawInfo, errors.segment())
+                == 0;
     }
 
     /** In the order of their names, so that a complaint about them is always the same. */
@@ -328,8 +366,10 @@ public final class VesperEngine implements PhysicsEngine {
         for (Map.Entry<String, Double> parameter : new TreeMap<>(parameters).entrySet()) {
             MemorySegment struct = array.asSlice(row++ * PARAMETER.byteSize(), PARAMETER);
             struct.set(JAVA_INT, offset(PARAMETER, "struct_size"), (int) PARAMETER.byteSize());
-            struct.set(ADDRESS, offset(PARAMETER, "name"),
-                VesperStrings.write(arena, parameter.getKey()));
+            struct.set(
+                    ADDRESS,
+                    offset(PARAMETER, "name"),
+                    VesperStrings.write(arena, parameter.getKey()));
             struct.set(JAVA_DOUBLE, offset(PARAMETER, "value"), parameter.getValue());
         }
         return array;

@@ -1,17 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe.vesper;
+
+import static reve.pe.vesper.VesperLayouts.ERROR;
+import static reve.pe.vesper.VesperLayouts.offset;
 
 import static java.lang.foreign.ValueLayout.JAVA_INT;
 import static java.lang.foreign.ValueLayout.JAVA_LONG;
-import static reve.pe.vesper.VesperLayouts.ERROR;
-import static reve.pe.vesper.VesperLayouts.offset;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.pe.PhysicsException;
+import reve.pe.Status;
 
 import java.lang.foreign.Arena;
 import java.lang.foreign.MemorySegment;
 import java.util.List;
 import java.util.function.IntFunction;
-import org.jspecify.annotations.Nullable;
-import reve.pe.PhysicsException;
-import reve.pe.Status;
 
 /**
  * The one way from a status to an exception. Holds the error struct that calls fill, reused from
@@ -30,10 +34,11 @@ final class VesperErrors {
     private final IntFunction<@Nullable LibraryNames> libraries;
 
     /** Names of a loaded library and of its laws in the order of its table. */
-    record LibraryNames(String library, List<String> laws) {
-    }
+    record LibraryNames(String library, List<String> laws) {}
 
-    /** @param libraries names of a loaded library by its id; null if it is not loaded */
+    /**
+     * @param libraries names of a loaded library by its id; null if it is not loaded
+     */
     VesperErrors(Arena arena, IntFunction<@Nullable LibraryNames> libraries) {
         this.segment = arena.allocate(ERROR);
         this.libraries = libraries;
@@ -54,12 +59,14 @@ final class VesperErrors {
     private PhysicsException exception(int status) {
         int library = segment.get(JAVA_INT, LIBRARY_ID);
         LibraryNames names = libraries.apply(library);
-        return new PhysicsException(status(status), library,
-            names == null ? "" : names.library,
-            names == null ? "" : lawName(names.laws, segment.get(JAVA_INT, LAW_INDEX)),
-            VesperStrings.readInline(segment, PROPERTY, PROPERTY_SIZE),
-            segment.get(JAVA_LONG, ROW),
-            VesperStrings.readInline(segment, MESSAGE, MESSAGE_SIZE));
+        return new PhysicsException(
+                status(status),
+                library,
+                names == null ? "" : names.library,
+                names == null ? "" : lawName(names.laws, segment.get(JAVA_INT, LAW_INDEX)),
+                VesperStrings.readInline(segment, PROPERTY, PROPERTY_SIZE),
+                segment.get(JAVA_LONG, ROW),
+                VesperStrings.readInline(segment, MESSAGE, MESSAGE_SIZE));
     }
 
     private static String lawName(List<String> laws, int index) {
@@ -69,6 +76,7 @@ final class VesperErrors {
     /** Numbers of {@code types.h}: the order of {@link Status}, beginning at 1. */
     private static Status status(int number) {
         return number >= 1 && number <= Status.INTERNAL.ordinal() + 1
-            ? Status.values()[number - 1] : Status.UNKNOWN;
+                ? Status.values()[number - 1]
+                : Status.UNKNOWN;
     }
 }

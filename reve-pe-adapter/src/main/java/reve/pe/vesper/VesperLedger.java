@@ -1,45 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe.vesper;
+
+import static reve.pe.vesper.VesperLayouts.LEDGER_ENTRY;
+import static reve.pe.vesper.VesperLayouts.offset;
 
 import static java.lang.foreign.ValueLayout.JAVA_DOUBLE;
 import static java.lang.foreign.ValueLayout.JAVA_INT;
-import static reve.pe.vesper.VesperLayouts.LEDGER_ENTRY;
-import static reve.pe.vesper.VesperLayouts.offset;
+
+import reve.pe.LedgerLine;
+import reve.pe.PhysicsLaw;
 
 import java.lang.foreign.Arena;
 import java.lang.foreign.MemorySegment;
 import java.util.ArrayList;
 import java.util.List;
-import reve.pe.LedgerLine;
-import reve.pe.PhysicsLaw;
 
 /** Reads the lines of an engine's ledger. */
 final class VesperLedger {
     /** Lines of VESPER_NO_LIBRARY, in the order of their numbers. */
     private static final List<String> OTHERS = List.of("client", "ground", "unloaded", "total");
+
     private static final int NO_LIBRARY = 0;
 
-    private VesperLedger() {
-    }
+    private VesperLedger() {}
 
     /** The laws' lines in their order, then the others. */
     static List<LedgerLine> read(MemorySegment engine, List<PhysicsLaw> laws, VesperErrors errors) {
         List<LedgerLine> lines = new ArrayList<>();
         try (Arena call = Arena.ofConfined()) {
             MemorySegment entry = call.allocate(LEDGER_ENTRY);
-            entry.set(JAVA_INT, offset(LEDGER_ENTRY, "struct_size"),
-                (int) LEDGER_ENTRY.byteSize());
+            entry.set(JAVA_INT, offset(LEDGER_ENTRY, "struct_size"), (int) LEDGER_ENTRY.byteSize());
             int library = NO_LIBRARY;
             int index = 0;
             for (PhysicsLaw law : laws) {
                 index = law.libraryId() == library ? index + 1 : 0;
                 library = law.libraryId();
-                errors.check(VesperLibrary.engineLedger(engine, library, index, entry,
-                    errors.segment()));
+                errors.check(
+                        VesperLibrary.engineLedger(
+                                engine, library, index, entry, errors.segment()));
                 lines.add(line(law.name(), true, entry));
             }
             for (int line = 0; line < OTHERS.size(); line++) {
-                errors.check(VesperLibrary.engineLedger(engine, NO_LIBRARY, line, entry,
-                    errors.segment()));
+                errors.check(
+                        VesperLibrary.engineLedger(
+                                engine, NO_LIBRARY, line, entry, errors.segment()));
                 lines.add(line(OTHERS.get(line), false, entry));
             }
         }
@@ -47,10 +51,15 @@ final class VesperLedger {
     }
 
     private static LedgerLine line(String name, boolean law, MemorySegment entry) {
-        return new LedgerLine(name, law, vector(entry, "momentum"),
-            vector(entry, "angular_momentum"), number(entry, "energy"),
-            entry.get(JAVA_INT, offset(LEDGER_ENTRY, "has_potential_energy")) != 0,
-            number(entry, "initial_potential_energy"), number(entry, "potential_energy"));
+        return new LedgerLine(
+                name,
+                law,
+                vector(entry, "momentum"),
+                vector(entry, "angular_momentum"),
+                number(entry, "energy"),
+                entry.get(JAVA_INT, offset(LEDGER_ENTRY, "has_potential_energy")) != 0,
+                number(entry, "initial_potential_energy"),
+                number(entry, "potential_energy"));
     }
 
     private static double number(MemorySegment entry, String field) {
@@ -59,8 +68,9 @@ final class VesperLedger {
 
     private static List<Double> vector(MemorySegment entry, String field) {
         long at = offset(LEDGER_ENTRY, field);
-        return List.of(entry.get(JAVA_DOUBLE, at),
-            entry.get(JAVA_DOUBLE, at + Double.BYTES),
-            entry.get(JAVA_DOUBLE, at + 2 * Double.BYTES));
+        return List.of(
+                entry.get(JAVA_DOUBLE, at),
+                entry.get(JAVA_DOUBLE, at + Double.BYTES),
+                entry.get(JAVA_DOUBLE, at + 2 * Double.BYTES));
     }
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe.vesper;
 
 import static java.lang.foreign.ValueLayout.ADDRESS;
@@ -21,71 +22,130 @@ import java.lang.invoke.MethodHandle;
 final class VesperLibrary {
     private static final Linker LINKER = Linker.nativeLinker();
     private static final SymbolLookup SYMBOLS =
-        SymbolLookup.libraryLookup(NativeFolder.libvesper(), Arena.global());
+            SymbolLookup.libraryLookup(NativeFolder.libvesper(), Arena.global());
 
     private static final MethodHandle ABI_VERSION = function("vesper_abi_version", JAVA_INT);
     private static final MethodHandle BUILD_INFO = function("vesper_build_info", ADDRESS);
-    private static final MethodHandle ABI_LAYOUT =
-        function("vesper_abi_layout", ADDRESS, ADDRESS);
+    private static final MethodHandle ABI_LAYOUT = function("vesper_abi_layout", ADDRESS, ADDRESS);
     private static final MethodHandle PROTOTYPE_STANDARD =
-        function("vesper_prototype_standard", ADDRESS, ADDRESS);
+            function("vesper_prototype_standard", ADDRESS, ADDRESS);
     private static final MethodHandle CONFIG_INIT =
-        procedure("vesper_engine_config_init_sized", ADDRESS, JAVA_LONG);
-    private static final MethodHandle ENGINE_CREATE = function("vesper_engine_create", JAVA_INT,
-        ADDRESS, ADDRESS, ADDRESS, ADDRESS);
-    private static final MethodHandle ENGINE_DESTROY =
-        procedure("vesper_engine_destroy", ADDRESS);
+            procedure("vesper_engine_config_init_sized", ADDRESS, JAVA_LONG);
+    private static final MethodHandle ENGINE_CREATE =
+            function("vesper_engine_create", JAVA_INT, ADDRESS, ADDRESS, ADDRESS, ADDRESS);
+    private static final MethodHandle ENGINE_DESTROY = procedure("vesper_engine_destroy", ADDRESS);
     private static final MethodHandle PROPERTY_PROVIDER =
-        function("vesper_engine_property_provider", ADDRESS, ADDRESS);
+            function("vesper_engine_property_provider", ADDRESS, ADDRESS);
     private static final MethodHandle ADD_PROPERTY =
-        function("vesper_provider_add_physical_property", JAVA_INT,
-            ADDRESS, ADDRESS, ADDRESS, JAVA_LONG, ADDRESS, JAVA_LONG, ADDRESS);
+            function(
+                    "vesper_provider_add_physical_property",
+                    JAVA_INT,
+                    ADDRESS,
+                    ADDRESS,
+                    ADDRESS,
+                    JAVA_LONG,
+                    ADDRESS,
+                    JAVA_LONG,
+                    ADDRESS);
     private static final MethodHandle REBIND_PROPERTY =
-        function("vesper_provider_rebind_physical_property", JAVA_INT,
-            ADDRESS, ADDRESS, ADDRESS, JAVA_LONG, ADDRESS, JAVA_LONG, ADDRESS);
-    private static final MethodHandle REMOVE_PROPERTY = function(
-        "vesper_provider_remove_physical_property", JAVA_INT, ADDRESS, ADDRESS, ADDRESS);
-    private static final MethodHandle FIND_PROPERTY = function(
-        "vesper_provider_find_physical_property", JAVA_INT, ADDRESS, ADDRESS, ADDRESS, ADDRESS);
-    private static final MethodHandle TOUCH = function("vesper_provider_touch", JAVA_INT,
-        ADDRESS, ADDRESS, JAVA_INT, ADDRESS);
-    private static final MethodHandle LIBRARY_PREPARE = function("vesper_library_prepare",
-        JAVA_INT, ADDRESS, ADDRESS, ADDRESS, ADDRESS);
+            function(
+                    "vesper_provider_rebind_physical_property",
+                    JAVA_INT,
+                    ADDRESS,
+                    ADDRESS,
+                    ADDRESS,
+                    JAVA_LONG,
+                    ADDRESS,
+                    JAVA_LONG,
+                    ADDRESS);
+    private static final MethodHandle REMOVE_PROPERTY =
+            function(
+                    "vesper_provider_remove_physical_property",
+                    JAVA_INT,
+                    ADDRESS,
+                    ADDRESS,
+                    ADDRESS);
+    private static final MethodHandle FIND_PROPERTY =
+            function(
+                    "vesper_provider_find_physical_property",
+                    JAVA_INT,
+                    ADDRESS,
+                    ADDRESS,
+                    ADDRESS,
+                    ADDRESS);
+    private static final MethodHandle TOUCH =
+            function("vesper_provider_touch", JAVA_INT, ADDRESS, ADDRESS, JAVA_INT, ADDRESS);
+    private static final MethodHandle LIBRARY_PREPARE =
+            function("vesper_library_prepare", JAVA_INT, ADDRESS, ADDRESS, ADDRESS, ADDRESS);
     private static final MethodHandle LIBRARY_DISCARD =
-        procedure("vesper_library_discard", ADDRESS);
+            procedure("vesper_library_discard", ADDRESS);
     private static final MethodHandle LIBRARY_NAME =
-        function("vesper_library_name", ADDRESS, ADDRESS);
-    private static final MethodHandle LOAD_PREPARED = function("vesper_engine_load_prepared",
-        JAVA_INT, ADDRESS, ADDRESS, ADDRESS, JAVA_INT, ADDRESS, ADDRESS);
-    private static final MethodHandle UNLOAD_LAW = function("vesper_engine_unload_physics_law",
-        JAVA_INT, ADDRESS, JAVA_INT, ADDRESS);
-    private static final MethodHandle LAW_INFO = function("vesper_engine_law_info", JAVA_INT,
-        ADDRESS, JAVA_INT, JAVA_INT, ADDRESS, ADDRESS);
-    private static final MethodHandle ADVANCE = function("vesper_engine_advance", JAVA_INT,
-        ADDRESS, JAVA_DOUBLE, JAVA_INT, ADDRESS);
+            function("vesper_library_name", ADDRESS, ADDRESS);
+    private static final MethodHandle LOAD_PREPARED =
+            function(
+                    "vesper_engine_load_prepared",
+                    JAVA_INT,
+                    ADDRESS,
+                    ADDRESS,
+                    ADDRESS,
+                    JAVA_INT,
+                    ADDRESS,
+                    ADDRESS);
+    private static final MethodHandle UNLOAD_LAW =
+            function("vesper_engine_unload_physics_law", JAVA_INT, ADDRESS, JAVA_INT, ADDRESS);
+    private static final MethodHandle LAW_INFO =
+            function(
+                    "vesper_engine_law_info",
+                    JAVA_INT,
+                    ADDRESS,
+                    JAVA_INT,
+                    JAVA_INT,
+                    ADDRESS,
+                    ADDRESS);
+    private static final MethodHandle ADVANCE =
+            function("vesper_engine_advance", JAVA_INT, ADDRESS, JAVA_DOUBLE, JAVA_INT, ADDRESS);
     private static final MethodHandle CLEAR_FAULT =
-        function("vesper_engine_clear_fault", JAVA_INT, ADDRESS, ADDRESS);
-    private static final MethodHandle MOVE_ROW = function("vesper_engine_move_row", JAVA_INT,
-        ADDRESS, ADDRESS, JAVA_LONG, JAVA_LONG, ADDRESS);
-    private static final MethodHandle SET_STEP_COUNT = function("vesper_engine_set_step_count",
-        JAVA_INT, ADDRESS, JAVA_LONG, JAVA_DOUBLE, ADDRESS);
+            function("vesper_engine_clear_fault", JAVA_INT, ADDRESS, ADDRESS);
+    private static final MethodHandle MOVE_ROW =
+            function(
+                    "vesper_engine_move_row",
+                    JAVA_INT,
+                    ADDRESS,
+                    ADDRESS,
+                    JAVA_LONG,
+                    JAVA_LONG,
+                    ADDRESS);
+    private static final MethodHandle SET_STEP_COUNT =
+            function(
+                    "vesper_engine_set_step_count",
+                    JAVA_INT,
+                    ADDRESS,
+                    JAVA_LONG,
+                    JAVA_DOUBLE,
+                    ADDRESS);
     private static final MethodHandle STEP_COUNT =
-        function("vesper_engine_step_count", JAVA_LONG, ADDRESS);
+            function("vesper_engine_step_count", JAVA_LONG, ADDRESS);
     private static final MethodHandle STATE_SIZE =
-        function("vesper_engine_state_size", JAVA_INT, ADDRESS, ADDRESS, ADDRESS);
-    private static final MethodHandle SAVE_STATE = function("vesper_engine_save_state", JAVA_INT,
-        ADDRESS, ADDRESS, JAVA_LONG, ADDRESS);
-    private static final MethodHandle LOAD_STATE = function("vesper_engine_load_state", JAVA_INT,
-        ADDRESS, ADDRESS, JAVA_LONG, ADDRESS);
+            function("vesper_engine_state_size", JAVA_INT, ADDRESS, ADDRESS, ADDRESS);
+    private static final MethodHandle SAVE_STATE =
+            function("vesper_engine_save_state", JAVA_INT, ADDRESS, ADDRESS, JAVA_LONG, ADDRESS);
+    private static final MethodHandle LOAD_STATE =
+            function("vesper_engine_load_state", JAVA_INT, ADDRESS, ADDRESS, JAVA_LONG, ADDRESS);
     private static final MethodHandle STATE_HASH =
-        function("vesper_engine_state_hash", JAVA_INT, ADDRESS, ADDRESS, ADDRESS);
+            function("vesper_engine_state_hash", JAVA_INT, ADDRESS, ADDRESS, ADDRESS);
     private static final MethodHandle SET_LEDGER =
-        function("vesper_engine_set_ledger", JAVA_INT, ADDRESS, JAVA_INT, ADDRESS);
-    private static final MethodHandle LEDGER = function("vesper_engine_ledger", JAVA_INT,
-        ADDRESS, JAVA_INT, JAVA_INT, ADDRESS, ADDRESS);
+            function("vesper_engine_set_ledger", JAVA_INT, ADDRESS, JAVA_INT, ADDRESS);
+    private static final MethodHandle LEDGER =
+            function(
+                    "vesper_engine_ledger",
+                    JAVA_INT,
+                    ADDRESS,
+                    JAVA_INT,
+                    JAVA_INT,
+                    ADDRESS,
+                    ADDRESS);
 
-    private VesperLibrary() {
-    }
+    private VesperLibrary() {}
 
     static int abiVersion() {
         try {
@@ -127,8 +187,8 @@ final class VesperLibrary {
         }
     }
 
-    static int engineCreate(MemorySegment config, MemorySegment prototype, MemorySegment out,
-                            MemorySegment error) {
+    static int engineCreate(
+            MemorySegment config, MemorySegment prototype, MemorySegment out, MemorySegment error) {
         try {
             return (int) ENGINE_CREATE.invokeExact(config, prototype, out, error);
         } catch (Throwable t) {
@@ -152,32 +212,42 @@ final class VesperLibrary {
         }
     }
 
-    static int providerAddPhysicalProperty(MemorySegment provider, MemorySegment name,
-                                           MemorySegment data, long valueCount,
-                                           MemorySegment indices, long objectCount,
-                                           MemorySegment error) {
+    static int providerAddPhysicalProperty(
+            MemorySegment provider,
+            MemorySegment name,
+            MemorySegment data,
+            long valueCount,
+            MemorySegment indices,
+            long objectCount,
+            MemorySegment error) {
         try {
-            return (int) ADD_PROPERTY.invokeExact(provider, name, data, valueCount, indices,
-                objectCount, error);
+            return (int)
+                    ADD_PROPERTY.invokeExact(
+                            provider, name, data, valueCount, indices, objectCount, error);
         } catch (Throwable t) {
             throw rethrown(t);
         }
     }
 
-    static int providerRebindPhysicalProperty(MemorySegment provider, MemorySegment name,
-                                              MemorySegment data, long valueCount,
-                                              MemorySegment indices, long objectCount,
-                                              MemorySegment error) {
+    static int providerRebindPhysicalProperty(
+            MemorySegment provider,
+            MemorySegment name,
+            MemorySegment data,
+            long valueCount,
+            MemorySegment indices,
+            long objectCount,
+            MemorySegment error) {
         try {
-            return (int) REBIND_PROPERTY.invokeExact(provider, name, data, valueCount, indices,
-                objectCount, error);
+            return (int)
+                    REBIND_PROPERTY.invokeExact(
+                            provider, name, data, valueCount, indices, objectCount, error);
         } catch (Throwable t) {
             throw rethrown(t);
         }
     }
 
-    static int providerRemovePhysicalProperty(MemorySegment provider, MemorySegment name,
-                                              MemorySegment error) {
+    static int providerRemovePhysicalProperty(
+            MemorySegment provider, MemorySegment name, MemorySegment error) {
         try {
             return (int) REMOVE_PROPERTY.invokeExact(provider, name, error);
         } catch (Throwable t) {
@@ -185,8 +255,8 @@ final class VesperLibrary {
         }
     }
 
-    static int providerFindPhysicalProperty(MemorySegment provider, MemorySegment name,
-                                            MemorySegment out, MemorySegment error) {
+    static int providerFindPhysicalProperty(
+            MemorySegment provider, MemorySegment name, MemorySegment out, MemorySegment error) {
         try {
             return (int) FIND_PROPERTY.invokeExact(provider, name, out, error);
         } catch (Throwable t) {
@@ -194,8 +264,8 @@ final class VesperLibrary {
         }
     }
 
-    static int providerTouch(MemorySegment provider, MemorySegment names, int count,
-                             MemorySegment error) {
+    static int providerTouch(
+            MemorySegment provider, MemorySegment names, int count, MemorySegment error) {
         try {
             return (int) TOUCH.invokeExact(provider, names, count, error);
         } catch (Throwable t) {
@@ -203,8 +273,8 @@ final class VesperLibrary {
         }
     }
 
-    static int libraryPrepare(MemorySegment config, MemorySegment library, MemorySegment out,
-                              MemorySegment error) {
+    static int libraryPrepare(
+            MemorySegment config, MemorySegment library, MemorySegment out, MemorySegment error) {
         try {
             return (int) LIBRARY_PREPARE.invokeExact(config, library, out, error);
         } catch (Throwable t) {
@@ -228,12 +298,15 @@ final class VesperLibrary {
         }
     }
 
-    static int engineLoadPrepared(MemorySegment engine, MemorySegment prepared,
-                                  MemorySegment parameters, int count, MemorySegment out,
-                                  MemorySegment error) {
+    static int engineLoadPrepared(
+            MemorySegment engine,
+            MemorySegment prepared,
+            MemorySegment parameters,
+            int count,
+            MemorySegment out,
+            MemorySegment error) {
         try {
-            return (int) LOAD_PREPARED.invokeExact(engine, prepared, parameters, count, out,
-                error);
+            return (int) LOAD_PREPARED.invokeExact(engine, prepared, parameters, count, out, error);
         } catch (Throwable t) {
             throw rethrown(t);
         }
@@ -247,8 +320,8 @@ final class VesperLibrary {
         }
     }
 
-    static int engineLawInfo(MemorySegment engine, int library, int index, MemorySegment out,
-                             MemorySegment error) {
+    static int engineLawInfo(
+            MemorySegment engine, int library, int index, MemorySegment out, MemorySegment error) {
         try {
             return (int) LAW_INFO.invokeExact(engine, library, index, out, error);
         } catch (Throwable t) {
@@ -272,8 +345,8 @@ final class VesperLibrary {
         }
     }
 
-    static int engineMoveRow(MemorySegment engine, MemorySegment kind, long from, long to,
-                             MemorySegment error) {
+    static int engineMoveRow(
+            MemorySegment engine, MemorySegment kind, long from, long to, MemorySegment error) {
         try {
             return (int) MOVE_ROW.invokeExact(engine, kind, from, to, error);
         } catch (Throwable t) {
@@ -281,8 +354,8 @@ final class VesperLibrary {
         }
     }
 
-    static int engineSetStepCount(MemorySegment engine, long steps, double dt,
-                                  MemorySegment error) {
+    static int engineSetStepCount(
+            MemorySegment engine, long steps, double dt, MemorySegment error) {
         try {
             return (int) SET_STEP_COUNT.invokeExact(engine, steps, dt, error);
         } catch (Throwable t) {
@@ -306,8 +379,8 @@ final class VesperLibrary {
         }
     }
 
-    static int engineSaveState(MemorySegment engine, MemorySegment out, long size,
-                               MemorySegment error) {
+    static int engineSaveState(
+            MemorySegment engine, MemorySegment out, long size, MemorySegment error) {
         try {
             return (int) SAVE_STATE.invokeExact(engine, out, size, error);
         } catch (Throwable t) {
@@ -315,8 +388,8 @@ final class VesperLibrary {
         }
     }
 
-    static int engineLoadState(MemorySegment engine, MemorySegment state, long size,
-                               MemorySegment error) {
+    static int engineLoadState(
+            MemorySegment engine, MemorySegment state, long size, MemorySegment error) {
         try {
             return (int) LOAD_STATE.invokeExact(engine, state, size, error);
         } catch (Throwable t) {
@@ -340,8 +413,8 @@ final class VesperLibrary {
         }
     }
 
-    static int engineLedger(MemorySegment engine, int library, int line, MemorySegment out,
-                            MemorySegment error) {
+    static int engineLedger(
+            MemorySegment engine, int library, int line, MemorySegment out, MemorySegment error) {
         try {
             return (int) LEDGER.invokeExact(engine, library, line, out, error);
         } catch (Throwable t) {
@@ -349,15 +422,15 @@ final class VesperLibrary {
         }
     }
 
-    private static MethodHandle function(String name, MemoryLayout result,
-                                         MemoryLayout... arguments) {
-        return LINKER.downcallHandle(SYMBOLS.findOrThrow(name),
-            FunctionDescriptor.of(result, arguments));
+    private static MethodHandle function(
+            String name, MemoryLayout result, MemoryLayout... arguments) {
+        return LINKER.downcallHandle(
+                SYMBOLS.findOrThrow(name), FunctionDescriptor.of(result, arguments));
     }
 
     private static MethodHandle procedure(String name, MemoryLayout... arguments) {
-        return LINKER.downcallHandle(SYMBOLS.findOrThrow(name),
-            FunctionDescriptor.ofVoid(arguments));
+        return LINKER.downcallHandle(
+                SYMBOLS.findOrThrow(name), FunctionDescriptor.ofVoid(arguments));
     }
 
     /** C functions throw nothing; what arrives here is the binding refusing a dead segment. */

@@ -1,8 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe.vesper;
 
-import java.lang.foreign.MemorySegment;
 import org.jspecify.annotations.Nullable;
+
 import reve.pe.PreparedLibrary;
+
+import java.lang.foreign.MemorySegment;
 
 /** A {@code vesper_prepared_library} that no engine took yet. */
 final class VesperPreparedLibrary implements PreparedLibrary {
@@ -36,8 +39,10 @@ final class VesperPreparedLibrary implements PreparedLibrary {
     /** What to hand to C; throws once it was taken or closed. */
     synchronized MemorySegment handle() {
         if (prepared == null) {
-            throw new IllegalStateException("prepared library '" + name
-                + "' was taken by an engine or closed; prepare it again");
+            throw new IllegalStateException(
+                    "prepared library '"
+                            + name
+                            + "' was taken by an engine or closed; prepare it again");
         }
         return prepared;
     }

@@ -1,17 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe.vesper;
+
+import static reve.pe.vesper.VesperLayouts.LAW_INFO;
+import static reve.pe.vesper.VesperLayouts.PARAMETER_DESC;
+import static reve.pe.vesper.VesperLayouts.PROPERTY_DESCRIPTOR;
+import static reve.pe.vesper.VesperLayouts.PROPERTY_USE;
+import static reve.pe.vesper.VesperLayouts.PROTOTYPE;
+import static reve.pe.vesper.VesperLayouts.UNIT;
+import static reve.pe.vesper.VesperLayouts.offset;
 
 import static java.lang.foreign.ValueLayout.ADDRESS;
 import static java.lang.foreign.ValueLayout.JAVA_BYTE;
 import static java.lang.foreign.ValueLayout.JAVA_DOUBLE;
 import static java.lang.foreign.ValueLayout.JAVA_INT;
 import static java.lang.foreign.ValueLayout.JAVA_LONG;
-import static reve.pe.vesper.VesperLayouts.LAW_INFO;
-import static reve.pe.vesper.VesperLayouts.PROPERTY_DESCRIPTOR;
-import static reve.pe.vesper.VesperLayouts.PARAMETER_DESC;
-import static reve.pe.vesper.VesperLayouts.PROPERTY_USE;
-import static reve.pe.vesper.VesperLayouts.PROTOTYPE;
-import static reve.pe.vesper.VesperLayouts.UNIT;
-import static reve.pe.vesper.VesperLayouts.offset;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.pe.Access;
+import reve.pe.LawParameter;
+import reve.pe.Phase;
+import reve.pe.PhysicsLaw;
+import reve.pe.PropertyDescriptor;
+import reve.pe.PropertyUse;
+import reve.pe.Prototype;
+import reve.pe.ScalarType;
+import reve.pe.SiUnit;
 
 import java.lang.foreign.Arena;
 import java.lang.foreign.MemorySegment;
@@ -20,23 +34,12 @@ import java.util.ArrayList;
 import java.util.EnumSet;
 import java.util.List;
 import java.util.Set;
-import org.jspecify.annotations.Nullable;
-import reve.pe.Access;
-import reve.pe.Phase;
-import reve.pe.LawParameter;
-import reve.pe.PhysicsLaw;
-import reve.pe.PropertyDescriptor;
-import reve.pe.PropertyUse;
-import reve.pe.Prototype;
-import reve.pe.ScalarType;
-import reve.pe.SiUnit;
 
 /** Prototypes and laws, between the structs of C and the records of {@code reve.pe}. */
 final class VesperPrototypes {
     private static final int USE_OPTIONAL = 1;
 
-    private VesperPrototypes() {
-    }
+    private VesperPrototypes() {}
 
     /** The prototype as {@code vesper_prototype}, with everything it points to in the arena. */
     static MemorySegment write(Arena arena, Prototype prototype) {
@@ -48,8 +51,8 @@ final class VesperPrototypes {
         MemorySegment struct = arena.allocate(PROTOTYPE);
         struct.set(JAVA_INT, offset(PROTOTYPE, "struct_size"), (int) PROTOTYPE.byteSize());
         struct.set(JAVA_INT, offset(PROTOTYPE, "real_type"), number(prototype.realType()));
-        struct.set(ADDRESS, offset(PROTOTYPE, "name"),
-            VesperStrings.write(arena, prototype.name()));
+        struct.set(
+                ADDRESS, offset(PROTOTYPE, "name"), VesperStrings.write(arena, prototype.name()));
         writeUnit(struct.asSlice(offset(PROTOTYPE, "time_unit"), UNIT), prototype.timeUnit());
         struct.set(JAVA_INT, offset(PROTOTYPE, "property_count"), properties.size());
         struct.set(ADDRESS, offset(PROTOTYPE, "properties"), rows);
@@ -65,9 +68,11 @@ final class VesperPrototypes {
         for (MemorySegment row : array(first, PROPERTY_DESCRIPTOR, count)) {
             properties.add(readDescriptor(row));
         }
-        return new Prototype(VesperStrings.readAt(struct, offset(PROTOTYPE, "name")),
-            scalarType(struct.get(JAVA_INT, offset(PROTOTYPE, "real_type"))),
-            readUnit(struct.asSlice(offset(PROTOTYPE, "time_unit"), UNIT)), properties);
+        return new Prototype(
+                VesperStrings.readAt(struct, offset(PROTOTYPE, "name")),
+                scalarType(struct.get(JAVA_INT, offset(PROTOTYPE, "real_type"))),
+                readUnit(struct.asSlice(offset(PROTOTYPE, "time_unit"), UNIT)),
+                properties);
     }
 
     /** Copies a filled {@code vesper_law_info}. */
@@ -79,21 +84,28 @@ final class VesperPrototypes {
             uses.add(readUse(use));
         }
         List<LawParameter> parameters = new ArrayList<>();
-        for (MemorySegment parameter : array(info.get(ADDRESS, offset(LAW_INFO, "parameters")),
-                PARAMETER_DESC, info.get(JAVA_INT, offset(LAW_INFO, "parameter_count")))) {
-            parameters.add(new LawParameter(
-                VesperStrings.readAt(parameter, offset(PARAMETER_DESC, "name")),
-                readUnit(parameter.asSlice(offset(PARAMETER_DESC, "unit"), UNIT))));
+        for (MemorySegment parameter :
+                array(
+                        info.get(ADDRESS, offset(LAW_INFO, "parameters")),
+                        PARAMETER_DESC,
+                        info.get(JAVA_INT, offset(LAW_INFO, "parameter_count")))) {
+            parameters.add(
+                    new LawParameter(
+                            VesperStrings.readAt(parameter, offset(PARAMETER_DESC, "name")),
+                            readUnit(parameter.asSlice(offset(PARAMETER_DESC, "unit"), UNIT))));
         }
-        return new PhysicsLaw(info.get(JAVA_INT, offset(LAW_INFO, "library_id")),
-            VesperStrings.readAt(info, offset(LAW_INFO, "library")),
-            VesperStrings.readAt(info, offset(LAW_INFO, "name")),
-            VesperStrings.readAt(info, offset(LAW_INFO, "version")),
-            VesperStrings.readAt(info, offset(LAW_INFO, "doc")),
-            Phase.values()[info.get(JAVA_INT, offset(LAW_INFO, "phase")) - 1],
-            info.get(JAVA_INT, offset(LAW_INFO, "stages")), uses, parameters,
-            info.get(JAVA_LONG, offset(LAW_INFO, "calls")),
-            info.get(JAVA_LONG, offset(LAW_INFO, "nanoseconds")));
+        return new PhysicsLaw(
+                info.get(JAVA_INT, offset(LAW_INFO, "library_id")),
+                VesperStrings.readAt(info, offset(LAW_INFO, "library")),
+                VesperStrings.readAt(info, offset(LAW_INFO, "name")),
+                VesperStrings.readAt(info, offset(LAW_INFO, "version")),
+                VesperStrings.readAt(info, offset(LAW_INFO, "doc")),
+                Phase.values()[info.get(JAVA_INT, offset(LAW_INFO, "phase")) - 1],
+                info.get(JAVA_INT, offset(LAW_INFO, "stages")),
+                uses,
+                parameters,
+                info.get(JAVA_LONG, offset(LAW_INFO, "calls")),
+                info.get(JAVA_LONG, offset(LAW_INFO, "nanoseconds")));
     }
 
     static ScalarType scalarType(int number) {
@@ -119,14 +131,18 @@ final class VesperPrototypes {
         return type.ordinal() + 1;
     }
 
-    private static void writeDescriptor(Arena arena, MemorySegment row,
-                                        PropertyDescriptor property) {
-        row.set(JAVA_INT, offset(PROPERTY_DESCRIPTOR, "struct_size"),
-            (int) PROPERTY_DESCRIPTOR.byteSize());
+    private static void writeDescriptor(
+            Arena arena, MemorySegment row, PropertyDescriptor property) {
+        row.set(
+                JAVA_INT,
+                offset(PROPERTY_DESCRIPTOR, "struct_size"),
+                (int) PROPERTY_DESCRIPTOR.byteSize());
         row.set(JAVA_INT, offset(PROPERTY_DESCRIPTOR, "scalar_type"), number(property.type()));
         row.set(JAVA_INT, offset(PROPERTY_DESCRIPTOR, "components"), property.components());
-        row.set(JAVA_INT, offset(PROPERTY_DESCRIPTOR, "law_access"),
-            property.lawAccess().stream().mapToInt(VesperPrototypes::bit).sum());
+        row.set(
+                JAVA_INT,
+                offset(PROPERTY_DESCRIPTOR, "law_access"),
+                property.lawAccess().stream().mapToInt(VesperPrototypes::bit).sum());
         writeUnit(row.asSlice(offset(PROPERTY_DESCRIPTOR, "unit"), UNIT), property.unit());
         writeString(arena, row, "name", property.name());
         writeString(arena, row, "kind", property.kind());
@@ -139,68 +155,70 @@ final class VesperPrototypes {
         }
     }
 
-    private static void writeString(Arena arena, MemorySegment row, String field,
-                                    @Nullable String text) {
+    private static void writeString(
+            Arena arena, MemorySegment row, String field, @Nullable String text) {
         row.set(ADDRESS, offset(PROPERTY_DESCRIPTOR, field), VesperStrings.write(arena, text));
     }
 
     private static PropertyDescriptor readDescriptor(MemorySegment row) {
-        String refersTo =
-            VesperStrings.readAt(row, offset(PROPERTY_DESCRIPTOR, "refers_to"));
-        String initialFrom =
-            VesperStrings.readAt(row, offset(PROPERTY_DESCRIPTOR, "initial_from"));
+        String refersTo = VesperStrings.readAt(row, offset(PROPERTY_DESCRIPTOR, "refers_to"));
+        String initialFrom = VesperStrings.readAt(row, offset(PROPERTY_DESCRIPTOR, "initial_from"));
         return new PropertyDescriptor(
-            VesperStrings.readAt(row, offset(PROPERTY_DESCRIPTOR, "name")),
-            VesperStrings.readAt(row, offset(PROPERTY_DESCRIPTOR, "kind")),
-            scalarType(row.get(JAVA_INT, offset(PROPERTY_DESCRIPTOR, "scalar_type"))),
-            row.get(JAVA_INT, offset(PROPERTY_DESCRIPTOR, "components")),
-            access(row.get(JAVA_INT, offset(PROPERTY_DESCRIPTOR, "law_access"))),
-            readUnit(row.asSlice(offset(PROPERTY_DESCRIPTOR, "unit"), UNIT)),
-            refersTo.isEmpty() ? null : refersTo,
-            initialFrom.isEmpty() ? null : initialFrom,
-            row.get(JAVA_INT, offset(PROPERTY_DESCRIPTOR, "has_minimum")) == 0
-                ? Double.NEGATIVE_INFINITY
-                : row.get(JAVA_DOUBLE, offset(PROPERTY_DESCRIPTOR, "minimum")),
-            VesperStrings.readAt(row, offset(PROPERTY_DESCRIPTOR, "doc")));
+                VesperStrings.readAt(row, offset(PROPERTY_DESCRIPTOR, "name")),
+                VesperStrings.readAt(row, offset(PROPERTY_DESCRIPTOR, "kind")),
+                scalarType(row.get(JAVA_INT, offset(PROPERTY_DESCRIPTOR, "scalar_type"))),
+                row.get(JAVA_INT, offset(PROPERTY_DESCRIPTOR, "components")),
+                access(row.get(JAVA_INT, offset(PROPERTY_DESCRIPTOR, "law_access"))),
+                readUnit(row.asSlice(offset(PROPERTY_DESCRIPTOR, "unit"), UNIT)),
+                refersTo.isEmpty() ? null : refersTo,
+                initialFrom.isEmpty() ? null : initialFrom,
+                row.get(JAVA_INT, offset(PROPERTY_DESCRIPTOR, "has_minimum")) == 0
+                        ? Double.NEGATIVE_INFINITY
+                        : row.get(JAVA_DOUBLE, offset(PROPERTY_DESCRIPTOR, "minimum")),
+                VesperStrings.readAt(row, offset(PROPERTY_DESCRIPTOR, "doc")));
     }
 
     private static PropertyUse readUse(MemorySegment use) {
-        return new PropertyUse(VesperStrings.readAt(use, offset(PROPERTY_USE, "name")),
-            VesperStrings.readAt(use, offset(PROPERTY_USE, "kind")),
-            scalarType(use.get(JAVA_INT, offset(PROPERTY_USE, "scalar_type"))),
-            use.get(JAVA_INT, offset(PROPERTY_USE, "components")),
-            access(use.get(JAVA_INT, offset(PROPERTY_USE, "access"))),
-            readUnit(use.asSlice(offset(PROPERTY_USE, "unit"), UNIT)),
-            (use.get(JAVA_INT, offset(PROPERTY_USE, "flags")) & USE_OPTIONAL) != 0);
+        return new PropertyUse(
+                VesperStrings.readAt(use, offset(PROPERTY_USE, "name")),
+                VesperStrings.readAt(use, offset(PROPERTY_USE, "kind")),
+                scalarType(use.get(JAVA_INT, offset(PROPERTY_USE, "scalar_type"))),
+                use.get(JAVA_INT, offset(PROPERTY_USE, "components")),
+                access(use.get(JAVA_INT, offset(PROPERTY_USE, "access"))),
+                readUnit(use.asSlice(offset(PROPERTY_USE, "unit"), UNIT)),
+                (use.get(JAVA_INT, offset(PROPERTY_USE, "flags")) & USE_OPTIONAL) != 0);
     }
 
     private static void writeUnit(MemorySegment struct, SiUnit unit) {
         byte[] exponents = unit.exponents();
-        MemorySegment.copy(exponents, 0, struct, JAVA_BYTE, offset(UNIT, "exponent"),
-            exponents.length);
+        MemorySegment.copy(
+                exponents, 0, struct, JAVA_BYTE, offset(UNIT, "exponent"), exponents.length);
         struct.set(JAVA_DOUBLE, offset(UNIT, "scale"), unit.scale());
-        VesperStrings.writeInline(struct, offset(UNIT, "symbol"),
-            UNIT.byteSize() - offset(UNIT, "symbol"), unit.symbol());
+        VesperStrings.writeInline(
+                struct,
+                offset(UNIT, "symbol"),
+                UNIT.byteSize() - offset(UNIT, "symbol"),
+                unit.symbol());
     }
 
     private static SiUnit readUnit(MemorySegment struct) {
         byte[] exponents = new byte[7];
-        MemorySegment.copy(struct, JAVA_BYTE, offset(UNIT, "exponent"), exponents, 0,
-            exponents.length);
-        return SiUnit.of(exponents, struct.get(JAVA_DOUBLE, offset(UNIT, "scale")),
-            VesperStrings.readInline(struct, offset(UNIT, "symbol"),
-                UNIT.byteSize() - offset(UNIT, "symbol")));
+        MemorySegment.copy(
+                struct, JAVA_BYTE, offset(UNIT, "exponent"), exponents, 0, exponents.length);
+        return SiUnit.of(
+                exponents,
+                struct.get(JAVA_DOUBLE, offset(UNIT, "scale")),
+                VesperStrings.readInline(
+                        struct, offset(UNIT, "symbol"), UNIT.byteSize() - offset(UNIT, "symbol")));
     }
 
     /** The elements of a C array of structs: its stride is the first element's struct_size. */
-    private static List<MemorySegment> array(MemorySegment first, StructLayout layout,
-                                             int count) {
+    private static List<MemorySegment> array(MemorySegment first, StructLayout layout, int count) {
         List<MemorySegment> elements = new ArrayList<>(count);
         if (count > 0) {
             long stride = struct(first, layout).get(JAVA_INT, offset(layout, "struct_size"));
             for (int i = 0; i < count; i++) {
-                elements.add(
-                    struct(MemorySegment.ofAddress(first.address() + i * stride), layout));
+                elements.add(struct(MemorySegment.ofAddress(first.address() + i * stride), layout));
             }
         }
         return elements;

@@ -1,10 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe.vesper;
+
+import static reve.pe.vesper.VesperLayouts.PROPERTY;
+import static reve.pe.vesper.VesperLayouts.offset;
 
 import static java.lang.foreign.ValueLayout.ADDRESS;
 import static java.lang.foreign.ValueLayout.JAVA_INT;
 import static java.lang.foreign.ValueLayout.JAVA_LONG;
-import static reve.pe.vesper.VesperLayouts.PROPERTY;
-import static reve.pe.vesper.VesperLayouts.offset;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.pe.PhysicalProperty;
+import reve.pe.PhysicalPropertyProvider;
+import reve.pe.PhysicsException;
+import reve.pe.PropertyDescriptor;
+import reve.pe.Prototype;
+import reve.pe.ScalarType;
+import reve.pe.Status;
 
 import java.lang.foreign.Arena;
 import java.lang.foreign.MemorySegment;
@@ -13,14 +25,6 @@ import java.util.LinkedHashSet;
 import java.util.List;
 import java.util.Map;
 import java.util.Set;
-import org.jspecify.annotations.Nullable;
-import reve.pe.PhysicalProperty;
-import reve.pe.PhysicalPropertyProvider;
-import reve.pe.PhysicsException;
-import reve.pe.PropertyDescriptor;
-import reve.pe.Prototype;
-import reve.pe.ScalarType;
-import reve.pe.Status;
 
 /** The provider of one Vesper engine. */
 final class VesperProvider implements PhysicalPropertyProvider {
@@ -33,6 +37,7 @@ final class VesperProvider implements PhysicalPropertyProvider {
 
     /** Lifetimes of the lent arrays, each once; checked before C may touch the arrays. */
     private MemorySegment.Scope[] lifetimes = {};
+
     private boolean lifetimesKnown = true;
 
     /** A property of the prototype: its name for C, and the arrays lent for it. */
@@ -48,38 +53,65 @@ final class VesperProvider implements PhysicalPropertyProvider {
         }
     }
 
-    VesperProvider(VesperEngine engine, MemorySegment provider, VesperErrors errors,
-                   Prototype prototype, Arena arena) {
+    VesperProvider(
+            VesperEngine engine,
+            MemorySegment provider,
+            VesperErrors errors,
+            Prototype prototype,
+            Arena arena) {
         this.engine = engine;
         this.provider = provider;
         this.errors = errors;
         for (PropertyDescriptor property : prototype.properties()) {
-            slots.put(property.name(),
-                new Slot(property, VesperStrings.write(arena, property.name())));
+            slots.put(
+                    property.name(),
+                    new Slot(property, VesperStrings.write(arena, property.name())));
         }
         oneName = arena.allocate(ADDRESS);
         found = arena.allocate(PROPERTY);
     }
 
     @Override
-    public void addPhysicalProperty(String name, MemorySegment data, long valueCount,
-                                    @Nullable MemorySegment indices, long objectCount) {
+    public void addPhysicalProperty(
+            String name,
+            MemorySegment data,
+            long valueCount,
+            @Nullable MemorySegment indices,
+            long objectCount) {
         engine.checkOpen();
         Slot slot = slot(name);
         checkArrays(slot, data, valueCount, indices, objectCount);
-        errors.check(VesperLibrary.providerAddPhysicalProperty(provider, slot.name, data,
-            valueCount, orNull(indices), objectCount, errors.segment()));
+        errors.check(
+                VesperLibrary.providerAddPhysicalProperty(
+                        provider,
+                        slot.name,
+                        data,
+                        valueCount,
+                        orNull(indices),
+                        objectCount,
+                        errors.segment()));
         lend(slot, data, indices);
     }
 
     @Override
-    public void rebindPhysicalProperty(String name, MemorySegment data, long valueCount,
-                                       @Nullable MemorySegment indices, long objectCount) {
+    public void rebindPhysicalProperty(
+            String name,
+            MemorySegment data,
+            long valueCount,
+            @Nullable MemorySegment indices,
+            long objectCount) {
         engine.checkOpen();
         Slot slot = slot(name);
         checkArrays(slot, data, valueCount, indices, objectCount);
-        errors.check(VesperLibrary.providerRebindPhysicalProperty(provider, slot.name, data,
-            valueCount, orNull(indices), objectCount, errors.segment()));
+        errors.check(
+                VesperLibrary.providerRebindPhysicalProperty(
+                        provider,
+                        slot.name,
+                        data,
+                        valueCount,
+                        orNull(indices),
+                        objectCount,
+                        errors.segment()));
         lend(slot, data, indices);
     }
 
@@ -87,8 +119,9 @@ final class VesperProvider implements PhysicalPropertyProvider {
     public void removePhysicalProperty(String name) {
         engine.checkOpen();
         Slot slot = slot(name);
-        errors.check(VesperLibrary.providerRemovePhysicalProperty(provider, slot.name,
-            errors.segment()));
+        errors.check(
+                VesperLibrary.providerRemovePhysicalProperty(
+                        provider, slot.name, errors.segment()));
         lend(slot, null, null);
     }
 
@@ -97,15 +130,17 @@ final class VesperProvider implements PhysicalPropertyProvider {
         engine.checkOpen();
         Slot slot = slot(name);
         found.set(JAVA_INT, offset(PROPERTY, "struct_size"), (int) PROPERTY.byteSize());
-        errors.check(VesperLibrary.providerFindPhysicalProperty(provider, slot.name, found,
-            errors.segment()));
-        return new PhysicalProperty(VesperStrings.readAt(found, offset(PROPERTY, "name")),
-            VesperStrings.readAt(found, offset(PROPERTY, "kind")),
-            VesperPrototypes.scalarType(found.get(JAVA_INT, offset(PROPERTY, "scalar_type"))),
-            found.get(JAVA_INT, offset(PROPERTY, "components")),
-            VesperPrototypes.access(found.get(JAVA_INT, offset(PROPERTY, "access"))),
-            found.get(JAVA_LONG, offset(PROPERTY, "row_count")),
-            found.get(JAVA_LONG, offset(PROPERTY, "version")));
+        errors.check(
+                VesperLibrary.providerFindPhysicalProperty(
+                        provider, slot.name, found, errors.segment()));
+        return new PhysicalProperty(
+                VesperStrings.readAt(found, offset(PROPERTY, "name")),
+                VesperStrings.readAt(found, offset(PROPERTY, "kind")),
+                VesperPrototypes.scalarType(found.get(JAVA_INT, offset(PROPERTY, "scalar_type"))),
+                found.get(JAVA_INT, offset(PROPERTY, "components")),
+                VesperPrototypes.access(found.get(JAVA_INT, offset(PROPERTY, "access"))),
+                found.get(JAVA_LONG, offset(PROPERTY, "row_count")),
+                found.get(JAVA_LONG, offset(PROPERTY, "version")));
     }
 
     @Override
@@ -122,8 +157,10 @@ final class VesperProvider implements PhysicalPropertyProvider {
         }
         for (MemorySegment.Scope lifetime : lifetimes) {
             if (!lifetime.isAlive()) {
-                throw new IllegalStateException("memory lent to the engine was closed;"
-                    + " rebind or remove the property first: " + dead());
+                throw new IllegalStateException(
+                        "memory lent to the engine was closed;"
+                                + " rebind or remove the property first: "
+                                + dead());
             }
         }
     }
@@ -131,40 +168,69 @@ final class VesperProvider implements PhysicalPropertyProvider {
     private Slot slot(String name) {
         Slot slot = slots.get(name);
         if (slot == null) {
-            throw new PhysicsException(Status.NOT_FOUND, 0, "", "", name, -1,
-                "property '" + name + "' is not in the engine's prototype");
+            throw new PhysicsException(
+                    Status.NOT_FOUND,
+                    0,
+                    "",
+                    "",
+                    name,
+                    -1,
+                    "property '" + name + "' is not in the engine's prototype");
         }
         return slot;
     }
 
     /** C sees addresses only, so the bounds are checked here. */
-    private static void checkArrays(Slot slot, MemorySegment data, long valueCount,
-                                    @Nullable MemorySegment indices, long objectCount) {
+    private static void checkArrays(
+            Slot slot,
+            MemorySegment data,
+            long valueCount,
+            @Nullable MemorySegment indices,
+            long objectCount) {
         PropertyDescriptor property = slot.descriptor;
         if (property.type() == ScalarType.FIELD) {
             return; // has no arrays to check: C refuses it
         }
-        checkArray(property.name(), "data", data, valueCount,
-            (long) property.components() * property.type().bytes());
+        checkArray(
+                property.name(),
+                "data",
+                data,
+                valueCount,
+                (long) property.components() * property.type().bytes());
         if (indices != null) {
             checkArray(property.name(), "indices", indices, objectCount, Integer.BYTES);
         }
     }
 
-    private static void checkArray(String property, String what, MemorySegment segment,
-                                   long count, long bytesEach) {
+    private static void checkArray(
+            String property, String what, MemorySegment segment, long count, long bytesEach) {
         if (count < 0 || count > Long.MAX_VALUE / bytesEach) {
-            throw new IllegalArgumentException(property + ": " + what + " has a count of " + count
-                + ", expected 0 or more that fit into memory");
+            throw new IllegalArgumentException(
+                    property
+                            + ": "
+                            + what
+                            + " has a count of "
+                            + count
+                            + ", expected 0 or more that fit into memory");
         }
         if (!segment.isNative()) {
             throw new IllegalArgumentException(
-                property + ": " + what + " is heap memory, expected native memory");
+                    property + ": " + what + " is heap memory, expected native memory");
         }
         if (segment.byteSize() < count * bytesEach) {
-            throw new IllegalArgumentException(property + ": " + what + " has "
-                + segment.byteSize() + " bytes, expected at least " + count * bytesEach + " ("
-                + count + " x " + bytesEach + ")");
+            throw new IllegalArgumentException(
+                    property
+                            + ": "
+                            + what
+                            + " has "
+                            + segment.byteSize()
+                            + " bytes, expected at least "
+                            + count * bytesEach
+                            + " ("
+                            + count
+                            + " x "
+                            + bytesEach
+                            + ")");
         }
     }
 
@@ -190,8 +256,10 @@ final class VesperProvider implements PhysicalPropertyProvider {
 
     private List<String> dead() {
         return slots.values().stream()
-            .filter(slot -> isDead(slot.data) || isDead(slot.indices))
-            .map(slot -> slot.descriptor.name()).sorted().toList();
+                .filter(slot -> isDead(slot.data) || isDead(slot.indices))
+                .map(slot -> slot.descriptor.name())
+                .sorted()
+                .toList();
     }
 
     private static boolean isDead(@Nullable MemorySegment segment) {

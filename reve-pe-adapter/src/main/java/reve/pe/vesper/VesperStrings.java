@@ -1,21 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe.vesper;
+
+import org.jspecify.annotations.Nullable;
 
 import java.lang.foreign.Arena;
 import java.lang.foreign.MemorySegment;
 import java.lang.foreign.ValueLayout;
 import java.nio.charset.StandardCharsets;
-import org.jspecify.annotations.Nullable;
 
 /** Strings across the boundary: UTF-8, NUL-terminated. */
 final class VesperStrings {
-    private VesperStrings() {
-    }
+    private VesperStrings() {}
 
     /** Copies a string that C returned by address; empty for null. */
     @SuppressWarnings("restricted") // C promises a terminated string, not its length
     static String read(MemorySegment address) {
-        return address.address() == 0 ? ""
-            : address.reinterpret(Long.MAX_VALUE).getString(0, StandardCharsets.UTF_8);
+        return address.address() == 0
+                ? ""
+                : address.reinterpret(Long.MAX_VALUE).getString(0, StandardCharsets.UTF_8);
     }
 
     /** Copies a string that C stored by address in a struct; empty for null. */
@@ -35,8 +37,7 @@ final class VesperStrings {
 
     /** The string in native memory, or a null pointer. */
     static MemorySegment write(Arena arena, @Nullable String text) {
-        return text == null ? MemorySegment.NULL
-            : arena.allocateFrom(text, StandardCharsets.UTF_8);
+        return text == null ? MemorySegment.NULL : arena.allocateFrom(text, StandardCharsets.UTF_8);
     }
 
     /** Writes as much as fits into a fixed array inside a struct, always terminated. */

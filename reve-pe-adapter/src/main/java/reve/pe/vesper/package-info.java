@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /**
  * The Vesper engine for any Java program. {@code VesperEngine} is the door; the C functions, the
  * layouts of their structs and raw addresses stay inside this package.

@@ -1,12 +1,6 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe.adapter;
 
-import java.lang.foreign.MemorySegment;
-import java.lang.foreign.ValueLayout;
-import java.util.ArrayList;
-import java.util.LinkedHashMap;
-import java.util.List;
-import java.util.Map;
-import java.util.function.UnaryOperator;
 import reve.core.frame.CommandQueue;
 import reve.core.frame.FrameBus;
 import reve.core.frame.FrameLoop;
@@ -27,6 +21,14 @@ import reve.pe.SpringOrbit;
 import reve.pe.vesper.VesperConfig;
 import reve.pe.vesper.VesperEngine;
 
+import java.lang.foreign.MemorySegment;
+import java.lang.foreign.ValueLayout;
+import java.util.ArrayList;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.function.UnaryOperator;
+
 /** A world, its adapter and an engine, stepped by hand: 60 frames/s, 4 steps a frame. */
 final class AdapterFixture implements AutoCloseable {
     static final int FRAMES = SpringOrbit.STEPS / 4;
@@ -36,38 +38,55 @@ final class AdapterFixture implements AutoCloseable {
     final PhysicsEngine engine;
     final FrameBus bus = new FrameBus();
     final CommandQueue commands = new CommandQueue(1000);
+
     /** Events of all frames so far. */
     final List<WorldEvent> events = new ArrayList<>();
+
     final FrameLoop loop;
     final PhysicsAdapter adapter;
 
     /** An empty world of the standard prototype. */
     AdapterFixture() {
-        this(WorldPrototype.standard("si-f64"), List.of(), new OffHeapArena(), true,
-            engine -> engine);
+        this(
+                WorldPrototype.standard("si-f64"),
+                List.of(),
+                new OffHeapArena(),
+                true,
+                engine -> engine);
     }
 
     /**
      * @param validate whether laws run on guarded copies or on the columns themselves
      * @param engine what the adapter gets instead of the engine itself
      */
-    AdapterFixture(WorldPrototype prototype, List<ItemDefinition> items, ColumnArena arena,
-                   boolean validate, UnaryOperator<PhysicsEngine> engine) {
+    AdapterFixture(
+            WorldPrototype prototype,
+            List<ItemDefinition> items,
+            ColumnArena arena,
+            boolean validate,
+            UnaryOperator<PhysicsEngine> engine) {
         this.arena = arena;
         this.world = new World("test", prototype, arena);
         world.addAll(items);
-        this.engine = engine.apply(new VesperEngine(
-            new VesperConfig(1, validate, NativeFiles.lawPath(), (level, message) -> { }),
-            PropertyNames.prototype(prototype,
-                VesperEngine.standardPrototype(prototype.name()))));
+        this.engine =
+                engine.apply(
+                        new VesperEngine(
+                                new VesperConfig(
+                                        1, validate, NativeFiles.lawPath(), (level, message) -> {}),
+                                PropertyNames.prototype(
+                                        prototype,
+                                        VesperEngine.standardPrototype(prototype.name()))));
         this.adapter = new PhysicsAdapter(world, this.engine, arena);
         commands.subscribeTo(bus);
         bus.subscribe(FramePhase.PHYSICS, "physics", adapter);
-        bus.subscribe(FramePhase.PUBLISH, "events", frame -> {
-            if (!world.events().isEmpty()) {
-                events.addAll(world.events());
-            }
-        });
+        bus.subscribe(
+                FramePhase.PUBLISH,
+                "events",
+                frame -> {
+                    if (!world.events().isEmpty()) {
+                        events.addAll(world.events());
+                    }
+                });
         this.loop = new FrameLoop(world, bus, new Timing(60, 4), Pacing.FAST);
     }
 
@@ -77,26 +96,45 @@ final class AdapterFixture implements AutoCloseable {
     }
 
     static AdapterFixture springOrbit(boolean validate) {
-        AdapterFixture fixture = new AdapterFixture(WorldPrototype.standard("si-f64"),
-            springOrbitItems(), new OffHeapArena(), validate, engine -> engine);
+        AdapterFixture fixture =
+                new AdapterFixture(
+                        WorldPrototype.standard("si-f64"),
+                        springOrbitItems(),
+                        new OffHeapArena(),
+                        validate,
+                        engine -> engine);
         fixture.load(SpringOrbit.LAWS);
         return fixture;
     }
 
     static List<ItemDefinition> springOrbitItems() {
-        return List.of(body("red", SpringOrbit.MASS[0], -10, 5, 0, 0, 3, 0),
-            body("blue", SpringOrbit.MASS[1], 10, 5, 0, 0, 0, 0),
-            ItemDefinition.named("band").kind("spring")
-                .physics("springConstant", SpringOrbit.HOOKE_CONSTANT)
-                .physics("length", SpringOrbit.LENGTH)
-                .reference("end1", "red").reference("end2", "blue").build());
+        return List.of(
+                body("red", SpringOrbit.MASS[0], -10, 5, 0, 0, 3, 0),
+                body("blue", SpringOrbit.MASS[1], 10, 5, 0, 0, 0, 0),
+                ItemDefinition.named("band")
+                        .kind("spring")
+                        .physics("springConstant", SpringOrbit.HOOKE_CONSTANT)
+                        .physics("length", SpringOrbit.LENGTH)
+                        .reference("end1", "red")
+                        .reference("end2", "blue")
+                        .build());
     }
 
     /** Mass [kg], place [m] and velocity [m/s]. */
-    static ItemDefinition body(String name, double mass, double x, double y, double z, double vx,
-                               double vy, double vz) {
-        return ItemDefinition.named(name).at(x, y, z).physics("mass", mass)
-            .physics("velocity", vx, vy, vz).build();
+    static ItemDefinition body(
+            String name,
+            double mass,
+            double x,
+            double y,
+            double z,
+            double vx,
+            double vy,
+            double vz) {
+        return ItemDefinition.named(name)
+                .at(x, y, z)
+                .physics("mass", mass)
+                .physics("velocity", vx, vy, vz)
+                .build();
     }
 
     AdapterFixture load(String... laws) {

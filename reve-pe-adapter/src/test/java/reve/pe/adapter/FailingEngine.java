@@ -1,8 +1,6 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe.adapter;
 
-import java.nio.file.Path;
-import java.util.List;
-import java.util.Map;
 import reve.pe.LedgerLine;
 import reve.pe.PhysicalPropertyProvider;
 import reve.pe.PhysicsEngine;
@@ -12,6 +10,10 @@ import reve.pe.PreparedLibrary;
 import reve.pe.Prototype;
 import reve.pe.Status;
 
+import java.nio.file.Path;
+import java.util.List;
+import java.util.Map;
+
 /**
  * An engine with bugs: while it is broken, it advances and then fails, blaming no law; it cannot
  * prepare files called odd.so; and it can be told to refuse libraries.
@@ -19,6 +21,7 @@ import reve.pe.Status;
 final class FailingEngine implements PhysicsEngine {
     private final PhysicsEngine engine;
     boolean broken;
+
     /** How many libraries will be refused next, each with its number. */
     int refusals;
 

@@ -1,18 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe.adapter;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatIllegalStateException;
 
-import java.lang.foreign.MemorySegment;
-import java.util.List;
-import java.util.stream.IntStream;
 import org.junit.jupiter.params.ParameterizedTest;
 import org.junit.jupiter.params.provider.ValueSource;
+
 import reve.core.world.ColumnArena;
 import reve.core.world.ItemDefinition;
 import reve.core.world.OffHeapArena;
 import reve.core.world.WorldPrototype;
 import reve.pe.SpringOrbit;
+
+import java.lang.foreign.MemorySegment;
+import java.util.List;
+import java.util.stream.IntStream;
 
 /** A world that cannot grow goes on as it was, physics included. */
 class FullArenaNativeTest {
@@ -21,15 +24,21 @@ class FullArenaNativeTest {
     void physicsGoesOnAfterGrowthWasRefusedBetweenTwoColumns(int columnsThatStillFit) {
         LimitedArena arena = new LimitedArena();
         try (AdapterFixture clean = AdapterFixture.springOrbit();
-             AdapterFixture full = new AdapterFixture(WorldPrototype.standard("si-f64"),
-                 AdapterFixture.springOrbitItems(), arena, true, engine -> engine)) {
+                AdapterFixture full =
+                        new AdapterFixture(
+                                WorldPrototype.standard("si-f64"),
+                                AdapterFixture.springOrbitItems(),
+                                arena,
+                                true,
+                                engine -> engine)) {
             full.load(SpringOrbit.LAWS);
             clean.run(1);
             full.run(1);
 
             arena.reservationsLeft = columnsThatStillFit;
-            assertThatIllegalStateException().isThrownBy(() -> full.world.addAll(manyBodies()))
-                .withMessageContaining("arena is full");
+            assertThatIllegalStateException()
+                    .isThrownBy(() -> full.world.addAll(manyBodies()))
+                    .withMessageContaining("arena is full");
             arena.reservationsLeft = Integer.MAX_VALUE;
 
             clean.run(2);
@@ -46,7 +55,8 @@ class FullArenaNativeTest {
 
     private static List<ItemDefinition> manyBodies() {
         return IntStream.range(0, 100)
-            .mapToObj(i -> AdapterFixture.body("b" + i, 1, i, 0, 0, 0, 0, 0)).toList();
+                .mapToObj(i -> AdapterFixture.body("b" + i, 1, i, 0, 0, 0, 0, 0))
+                .toList();
     }
 
     private static final class LimitedArena implements ColumnArena {

@@ -1,23 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe.adapter;
 
 import static org.assertj.core.api.Assertions.assertThat;
 
-import java.util.List;
-import java.util.Map;
 import org.junit.jupiter.params.ParameterizedTest;
 import org.junit.jupiter.params.provider.ValueSource;
+
 import reve.core.world.OffHeapArena;
 import reve.core.world.WorldPrototype;
+
+import java.util.List;
+import java.util.Map;
 
 /** What goes to, and comes back from, a law that keeps positions in memory of its own. */
 class KeptCopyNativeTest {
     private static final int STEPS = 4; // of a frame, in each of which the law moves bodies by 1 m
 
     private static AdapterFixture world(boolean validate) {
-        return new AdapterFixture(WorldPrototype.standard("si-f64"),
-            List.of(AdapterFixture.body("a", 1, 0, 5, 0, 0, 0, 0),
-                AdapterFixture.body("b", 1, 10, 0, 0, 0, 0, 0)),
-            new OffHeapArena(), validate, engine -> engine).load("keeps_copy");
+        return new AdapterFixture(
+                        WorldPrototype.standard("si-f64"),
+                        List.of(
+                                AdapterFixture.body("a", 1, 0, 5, 0, 0, 0, 0),
+                                AdapterFixture.body("b", 1, 10, 0, 0, 0, 0, 0)),
+                        new OffHeapArena(),
+                        validate,
+                        engine -> engine)
+                .load("keeps_copy");
     }
 
     @ParameterizedTest

@@ -1,8 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe.adapter;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatIllegalArgumentException;
 import static org.assertj.core.api.Assertions.offset;
+
+import org.junit.jupiter.api.AfterEach;
+import org.junit.jupiter.api.BeforeEach;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+
+import reve.core.world.OffHeapArena;
+import reve.core.world.WorldEvent;
+import reve.core.world.WorldPrototype;
+import reve.pe.NativeFiles;
+import reve.pe.PhysicsLaw;
+import reve.pe.PreparedLibrary;
 
 import java.io.IOException;
 import java.nio.file.Files;
@@ -15,25 +28,19 @@ import java.time.Duration;
 import java.util.Arrays;
 import java.util.List;
 import java.util.Map;
-import org.junit.jupiter.api.AfterEach;
-import org.junit.jupiter.api.BeforeEach;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.api.io.TempDir;
-import reve.core.world.OffHeapArena;
-import reve.core.world.WorldEvent;
-import reve.core.world.WorldPrototype;
-import reve.pe.NativeFiles;
-import reve.pe.PhysicsLaw;
-import reve.pe.PreparedLibrary;
 
 class LawFolderNativeTest {
     /** Gain of speed per frame under a force of 1 N on 1 kg [m/s]. */
     private static final double GAIN = 1.0 / 60;
 
-    @TempDir
-    private Path folder;
-    private final AdapterFixture world = new AdapterFixture(WorldPrototype.standard("si-f64"),
-        List.of(), new OffHeapArena(), true, real -> engine = new FailingEngine(real));
+    @TempDir private Path folder;
+    private final AdapterFixture world =
+            new AdapterFixture(
+                    WorldPrototype.standard("si-f64"),
+                    List.of(),
+                    new OffHeapArena(),
+                    true,
+                    real -> engine = new FailingEngine(real));
     private FailingEngine engine;
     private LawFolder laws;
 
@@ -58,10 +65,13 @@ class LawFolderNativeTest {
         lookAndRun(1);
         assertThat(loaded()).containsExactly("newton_motion", "wind");
         assertThat(speed()).isCloseTo(GAIN, offset(1e-15));
-        assertThat(world.events("law-loaded")).last().satisfies(event -> {
-            assertThat(event.frame()).isEqualTo(2);
-            assertThat(event.fields()).containsEntry("library", "wind");
-        });
+        assertThat(world.events("law-loaded"))
+                .last()
+                .satisfies(
+                        event -> {
+                            assertThat(event.frame()).isEqualTo(2);
+                            assertThat(event.fields()).containsEntry("library", "wind");
+                        });
     }
 
     @Test
@@ -70,8 +80,10 @@ class LawFolderNativeTest {
         Path file = folder.resolve("wind.so");
         Files.createFile(file);
         for (int i = 0; i < 8; i++) {
-            Files.write(file, Arrays.copyOfRange(whole, whole.length * i / 8,
-                whole.length * (i + 1) / 8), StandardOpenOption.APPEND);
+            Files.write(
+                    file,
+                    Arrays.copyOfRange(whole, whole.length * i / 8, whole.length * (i + 1) / 8),
+                    StandardOpenOption.APPEND);
             lookAndRun(1 + i % 4);
         }
         lookAndRun(2);
@@ -99,8 +111,9 @@ class LawFolderNativeTest {
     void aLawThatTheWorldLoadedFromTheFolderBelongsToItsFile() throws IOException {
         Path file = drop("wind", "wind.so");
         try (PreparedLibrary wind = engine.prepare(file)) {
-            world.adapter.laws().leaveToFolder(
-                world.adapter.laws().load(0, wind, Map.of("force", 2.0)));
+            world.adapter
+                    .laws()
+                    .leaveToFolder(world.adapter.laws().load(0, wind, Map.of("force", 2.0)));
         }
         lookAndRun(2);
         assertThat(loaded()).containsExactly("newton_motion", "wind");
@@ -114,8 +127,9 @@ class LawFolderNativeTest {
     void aLawThatARestoredWorldBroughtAlongBelongsToItsFileAgain() throws IOException {
         byte[] bytes = Files.readAllBytes(NativeFiles.testLaw("wind"));
         try (PreparedLibrary wind = engine.prepare(bytes)) {
-            world.adapter.laws().apply(0,
-                new LawChange.Loaded(LawLibrary.of(wind, Map.of("force", 2.0))));
+            world.adapter
+                    .laws()
+                    .apply(0, new LawChange.Loaded(LawLibrary.of(wind, Map.of("force", 2.0))));
         }
         Path file = drop("wind", "wind.so");
         lookAndRun(2);
@@ -136,8 +150,10 @@ class LawFolderNativeTest {
         // one frame of the weak wind while the new file settled, one of the strong
         assertThat(speed()).isCloseTo(GAIN + GAIN + 2 * GAIN, offset(1e-15));
         assertThat(loaded()).containsExactly("newton_motion", "wind");
-        assertThat(world.events).filteredOn(event -> event.frame() == 4)
-            .extracting(WorldEvent::type).containsExactly("law-unloaded", "law-loaded");
+        assertThat(world.events)
+                .filteredOn(event -> event.frame() == 4)
+                .extracting(WorldEvent::type)
+                .containsExactly("law-unloaded", "law-loaded");
     }
 
     @Test
@@ -148,9 +164,14 @@ class LawFolderNativeTest {
         lookAndRun(3);
         assertThat(loaded()).containsExactly("newton_motion", "wind");
         assertThat(speed()).isCloseTo(4 * GAIN, offset(1e-15));
-        assertThat(world.events("fault")).singleElement().satisfies(fault ->
-            assertThat(fault.fields()).containsEntry("source", "laws folder")
-                .containsEntry("file", "wind.so").containsEntry("status", "ACCESS_CONFLICT"));
+        assertThat(world.events("fault"))
+                .singleElement()
+                .satisfies(
+                        fault ->
+                                assertThat(fault.fields())
+                                        .containsEntry("source", "laws folder")
+                                        .containsEntry("file", "wind.so")
+                                        .containsEntry("status", "ACCESS_CONFLICT"));
     }
 
     @Test
@@ -163,8 +184,12 @@ class LawFolderNativeTest {
             lookAndRun(3);
             assertThat(loaded()).containsExactly("newton_motion", "wind");
         }
-        assertThat(world.events("fault")).hasSize(3).allSatisfy(fault ->
-            assertThat(fault.fields()).containsEntry("status", "ACCESS_CONFLICT"));
+        assertThat(world.events("fault"))
+                .hasSize(3)
+                .allSatisfy(
+                        fault ->
+                                assertThat(fault.fields())
+                                        .containsEntry("status", "ACCESS_CONFLICT"));
         drop("strong_wind", "wind.so");
         lookAndRun(2);
         double before = speed();
@@ -179,8 +204,9 @@ class LawFolderNativeTest {
         engine.refusals = 2;
         drop("strong_wind", "wind.so");
         lookAndRun(3);
-        assertThat(world.events("fault")).extracting(fault -> fault.fields().get("message"))
-            .containsExactly("refusals left: 1", "refusals left: 0");
+        assertThat(world.events("fault"))
+                .extracting(fault -> fault.fields().get("message"))
+                .containsExactly("refusals left: 1", "refusals left: 0");
         assertThat(loaded()).containsExactly("newton_motion");
         drop("wind", "wind.so");
         lookAndRun(2);
@@ -193,9 +219,13 @@ class LawFolderNativeTest {
         drop("wind", "wind.so");
         lookAndRun(3);
         assertThat(loaded()).containsExactly("newton_motion", "wind");
-        assertThat(world.events("fault")).singleElement().satisfies(fault ->
-            assertThat(fault.fields()).containsEntry("file", "odd.so")
-                .containsEntry("status", "LIBRARY_LOAD_FAILED"));
+        assertThat(world.events("fault"))
+                .singleElement()
+                .satisfies(
+                        fault ->
+                                assertThat(fault.fields())
+                                        .containsEntry("file", "odd.so")
+                                        .containsEntry("status", "LIBRARY_LOAD_FAILED"));
     }
 
     @Test
@@ -221,10 +251,14 @@ class LawFolderNativeTest {
         lookAndRun(20);
         Files.setLastModifiedTime(file, FileTime.fromMillis(1));
         lookAndRun(20);
-        assertThat(world.events("fault")).singleElement().satisfies(fault ->
-            assertThat(fault.fields()).containsEntry("source", "laws folder")
-                .containsEntry("file", "garbage.so")
-                .containsEntry("status", "LIBRARY_LOAD_FAILED"));
+        assertThat(world.events("fault"))
+                .singleElement()
+                .satisfies(
+                        fault ->
+                                assertThat(fault.fields())
+                                        .containsEntry("source", "laws folder")
+                                        .containsEntry("file", "garbage.so")
+                                        .containsEntry("status", "LIBRARY_LOAD_FAILED"));
         assertThat(loaded()).containsExactly("newton_motion");
     }
 
@@ -232,23 +266,30 @@ class LawFolderNativeTest {
     void aLawForAnotherContractIsToldAtOnce() throws IOException {
         drop("other_abi", "other.so");
         lookAndRun(3);
-        assertThat(world.events("fault")).singleElement().satisfies(fault ->
-            assertThat(fault.fields()).containsEntry("status", "ABI_MISMATCH"));
+        assertThat(world.events("fault"))
+                .singleElement()
+                .satisfies(
+                        fault ->
+                                assertThat(fault.fields()).containsEntry("status", "ABI_MISMATCH"));
     }
 
     @Test
     void linksPipesAndFoldersAreIgnoredWithTheReason() throws Exception {
         Files.createSymbolicLink(folder.resolve("a.so"), NativeFiles.testLaw("wind"));
         Files.createDirectory(folder.resolve("b.so"));
-        assertThat(new ProcessBuilder("mkfifo", folder.resolve("c.so").toString()).start()
-            .waitFor()).isZero();
+        assertThat(
+                        new ProcessBuilder("mkfifo", folder.resolve("c.so").toString())
+                                .start()
+                                .waitFor())
+                .isZero();
         Files.writeString(folder.resolve("README"), "not a law, and not meant to be one");
         lookAndRun(4);
-        assertThat(world.events("fault")).extracting(event ->
-            String.valueOf(event.fields().get("message"))).satisfiesExactly(
-                link -> assertThat(link).contains("found a symbolic link"),
-                directory -> assertThat(directory).contains("found a folder"),
-                pipe -> assertThat(pipe).contains("found a special file"));
+        assertThat(world.events("fault"))
+                .extracting(event -> String.valueOf(event.fields().get("message")))
+                .satisfiesExactly(
+                        link -> assertThat(link).contains("found a symbolic link"),
+                        directory -> assertThat(directory).contains("found a folder"),
+                        pipe -> assertThat(pipe).contains("found a special file"));
         assertThat(loaded()).containsExactly("newton_motion");
     }
 
@@ -257,12 +298,19 @@ class LawFolderNativeTest {
         drop("returns_failure", "mine.so");
         lookAndRun(3);
         assertThat(world.events("fault")).hasSize(1);
-        assertThat(world.adapter.laws().quarantined()).extracting(Quarantined::library)
-            .containsExactly("returns_failure");
+        assertThat(world.adapter.laws().quarantined())
+                .extracting(Quarantined::library)
+                .containsExactly("returns_failure");
         drop("returns_failure", "copy.so");
         lookAndRun(3);
-        assertThat(world.events("fault")).hasSize(2).last().satisfies(fault ->
-            assertThat(fault.fields().get("message")).asString().contains("in quarantine"));
+        assertThat(world.events("fault"))
+                .hasSize(2)
+                .last()
+                .satisfies(
+                        fault ->
+                                assertThat(fault.fields().get("message"))
+                                        .asString()
+                                        .contains("in quarantine"));
         drop("wind", "mine.so");
         lookAndRun(2);
         assertThat(loaded()).containsExactly("newton_motion", "wind");
@@ -274,10 +322,13 @@ class LawFolderNativeTest {
             drop("greets", "law-%03d.so".formatted(i));
         }
         lookAndRun(3);
-        assertThat(world.events("fault")).filteredOn(fault ->
-                String.valueOf(fault.fields().get("message")).contains("the folder has 64"))
-            .singleElement().satisfies(fault ->
-                assertThat(fault.fields()).containsEntry("file", "law-064.so"));
+        assertThat(world.events("fault"))
+                .filteredOn(
+                        fault ->
+                                String.valueOf(fault.fields().get("message"))
+                                        .contains("the folder has 64"))
+                .singleElement()
+                .satisfies(fault -> assertThat(fault.fields()).containsEntry("file", "law-064.so"));
     }
 
     @Test
@@ -296,12 +347,15 @@ class LawFolderNativeTest {
     @Test
     void aFolderThatIsNoneOrOpenToEverybodyIsRefused() throws IOException {
         Path file = Files.createFile(folder.resolve("file"));
-        assertThatIllegalArgumentException().isThrownBy(() -> followAnother(file))
-            .withMessage("laws folder " + file + " is not a folder; create it, or name another");
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> followAnother(file))
+                .withMessage(
+                        "laws folder " + file + " is not a folder; create it, or name another");
         Path open = Files.createDirectory(folder.resolve("open"));
         Files.setPosixFilePermissions(open, PosixFilePermissions.fromString("rwxrwxrwx"));
-        assertThatIllegalArgumentException().isThrownBy(() -> followAnother(open))
-            .withMessageContaining("can be written by everybody");
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> followAnother(open))
+                .withMessageContaining("can be written by everybody");
     }
 
     @Test
@@ -330,8 +384,10 @@ class LawFolderNativeTest {
     }
 
     private Path drop(String law, String name) throws IOException {
-        return Files.copy(NativeFiles.testLaw(law), folder.resolve(name),
-            StandardCopyOption.REPLACE_EXISTING);
+        return Files.copy(
+                NativeFiles.testLaw(law),
+                folder.resolve(name),
+                StandardCopyOption.REPLACE_EXISTING);
     }
 
     private void lookAndRun(int times) {

@@ -1,21 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe.adapter;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.offset;
 import static org.assertj.core.api.Assertions.withinPercentage;
 
-import java.lang.foreign.ValueLayout;
-import java.lang.management.ManagementFactory;
-import java.nio.ByteBuffer;
-import java.nio.ByteOrder;
-import java.nio.channels.FileChannel;
-import java.nio.file.Path;
-import java.nio.file.StandardOpenOption;
-import java.util.Arrays;
-import java.util.List;
-import java.util.Map;
-import java.util.Optional;
 import org.junit.jupiter.api.Test;
+
 import reve.core.unit.Unit;
 import reve.core.world.Column;
 import reve.core.world.Item;
@@ -28,6 +19,18 @@ import reve.pe.Access;
 import reve.pe.PhysicsLaw;
 import reve.pe.SpringOrbit;
 
+import java.lang.foreign.ValueLayout;
+import java.lang.management.ManagementFactory;
+import java.nio.ByteBuffer;
+import java.nio.ByteOrder;
+import java.nio.channels.FileChannel;
+import java.nio.file.Path;
+import java.nio.file.StandardOpenOption;
+import java.util.Arrays;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+
 class PhysicsAdapterNativeTest {
     @Test
     void springOrbitKeepsItsInvariants() {
@@ -37,7 +40,7 @@ class PhysicsAdapterNativeTest {
             var after = invariants(orbit);
             assertThat(after.momentum()).containsExactly(before.momentum(), offset(3000 * 1e-12));
             assertThat(after.energyAroundCentre())
-                .isCloseTo(before.energyAroundCentre(), withinPercentage(3e-3));
+                    .isCloseTo(before.energyAroundCentre(), withinPercentage(3e-3));
             assertThat(after.distance()).isBetween(20.00, 20.01);
             assertThat(after.turnedDegrees()).isCloseTo(43.0, offset(0.1));
         }
@@ -46,7 +49,7 @@ class PhysicsAdapterNativeTest {
     @Test
     void twoRunsEndInTheSameState() {
         try (AdapterFixture one = AdapterFixture.springOrbit();
-             AdapterFixture other = AdapterFixture.springOrbit()) {
+                AdapterFixture other = AdapterFixture.springOrbit()) {
             one.run(AdapterFixture.FRAMES);
             other.run(AdapterFixture.FRAMES);
             assertThat(one.adapter.stateHash()).isEqualTo(other.adapter.stateHash());
@@ -85,7 +88,7 @@ class PhysicsAdapterNativeTest {
             }
             assertThat(ages(world, "a", "b", "c", "d")).containsExactly(16.0, 12.0, 8.0, 4.0);
             assertThat(world.adapter.laws().loaded().getFirst().uses().getFirst().access())
-                .containsExactly(Access.SCRATCH);
+                    .containsExactly(Access.SCRATCH);
             remove(world, "a"); // d takes its row
             remove(world, "b"); // c takes its row
             world.world.add(AdapterFixture.body("e", 1, 0, 0, 0, 0, 0, 0)); // where c was
@@ -144,12 +147,19 @@ class PhysicsAdapterNativeTest {
                 orbit.run(1);
             }
             assertThat(orbit.motion("blue")).isEqualTo(before);
-            assertThat(orbit.events("fault")).extracting(event ->
-                String.valueOf(event.fields().get("message"))).satisfiesExactly(
-                    nothing -> assertThat(nothing).contains("band")
-                        .contains("end2 refers to nothing, expected a body with physics"),
-                    scenery -> assertThat(scenery).contains("band", "end2", "tree")
-                        .contains("which has no physics aspect"));
+            assertThat(orbit.events("fault"))
+                    .extracting(event -> String.valueOf(event.fields().get("message")))
+                    .satisfiesExactly(
+                            nothing ->
+                                    assertThat(nothing)
+                                            .contains("band")
+                                            .contains(
+                                                    "end2 refers to nothing, expected a body with"
+                                                            + " physics"),
+                            scenery ->
+                                    assertThat(scenery)
+                                            .contains("band", "end2", "tree")
+                                            .contains("which has no physics aspect"));
             end.segment().set(ValueLayout.JAVA_LONG, 0, blue);
             end.touch();
             orbit.run(1);
@@ -160,7 +170,7 @@ class PhysicsAdapterNativeTest {
     @Test
     void rowsThatMoveTakeTheirSpringsAlong() {
         try (AdapterFixture alone = AdapterFixture.springOrbit();
-             AdapterFixture crowded = crowdedOrbit()) {
+                AdapterFixture crowded = crowdedOrbit()) {
             alone.run(20);
             crowded.run(10);
             crowded.world.remove(crowded.world.find("first").orElseThrow().id());
@@ -173,31 +183,39 @@ class PhysicsAdapterNativeTest {
     @Test
     void columnsThatGrowPastTheirMemoryGoOnExactly() {
         try (AdapterFixture alone = AdapterFixture.springOrbit();
-             AdapterFixture growing = AdapterFixture.springOrbit()) {
+                AdapterFixture growing = AdapterFixture.springOrbit()) {
             alone.run(30);
             for (int frame = 0; frame < 30; frame++) {
                 for (int i = 0; i < 10; i++) {
                     String name = frame + "-" + i;
                     growing.world.add(AdapterFixture.body("b" + name, 1, 0, 0, 0, 1, 0, 0));
-                    growing.world.add(ItemDefinition.named("s" + name).kind("spring")
-                        .physics("springConstant", 0).reference("end1", "red")
-                        .reference("end2", "b" + name).build());
+                    growing.world.add(
+                            ItemDefinition.named("s" + name)
+                                    .kind("spring")
+                                    .physics("springConstant", 0)
+                                    .reference("end1", "red")
+                                    .reference("end2", "b" + name)
+                                    .build());
                 }
                 growing.run(1);
             }
             assertThat(growing.motion("blue")).isEqualTo(alone.motion("blue"));
             assertThat(growing.motion("b0-0").getFirst())
-                .isEqualTo(Double.doubleToRawLongBits(sumOfSteps(120)));
+                    .isEqualTo(Double.doubleToRawLongBits(sumOfSteps(120)));
         }
     }
 
     @Test
     void aWorldInSharedMemoryMovesAlikeAndIsReadThroughItsDescriptors() throws Exception {
         try (AdapterFixture orbit = AdapterFixture.springOrbit();
-             SharedArena arena = new SharedArena();
-             AdapterFixture shared = new AdapterFixture(WorldPrototype.standard("si-f64"),
-                 AdapterFixture.springOrbitItems(), arena, true,
-                 engine -> engine)) {
+                SharedArena arena = new SharedArena();
+                AdapterFixture shared =
+                        new AdapterFixture(
+                                WorldPrototype.standard("si-f64"),
+                                AdapterFixture.springOrbitItems(),
+                                arena,
+                                true,
+                                engine -> engine)) {
             shared.load(SpringOrbit.LAWS).run(10);
             orbit.run(10);
             assertThat(shared.bytes()).isEqualTo(orbit.bytes());
@@ -213,37 +231,66 @@ class PhysicsAdapterNativeTest {
 
     @Test
     void aPropertyOfTheDesignersIsLent() {
-        WorldPrototype prototype = WorldPrototype.standard("si-f64").extendedBy(List.of(
-            new PropertyDescriptor("temperature", "body", ScalarType.F32, 1, Unit.parse("K"),
-                Optional.empty(), "")));
-        try (AdapterFixture warm = new AdapterFixture(prototype,
-            AdapterFixture.springOrbitItems(), new OffHeapArena(), true,
-            engine -> engine)) {
+        WorldPrototype prototype =
+                WorldPrototype.standard("si-f64")
+                        .extendedBy(
+                                List.of(
+                                        new PropertyDescriptor(
+                                                "temperature",
+                                                "body",
+                                                ScalarType.F32,
+                                                1,
+                                                Unit.parse("K"),
+                                                Optional.empty(),
+                                                "")));
+        try (AdapterFixture warm =
+                new AdapterFixture(
+                        prototype,
+                        AdapterFixture.springOrbitItems(),
+                        new OffHeapArena(),
+                        true,
+                        engine -> engine)) {
             long cold = warm.adapter.stateHash();
             warm.world.find("red").orElseThrow().physics().set("temperature", 300);
             assertThat(warm.adapter.stateHash()).isNotEqualTo(cold);
-            assertThat(warm.engine.propertyProvider().findPhysicalProperty("temperature")
-                .rowCount()).isEqualTo(2);
+            assertThat(
+                            warm.engine
+                                    .propertyProvider()
+                                    .findPhysicalProperty("temperature")
+                                    .rowCount())
+                    .isEqualTo(2);
         }
     }
 
     @Test
     void aLoadedLawIsToldAndListed() {
         try (AdapterFixture orbit = AdapterFixture.springOrbit().run(1)) {
-            assertThat(orbit.events("law-loaded")).hasSize(2).first().satisfies(event ->
-                assertThat(event.fields()).containsEntry("library", "hooke_spring")
-                    .containsEntry("laws", "hooke_spring").containsKey("sha256"));
+            assertThat(orbit.events("law-loaded"))
+                    .hasSize(2)
+                    .first()
+                    .satisfies(
+                            event ->
+                                    assertThat(event.fields())
+                                            .containsEntry("library", "hooke_spring")
+                                            .containsEntry("laws", "hooke_spring")
+                                            .containsKey("sha256"));
             int wind = orbit.adapter.laws().load(1, "wind", Map.of("force", 3.0));
             orbit.run(1);
             orbit.adapter.laws().unload(2, wind);
             orbit.run(1);
-            assertThat(orbit.events("law-unloaded")).singleElement().satisfies(event -> {
-                assertThat(event.fields()).containsEntry("library", "wind")
-                    .containsEntry("calls", 4L);
-                assertThat((double) event.fields().get("milliseconds")).isPositive();
-            });
-            assertThat(orbit.adapter.laws().loaded()).extracting(PhysicsLaw::library)
-                .containsExactly(SpringOrbit.LAWS);
+            assertThat(orbit.events("law-unloaded"))
+                    .singleElement()
+                    .satisfies(
+                            event -> {
+                                assertThat(event.fields())
+                                        .containsEntry("library", "wind")
+                                        .containsEntry("calls", 4L);
+                                assertThat((double) event.fields().get("milliseconds"))
+                                        .isPositive();
+                            });
+            assertThat(orbit.adapter.laws().loaded())
+                    .extracting(PhysicsLaw::library)
+                    .containsExactly(SpringOrbit.LAWS);
             assertThat(orbit.adapter.laws().isLoaded(wind)).isFalse();
         }
     }
@@ -263,8 +310,7 @@ class PhysicsAdapterNativeTest {
     @Test
     void aSteadyFrameAllocatesNothing() {
         try (AdapterFixture orbit = AdapterFixture.springOrbit()) {
-            var threads =
-                (com.sun.management.ThreadMXBean) ManagementFactory.getThreadMXBean();
+            var threads = (com.sun.management.ThreadMXBean) ManagementFactory.getThreadMXBean();
             orbit.run(5000);
             long before = threads.getCurrentThreadAllocatedBytes();
             orbit.run(5000);
@@ -289,9 +335,15 @@ class PhysicsAdapterNativeTest {
 
     private static SpringOrbit.Invariants invariants(AdapterFixture orbit) {
         return SpringOrbit.invariants(
-            orbit.world.table("body").column("position").segment()
-                .toArray(ValueLayout.JAVA_DOUBLE),
-            orbit.world.table("body").column("velocity").segment()
-                .toArray(ValueLayout.JAVA_DOUBLE));
+                orbit.world
+                        .table("body")
+                        .column("position")
+                        .segment()
+                        .toArray(ValueLayout.JAVA_DOUBLE),
+                orbit.world
+                        .table("body")
+                        .column("velocity")
+                        .segment()
+                        .toArray(ValueLayout.JAVA_DOUBLE));
     }
 }

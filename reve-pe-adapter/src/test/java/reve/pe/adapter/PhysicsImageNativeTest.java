@@ -1,13 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe.adapter;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatExceptionOfType;
 
-import java.util.ArrayList;
-import java.util.List;
-import java.util.Map;
-import java.util.Random;
 import org.junit.jupiter.api.Test;
+
 import reve.core.world.Item;
 import reve.core.world.ItemDefinition;
 import reve.core.world.OffHeapArena;
@@ -16,6 +14,11 @@ import reve.core.world.WorldPrototype;
 import reve.pe.PhysicsException;
 import reve.pe.Status;
 
+import java.util.ArrayList;
+import java.util.List;
+import java.util.Map;
+import java.util.Random;
+
 class PhysicsImageNativeTest {
     private static final int HALF = 100;
     private static final long SEED = 20261121;
@@ -23,8 +26,9 @@ class PhysicsImageNativeTest {
     /** Balls that rub: contacts are remembered in SCRATCH, row by row, while rows come and go. */
     @Test
     void aRestoredWorldGoesOnWithTheSameHashes() {
-        try (AdapterFixture whole = heap(); AdapterFixture other = emptyHeap();
-             WorldImage image = new WorldImage(whole.world)) {
+        try (AdapterFixture whole = heap();
+                AdapterFixture other = emptyHeap();
+                WorldImage image = new WorldImage(whole.world)) {
             Random random = new Random(SEED);
             for (int frame = 1; frame <= HALF; frame++) {
                 whole.run(1);
@@ -46,8 +50,9 @@ class PhysicsImageNativeTest {
             continued = new Random(SEED + 1);
             for (int frame = 1; frame <= HALF; frame++) {
                 other.run(1);
-                assertThat(other.adapter.stateHash()).as("frame %d", other.loop.frame())
-                    .isEqualTo(hashes.get(frame - 1));
+                assertThat(other.adapter.stateHash())
+                        .as("frame %d", other.loop.frame())
+                        .isEqualTo(hashes.get(frame - 1));
                 stir(other, continued, frame);
             }
             assertThat(other.bytes()).isEqualTo(whole.bytes());
@@ -57,7 +62,8 @@ class PhysicsImageNativeTest {
 
     @Test
     void aWorldThatIsPutBackRepeatsItself() {
-        try (AdapterFixture world = heap(); WorldImage image = new WorldImage(world.world)) {
+        try (AdapterFixture world = heap();
+                WorldImage image = new WorldImage(world.world)) {
             world.run(HALF);
             image.copyFrom(world.world, world.loop.frame());
             PhysicsImage physics = world.adapter.save();
@@ -86,8 +92,9 @@ class PhysicsImageNativeTest {
 
             world.adapter.restore(1, physics);
 
-            assertThat(world.adapter.laws().libraries()).usingRecursiveComparison()
-                .isEqualTo(before);
+            assertThat(world.adapter.laws().libraries())
+                    .usingRecursiveComparison()
+                    .isEqualTo(before);
             assertThat(world.adapter.laws().quarantined()).isEmpty();
         }
     }
@@ -96,7 +103,7 @@ class PhysicsImageNativeTest {
     void aChangeOfLawsCanBeMadeAgainElsewhere() {
         List<LawChange> changes = new ArrayList<>();
         try (AdapterFixture first = AdapterFixture.springOrbit();
-             AdapterFixture second = AdapterFixture.springOrbit()) {
+                AdapterFixture second = AdapterFixture.springOrbit()) {
             first.adapter.laws().addListener(changes::add);
             int wind = first.adapter.laws().load(0, "wind", Map.of());
             first.adapter.laws().load(0, "writes_nan", Map.of("from_step", 0.0));
@@ -106,10 +113,11 @@ class PhysicsImageNativeTest {
                 second.adapter.laws().apply(0, change);
             }
             assertThat(changes).hasSize(4);
-            assertThat(second.adapter.laws().libraries()).usingRecursiveComparison()
-                .isEqualTo(first.adapter.laws().libraries());
+            assertThat(second.adapter.laws().libraries())
+                    .usingRecursiveComparison()
+                    .isEqualTo(first.adapter.laws().libraries());
             assertThat(second.adapter.laws().quarantined())
-                .isEqualTo(first.adapter.laws().quarantined());
+                    .isEqualTo(first.adapter.laws().quarantined());
         }
     }
 
@@ -120,14 +128,18 @@ class PhysicsImageNativeTest {
             byte[] flipped = physics.engineState();
             flipped[flipped.length / 2] ^= 1;
             assertThatExceptionOfType(PhysicsException.class)
-                .isThrownBy(() -> world.adapter.restore(0, physics))
-                .satisfies(e -> assertThat(e.status()).isEqualTo(Status.INVALID_ARGUMENT));
+                    .isThrownBy(() -> world.adapter.restore(0, physics))
+                    .satisfies(e -> assertThat(e.status()).isEqualTo(Status.INVALID_ARGUMENT));
         }
     }
 
     private static AdapterFixture emptyHeap() {
-        return new AdapterFixture(WorldPrototype.standard("si-f64"), List.of(),
-            new OffHeapArena(), false, engine -> engine);
+        return new AdapterFixture(
+                WorldPrototype.standard("si-f64"),
+                List.of(),
+                new OffHeapArena(),
+                false,
+                engine -> engine);
     }
 
     /** Balls that fall on a rough floor beside each other, turning. */
@@ -143,8 +155,13 @@ class PhysicsImageNativeTest {
     }
 
     private static ItemDefinition ball(String name, double x, double y, double z, double vx) {
-        return ItemDefinition.named(name).at(x, y, z).physics("mass", 1).physics("radius", 0.5)
-            .physics("inertia", 0.1, 0.1, 0.1).physics("velocity", vx, 0, 0).build();
+        return ItemDefinition.named(name)
+                .at(x, y, z)
+                .physics("mass", 1)
+                .physics("radius", 0.5)
+                .physics("inertia", 0.1, 0.1, 0.1)
+                .physics("velocity", vx, 0, 0)
+                .build();
     }
 
     /** Every tenth frame an item goes, so that another moves into its row, or one comes. */
@@ -152,8 +169,8 @@ class PhysicsImageNativeTest {
         if (frame % 20 == 0) {
             heap.world.add(ball("more " + random.nextLong(), random.nextDouble(), 5, 0.5, 0));
         } else if (frame % 10 == 0) {
-            List<Item> balls = heap.world.items().stream()
-                .filter(item -> item.kind().equals("body")).toList();
+            List<Item> balls =
+                    heap.world.items().stream().filter(item -> item.kind().equals("body")).toList();
             heap.world.remove(balls.get(random.nextInt(balls.size())).id());
         }
     }

@@ -1,12 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe.adapter;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatExceptionOfType;
 
-import java.util.Map;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.params.ParameterizedTest;
 import org.junit.jupiter.params.provider.ValueSource;
+
 import reve.core.world.Item;
 import reve.core.world.OffHeapArena;
 import reve.core.world.WorldEvent;
@@ -16,6 +17,8 @@ import reve.pe.PhysicsLaw;
 import reve.pe.SpringOrbit;
 import reve.pe.Status;
 
+import java.util.Map;
+
 class RollbackNativeTest {
     private static final int BAD_STEP = 22; // the third of frame 6
 
@@ -23,7 +26,7 @@ class RollbackNativeTest {
     @ValueSource(booleans = {false, true})
     void aLawThatWritesNanLeavesAWorldThatNeverHadIt(boolean validate) {
         try (AdapterFixture clean = AdapterFixture.springOrbit(validate);
-             AdapterFixture spoilt = AdapterFixture.springOrbit(validate)) {
+                AdapterFixture spoilt = AdapterFixture.springOrbit(validate)) {
             spoilt.adapter.laws().load(0, "writes_nan", badFrom(BAD_STEP));
             for (int frame = 0; frame < 20; frame++) {
                 clean.run(1);
@@ -40,7 +43,7 @@ class RollbackNativeTest {
     @ValueSource(strings = {"red", "blue"})
     void aLawThatFailsWithoutASuspectTooLeavesAWorldThatNeverHadIt(String changed) {
         try (AdapterFixture clean = AdapterFixture.springOrbit();
-             AdapterFixture spoilt = AdapterFixture.springOrbit()) {
+                AdapterFixture spoilt = AdapterFixture.springOrbit()) {
             for (String name : new String[] {"red", changed}) {
                 spoilt.world.arrests().suspect(spoilt.world.find(name).orElseThrow().id());
             }
@@ -51,9 +54,13 @@ class RollbackNativeTest {
                 assertThat(spoilt.bytes()).isEqualTo(clean.bytes());
                 assertThat(spoilt.adapter.stateHash()).isEqualTo(clean.adapter.stateHash());
             }
-            assertThat(spoilt.events("fault")).singleElement().satisfies(fault ->
-                assertThat(fault.fields()).containsEntry("library", "writes_nan")
-                    .doesNotContainKey("arrested"));
+            assertThat(spoilt.events("fault"))
+                    .singleElement()
+                    .satisfies(
+                            fault ->
+                                    assertThat(fault.fields())
+                                            .containsEntry("library", "writes_nan")
+                                            .doesNotContainKey("arrested"));
         }
     }
 
@@ -65,14 +72,19 @@ class RollbackNativeTest {
             WorldEvent fault = spoilt.events("fault").getFirst();
             assertThat(spoilt.events("fault")).hasSize(1);
             assertThat(fault.frame()).isEqualTo(6);
-            assertThat(fault.fields()).containsEntry("library", "writes_nan")
-                .containsEntry("law", "writes_nan").containsEntry("property", "velocity")
-                .containsEntry("row", 1L).containsEntry("item", "blue")
-                .containsEntry("status", "LAW_MISBEHAVED").containsKey("milliseconds");
+            assertThat(fault.fields())
+                    .containsEntry("library", "writes_nan")
+                    .containsEntry("law", "writes_nan")
+                    .containsEntry("property", "velocity")
+                    .containsEntry("row", 1L)
+                    .containsEntry("item", "blue")
+                    .containsEntry("status", "LAW_MISBEHAVED")
+                    .containsKey("milliseconds");
             assertThat((long) fault.fields().get("calls")).isGreaterThanOrEqualTo(BAD_STEP);
-            assertThat(fault.fields().get("message")).asString()
-                .startsWith("after " + BAD_STEP + " steps: law writes_nan: property velocity, ")
-                .contains("row 1: wrote nan");
+            assertThat(fault.fields().get("message"))
+                    .asString()
+                    .startsWith("after " + BAD_STEP + " steps: law writes_nan: property velocity, ")
+                    .contains("row 1: wrote nan");
         }
     }
 
@@ -87,9 +99,9 @@ class RollbackNativeTest {
             assertThat(out.frame()).isEqualTo(1);
             assertThat(out.status()).isEqualTo(Status.LAW_FAILED);
             assertThatExceptionOfType(PhysicsException.class)
-                .isThrownBy(() -> laws.load(1, "returns_failure", Map.of()))
-                .withMessageContaining("in quarantine since frame 1")
-                .withMessageContaining("too many for this law");
+                    .isThrownBy(() -> laws.load(1, "returns_failure", Map.of()))
+                    .withMessageContaining("in quarantine since frame 1")
+                    .withMessageContaining("too many for this law");
             assertThat(laws.release(out.sha256())).isTrue();
             assertThat(laws.release(out.sha256())).isFalse();
             laws.load(1, "returns_failure", badFrom(1e9));
@@ -102,17 +114,19 @@ class RollbackNativeTest {
     @ValueSource(booleans = {false, true})
     void severalBadLawsOfOneFrameAllGo(boolean validate) {
         try (AdapterFixture clean = AdapterFixture.springOrbit(validate);
-             AdapterFixture spoilt = AdapterFixture.springOrbit(validate)) {
+                AdapterFixture spoilt = AdapterFixture.springOrbit(validate)) {
             spoilt.adapter.laws().load(0, "returns_failure", badFrom(BAD_STEP));
             spoilt.adapter.laws().load(0, "writes_nan", badFrom(BAD_STEP));
             clean.run(10);
             spoilt.run(10);
             assertThat(spoilt.bytes()).isEqualTo(clean.bytes());
-            assertThat(spoilt.events("fault")).extracting(WorldEvent::frame)
-                .containsExactly(6L, 6L);
+            assertThat(spoilt.events("fault"))
+                    .extracting(WorldEvent::frame)
+                    .containsExactly(6L, 6L);
             assertThat(spoilt.adapter.profile().redoneFrames()).isEqualTo(2);
-            assertThat(spoilt.adapter.laws().loaded()).extracting(PhysicsLaw::library)
-                .containsExactly(SpringOrbit.LAWS);
+            assertThat(spoilt.adapter.laws().loaded())
+                    .extracting(PhysicsLaw::library)
+                    .containsExactly(SpringOrbit.LAWS);
         }
     }
 
@@ -120,8 +134,8 @@ class RollbackNativeTest {
     @ValueSource(booleans = {false, true})
     void aLawThatFailsBesideAnAccumulatorRestoresTheForcesToo(boolean validate) {
         try (AdapterFixture clean = AdapterFixture.springOrbit(validate).load("wind");
-             AdapterFixture spoilt =
-                 AdapterFixture.springOrbit(validate).load("wind", "returns_failure")) {
+                AdapterFixture spoilt =
+                        AdapterFixture.springOrbit(validate).load("wind", "returns_failure")) {
             clean.run(3);
             spoilt.run(3);
             assertThat(spoilt.bytes()).isEqualTo(clean.bytes());
@@ -131,8 +145,13 @@ class RollbackNativeTest {
     @ParameterizedTest
     @ValueSource(booleans = {false, true})
     void theLastLawMayFail(boolean validate) {
-        try (AdapterFixture still = new AdapterFixture(WorldPrototype.standard("si-f64"),
-            AdapterFixture.springOrbitItems(), new OffHeapArena(), validate, engine -> engine)) {
+        try (AdapterFixture still =
+                new AdapterFixture(
+                        WorldPrototype.standard("si-f64"),
+                        AdapterFixture.springOrbitItems(),
+                        new OffHeapArena(),
+                        validate,
+                        engine -> engine)) {
             var before = still.bytes();
             still.load("returns_failure").run(2);
             assertThat(still.bytes()).isEqualTo(before);
@@ -144,9 +163,13 @@ class RollbackNativeTest {
     @Test
     void accumulatorsThatNoLawUsesArePutBackToo() {
         FailingEngine[] bug = new FailingEngine[1];
-        try (AdapterFixture still = new AdapterFixture(WorldPrototype.standard("si-f64"),
-            AdapterFixture.springOrbitItems(), new OffHeapArena(), true,
-            engine -> bug[0] = new FailingEngine(engine))) {
+        try (AdapterFixture still =
+                new AdapterFixture(
+                        WorldPrototype.standard("si-f64"),
+                        AdapterFixture.springOrbitItems(),
+                        new OffHeapArena(),
+                        true,
+                        engine -> bug[0] = new FailingEngine(engine))) {
             Item red = still.world.find("red").orElseThrow();
             red.physics().set("torque", 1, 2, 3);
             bug[0].broken = true;
@@ -161,16 +184,24 @@ class RollbackNativeTest {
     @Test
     void aFailureThatNoLawIsToBlameForStopsPhysicsForTheFrameAndIsReported() {
         FailingEngine[] bug = new FailingEngine[1];
-        try (AdapterFixture orbit = new AdapterFixture(WorldPrototype.standard("si-f64"),
-            AdapterFixture.springOrbitItems(), new OffHeapArena(), true,
-            engine -> bug[0] = new FailingEngine(engine))) {
+        try (AdapterFixture orbit =
+                new AdapterFixture(
+                        WorldPrototype.standard("si-f64"),
+                        AdapterFixture.springOrbitItems(),
+                        new OffHeapArena(),
+                        true,
+                        engine -> bug[0] = new FailingEngine(engine))) {
             orbit.load(SpringOrbit.LAWS).run(3);
             var before = orbit.bytes();
             bug[0].broken = true;
             orbit.run(2);
             assertThat(orbit.bytes()).isEqualTo(before);
-            assertThat(orbit.events("fault")).singleElement().satisfies(fault ->
-                assertThat(fault.fields()).containsEntry("message", "lost a step"));
+            assertThat(orbit.events("fault"))
+                    .singleElement()
+                    .satisfies(
+                            fault ->
+                                    assertThat(fault.fields())
+                                            .containsEntry("message", "lost a step"));
             assertThat(orbit.adapter.laws().loaded()).hasSize(2);
             bug[0].broken = false;
             orbit.run(1);

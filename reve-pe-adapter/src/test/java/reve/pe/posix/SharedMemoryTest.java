@@ -1,8 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe.posix;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatIllegalArgumentException;
 import static org.assertj.core.api.Assertions.assertThatIllegalStateException;
+
+import org.junit.jupiter.api.Test;
 
 import java.io.IOException;
 import java.lang.foreign.MemorySegment;
@@ -13,7 +16,6 @@ import java.nio.channels.FileChannel;
 import java.nio.file.Files;
 import java.nio.file.Path;
 import java.nio.file.StandardOpenOption;
-import org.junit.jupiter.api.Test;
 
 class SharedMemoryTest {
     @Test
@@ -32,7 +34,7 @@ class SharedMemoryTest {
     @Test
     void bytesWrittenThroughTheDescriptorAreSeenHere() throws IOException {
         try (SharedMemory memory = new SharedMemory("test", 4096);
-             FileChannel other = FileChannel.open(file(memory), StandardOpenOption.WRITE)) {
+                FileChannel other = FileChannel.open(file(memory), StandardOpenOption.WRITE)) {
             other.write(ByteBuffer.wrap(new byte[] {42}), 7);
             assertThat(memory.segment().get(ValueLayout.JAVA_BYTE, 7)).isEqualTo((byte) 42);
         }
@@ -41,10 +43,16 @@ class SharedMemoryTest {
     @Test
     void anotherProcessReadsTheSameBytes() throws Exception {
         try (SharedMemory memory = new SharedMemory("test", 5)) {
-            MemorySegment.copy("hello".getBytes(), 0, memory.segment(), ValueLayout.JAVA_BYTE, 0,
-                5);
-            Process other = new ProcessBuilder("cat", "/proc/" + ProcessHandle.current().pid()
-                + "/fd/" + memory.descriptor()).start();
+            MemorySegment.copy(
+                    "hello".getBytes(), 0, memory.segment(), ValueLayout.JAVA_BYTE, 0, 5);
+            Process other =
+                    new ProcessBuilder(
+                                    "cat",
+                                    "/proc/"
+                                            + ProcessHandle.current().pid()
+                                            + "/fd/"
+                                            + memory.descriptor())
+                            .start();
             assertThat(other.getInputStream().readAllBytes()).asString().isEqualTo("hello");
             assertThat(other.waitFor()).isZero();
         }
@@ -66,27 +74,29 @@ class SharedMemoryTest {
         memory.close();
         memory.close();
         assertThat(mappings()).doesNotContain("memfd:gone-after-close");
-        assertThatIllegalStateException()
-            .isThrownBy(() -> segment.get(ValueLayout.JAVA_BYTE, 0));
+        assertThatIllegalStateException().isThrownBy(() -> segment.get(ValueLayout.JAVA_BYTE, 0));
     }
 
     @Test
     void whatTheSystemRefusesIsNamed() {
-        assertThatIllegalArgumentException().isThrownBy(() -> new SharedMemory("test", 0))
-            .withMessage("shared memory 'test': 0 bytes, expected at least 1");
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> new SharedMemory("test", 0))
+                .withMessage("shared memory 'test': 0 bytes, expected at least 1");
         assertThatIllegalStateException()
-            .isThrownBy(() -> new SharedMemory("test", Long.MAX_VALUE))
-            .withMessageStartingWith("shared memory 'test': ")
-            .withMessageContaining("failed: ");
+                .isThrownBy(() -> new SharedMemory("test", Long.MAX_VALUE))
+                .withMessageStartingWith("shared memory 'test': ")
+                .withMessageContaining("failed: ");
         assertThatIllegalStateException()
-            .isThrownBy(() -> new SharedMemory("n".repeat(250), 1))
-            .withMessageContaining("memfd_create failed: Invalid argument (errno 22)");
+                .isThrownBy(() -> new SharedMemory("n".repeat(250), 1))
+                .withMessageContaining("memfd_create failed: Invalid argument (errno 22)");
     }
 
     @Test
     void aLimitThatIsReachedIsNamedInWords() {
-        assertThat(SharedMemory.reason(24)).isEqualTo("Too many open files (errno 24); raise the "
-            + "limit of open files of the process (ulimit -n)");
+        assertThat(SharedMemory.reason(24))
+                .isEqualTo(
+                        "Too many open files (errno 24); raise the "
+                                + "limit of open files of the process (ulimit -n)");
         assertThat(SharedMemory.reason(12)).startsWith("Cannot allocate memory (errno 12); make ");
     }
 

@@ -1,4 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe.vesper;
+
+import reve.pe.NativeFiles;
+import reve.pe.PropertyDescriptor;
+import reve.pe.Prototype;
+import reve.pe.ScalarType;
+import reve.pe.SpringOrbit;
 
 import java.lang.foreign.Arena;
 import java.lang.foreign.MemorySegment;
@@ -7,11 +14,6 @@ import java.util.ArrayList;
 import java.util.HashMap;
 import java.util.List;
 import java.util.Map;
-import reve.pe.NativeFiles;
-import reve.pe.PropertyDescriptor;
-import reve.pe.Prototype;
-import reve.pe.ScalarType;
-import reve.pe.SpringOrbit;
 
 /** A validating engine for the spring orbit, as a Java program without REVE would make it. */
 final class EngineFixture implements AutoCloseable {
@@ -25,8 +27,14 @@ final class EngineFixture implements AutoCloseable {
     }
 
     EngineFixture(Prototype prototype) {
-        engine = new VesperEngine(new VesperConfig(1, true, NativeFiles.lawPath(),
-            (level, message) -> log.add(level + " " + message)), prototype);
+        engine =
+                new VesperEngine(
+                        new VesperConfig(
+                                1,
+                                true,
+                                NativeFiles.lawPath(),
+                                (level, message) -> log.add(level + " " + message)),
+                        prototype);
     }
 
     /** Lends zeroed arrays for all properties: 2 bodies, 1 spring, no surface. */
@@ -35,13 +43,14 @@ final class EngineFixture implements AutoCloseable {
             if (property.type() == ScalarType.FIELD) {
                 continue;
             }
-            long rows = switch (property.kind()) {
-                case "body" -> 2;
-                case "surface" -> 0;
-                default -> 1;
-            };
-            MemorySegment data = arena.allocate(
-                rows * property.components() * property.type().bytes(), 64);
+            long rows =
+                    switch (property.kind()) {
+                        case "body" -> 2;
+                        case "surface" -> 0;
+                        default -> 1;
+                    };
+            MemorySegment data =
+                    arena.allocate(rows * property.components() * property.type().bytes(), 64);
             arrays.put(property.name(), data);
             engine.propertyProvider().addPhysicalProperty(property.name(), data, rows);
         }
@@ -69,8 +78,8 @@ final class EngineFixture implements AutoCloseable {
     }
 
     void set(String property, double... values) {
-        MemorySegment.copy(values, 0, arrays.get(property), ValueLayout.JAVA_DOUBLE, 0,
-            values.length);
+        MemorySegment.copy(
+                values, 0, arrays.get(property), ValueLayout.JAVA_DOUBLE, 0, values.length);
     }
 
     double[] get(String property) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe.vesper;
 
 import static org.assertj.core.api.Assertions.assertThat;
@@ -7,18 +8,8 @@ import static org.assertj.core.api.Assertions.assertThatIllegalStateException;
 import static org.assertj.core.api.Assertions.offset;
 import static org.assertj.core.api.Assertions.withinPercentage;
 
-import java.lang.foreign.Arena;
-import java.lang.foreign.MemorySegment;
-import java.lang.foreign.ValueLayout;
-import java.lang.management.ManagementFactory;
-import java.nio.file.Files;
-import java.security.MessageDigest;
-import java.util.ArrayList;
-import java.util.HexFormat;
-import java.util.List;
-import java.util.Map;
-import java.util.Set;
 import org.junit.jupiter.api.Test;
+
 import reve.pe.Access;
 import reve.pe.LedgerLine;
 import reve.pe.NativeFiles;
@@ -34,24 +25,45 @@ import reve.pe.ScalarType;
 import reve.pe.SiUnit;
 import reve.pe.SpringOrbit;
 
+import java.lang.foreign.Arena;
+import java.lang.foreign.MemorySegment;
+import java.lang.foreign.ValueLayout;
+import java.lang.management.ManagementFactory;
+import java.nio.file.Files;
+import java.security.MessageDigest;
+import java.util.ArrayList;
+import java.util.HexFormat;
+import java.util.List;
+import java.util.Map;
+import java.util.Set;
+
 class VesperEngineNativeTest {
     @Test
     void theStandardPrototypeComesFromTheLibrary() {
         Prototype prototype = VesperEngine.standardPrototype("si-f64");
         assertThat(prototype.realType()).isEqualTo(ScalarType.F64);
         assertThat(prototype.timeUnit()).isEqualTo(SiUnit.SECOND);
-        assertThat(prototype.find("externalForce")).hasValueSatisfying(force -> {
-            assertThat(force.kind()).isEqualTo("body");
-            assertThat(force.components()).isEqualTo(3);
-            assertThat(force.lawAccess()).isEqualTo(Set.of(Access.READ, Access.ACCUMULATE));
-            assertThat(force.unit())
-                .isEqualTo(SiUnit.of(new byte[] {1, 1, -2, 0, 0, 0, 0}, 1, "newton"));
-            assertThat(force.initialFrom()).isEqualTo("appliedForce");
-        });
-        assertThat(prototype.find("endpoints")).hasValueSatisfying(endpoints -> {
-            assertThat(endpoints.type()).isEqualTo(ScalarType.U32);
-            assertThat(endpoints.refersTo()).isEqualTo("body");
-        });
+        assertThat(prototype.find("externalForce"))
+                .hasValueSatisfying(
+                        force -> {
+                            assertThat(force.kind()).isEqualTo("body");
+                            assertThat(force.components()).isEqualTo(3);
+                            assertThat(force.lawAccess())
+                                    .isEqualTo(Set.of(Access.READ, Access.ACCUMULATE));
+                            assertThat(force.unit())
+                                    .isEqualTo(
+                                            SiUnit.of(
+                                                    new byte[] {1, 1, -2, 0, 0, 0, 0},
+                                                    1,
+                                                    "newton"));
+                            assertThat(force.initialFrom()).isEqualTo("appliedForce");
+                        });
+        assertThat(prototype.find("endpoints"))
+                .hasValueSatisfying(
+                        endpoints -> {
+                            assertThat(endpoints.type()).isEqualTo(ScalarType.U32);
+                            assertThat(endpoints.refersTo()).isEqualTo("body");
+                        });
         assertThat(VesperEngine.standardPrototype("si-f32").realType()).isEqualTo(ScalarType.F32);
     }
 
@@ -65,7 +77,7 @@ class VesperEngineNativeTest {
         try (Arena arena = Arena.ofConfined()) {
             Prototype prototype = VesperEngine.standardPrototype("si-f64");
             assertThat(VesperPrototypes.read(VesperPrototypes.write(arena, prototype)))
-                .isEqualTo(prototype);
+                    .isEqualTo(prototype);
         }
     }
 
@@ -77,7 +89,7 @@ class VesperEngineNativeTest {
             var after = SpringOrbit.invariants(orbit.get("position"), orbit.get("velocity"));
             assertThat(after.momentum()).containsExactly(before.momentum(), offset(3000 * 1e-12));
             assertThat(after.energyAroundCentre())
-                .isCloseTo(before.energyAroundCentre(), withinPercentage(3e-3));
+                    .isCloseTo(before.energyAroundCentre(), withinPercentage(3e-3));
             assertThat(after.distance()).isBetween(20.00, 20.01);
             assertThat(after.turnedDegrees()).isCloseTo(43.0, offset(0.1));
             assertThat(orbit.engine.stepCount()).isEqualTo(SpringOrbit.STEPS);
@@ -87,7 +99,7 @@ class VesperEngineNativeTest {
     @Test
     void twoRunsEndInTheSameStateHashHoweverTheStepsAreGrouped() {
         try (EngineFixture one = new EngineFixture().springOrbit().load(SpringOrbit.LAWS);
-             EngineFixture other = new EngineFixture().springOrbit().load(SpringOrbit.LAWS)) {
+                EngineFixture other = new EngineFixture().springOrbit().load(SpringOrbit.LAWS)) {
             assertThat(one.engine.stateHash()).isEqualTo(other.engine.stateHash());
             one.engine.advance(SpringOrbit.DT, SpringOrbit.STEPS);
             for (int i = 0; i < SpringOrbit.STEPS / 4; i++) {
@@ -104,13 +116,16 @@ class VesperEngineNativeTest {
         try (EngineFixture orbit = new EngineFixture().springOrbit().load(SpringOrbit.LAWS)) {
             orbit.engine.advance(SpringOrbit.DT, 3);
             List<PhysicsLaw> laws = orbit.engine.laws();
-            assertThat(laws).extracting(PhysicsLaw::name)
-                .containsExactly("hooke_spring", "newton_motion");
+            assertThat(laws)
+                    .extracting(PhysicsLaw::name)
+                    .containsExactly("hooke_spring", "newton_motion");
             PhysicsLaw motion = laws.get(1);
             assertThat(motion.phase()).isEqualTo(Phase.INTEGRATE);
             assertThat(motion.calls()).isEqualTo(3); // after the forces of each step
-            assertThat(motion.uses()).filteredOn(use -> use.name().equals("position"))
-                .extracting(PropertyUse::access).containsExactly(Set.of(Access.READ, Access.WRITE));
+            assertThat(motion.uses())
+                    .filteredOn(use -> use.name().equals("position"))
+                    .extracting(PropertyUse::access)
+                    .containsExactly(Set.of(Access.READ, Access.WRITE));
         }
     }
 
@@ -123,8 +138,9 @@ class VesperEngineNativeTest {
             orbit.engine.unloadPhysicsLaw(wind);
             orbit.engine.advance(1, 1);
             assertThat(orbit.get("velocity")[3]).isEqualTo(2.0);
-            assertThat(orbit.engine.laws()).extracting(PhysicsLaw::name)
-                .containsExactly("newton_motion");
+            assertThat(orbit.engine.laws())
+                    .extracting(PhysicsLaw::name)
+                    .containsExactly("newton_motion");
         }
     }
 
@@ -136,10 +152,19 @@ class VesperEngineNativeTest {
             int wind = orbit.engine.loadPhysicsLaw("wind", Map.of("force", 2.0));
             orbit.engine.advance(0.25, 4);
             List<LedgerLine> lines = orbit.engine.ledger();
-            assertThat(lines).extracting(LedgerLine::name).containsExactly("hooke_spring",
-                "newton_motion", "wind", "client", "ground", "unloaded", "total");
-            assertThat(lines).extracting(LedgerLine::law)
-                .containsExactly(true, true, true, false, false, false, false);
+            assertThat(lines)
+                    .extracting(LedgerLine::name)
+                    .containsExactly(
+                            "hooke_spring",
+                            "newton_motion",
+                            "wind",
+                            "client",
+                            "ground",
+                            "unloaded",
+                            "total");
+            assertThat(lines)
+                    .extracting(LedgerLine::law)
+                    .containsExactly(true, true, true, false, false, false, false);
             LedgerLine spring = lines.get(0);
             LedgerLine total = lines.get(6);
             assertThat(spring.momentum()).allSatisfy(p -> assertThat(p).isCloseTo(0, offset(1e-9)));
@@ -147,26 +172,25 @@ class VesperEngineNativeTest {
             assertThat(total.momentum().get(0)).isCloseTo(4, offset(1e-9));
             assertThat(spring.hasPotentialEnergy()).isTrue();
             assertThat(total.energy())
-                .isCloseTo(spring.energy() + lines.get(2).energy(), withinPercentage(1e-6));
+                    .isCloseTo(spring.energy() + lines.get(2).energy(), withinPercentage(1e-6));
             orbit.engine.unloadPhysicsLaw(wind);
             assertThat(orbit.engine.ledger().get(4).momentum()).containsExactly(4.0, 0.0, 0.0);
             orbit.engine.setLedger(false);
             assertThatExceptionOfType(PhysicsException.class)
-                .isThrownBy(orbit.engine::ledger).withMessageContaining("the ledger is off");
+                    .isThrownBy(orbit.engine::ledger)
+                    .withMessageContaining("the ledger is off");
         }
     }
 
     @Test
     void sharedValuesReachLawsThroughIndices() {
         try (Arena shared = Arena.ofShared();
-             EngineFixture orbit = new EngineFixture().springOrbit()) {
+                EngineFixture orbit = new EngineFixture().springOrbit()) {
             MemorySegment masses = shared.allocateFrom(ValueLayout.JAVA_DOUBLE, 4, 8, 16);
             MemorySegment indices = shared.allocateFrom(ValueLayout.JAVA_INT, 2, 0);
-            orbit.engine.propertyProvider()
-                .rebindPhysicalProperty("mass", masses, 3, indices, 2);
+            orbit.engine.propertyProvider().rebindPhysicalProperty("mass", masses, 3, indices, 2);
             orbit.load("newton_motion", "wind").engine.advance(1, 1);
-            assertThat(orbit.get("velocity"))
-                .containsExactly(1.0 / 16, 3, 0, 1.0 / 4, 0, 0);
+            assertThat(orbit.get("velocity")).containsExactly(1.0 / 16, 3, 0, 1.0 / 4, 0, 0);
         }
     }
 
@@ -183,7 +207,7 @@ class VesperEngineNativeTest {
             assertThat(velocity.lawAccess()).isEqualTo(Set.of(Access.READ, Access.WRITE));
             provider.removePhysicalProperty("charge");
             assertThatExceptionOfType(PhysicsException.class)
-                .isThrownBy(() -> provider.findPhysicalProperty("charge"));
+                    .isThrownBy(() -> provider.findPhysicalProperty("charge"));
         }
     }
 
@@ -191,20 +215,26 @@ class VesperEngineNativeTest {
     void logLinesOfLawsArriveWithTheirLevel() {
         try (EngineFixture orbit = new EngineFixture().springOrbit().load("greets")) {
             orbit.engine.advance(SpringOrbit.DT, 2);
-            assertThat(orbit.log).filteredOn(line -> line.contains("greetings from a law"))
-                .hasSize(2).allMatch(line -> line.startsWith("WARNING "));
+            assertThat(orbit.log)
+                    .filteredOn(line -> line.contains("greetings from a law"))
+                    .hasSize(2)
+                    .allMatch(line -> line.startsWith("WARNING "));
         }
     }
 
     @Test
     void aLogThatThrowsHarmsNobody() {
-        VesperConfig config = new VesperConfig(1, true, NativeFiles.lawPath(),
-            (level, message) -> {
-                throw new IllegalStateException("disk full");
-            });
+        VesperConfig config =
+                new VesperConfig(
+                        1,
+                        true,
+                        NativeFiles.lawPath(),
+                        (level, message) -> {
+                            throw new IllegalStateException("disk full");
+                        });
         try (Arena arena = Arena.ofShared();
-             VesperEngine engine =
-                 new VesperEngine(config, VesperEngine.standardPrototype("si-f64"))) {
+                VesperEngine engine =
+                        new VesperEngine(config, VesperEngine.standardPrototype("si-f64"))) {
             engine.propertyProvider().addPhysicalProperty("mass", arena.allocate(8), 1);
             engine.loadPhysicsLaw("greets", Map.of());
             engine.advance(SpringOrbit.DT, 2);
@@ -215,31 +245,33 @@ class VesperEngineNativeTest {
     @Test
     void aPreparedLibraryIsKnownByItsContent() throws Exception {
         try (EngineFixture orbit = new EngineFixture();
-             PreparedLibrary wind = orbit.engine.prepare("wind")) {
+                PreparedLibrary wind = orbit.engine.prepare("wind")) {
             byte[] bytes = Files.readAllBytes(NativeFiles.testLaw("wind"));
             assertThat(wind.name()).isEqualTo("wind");
-            assertThat(wind.sha256()).isEqualTo(HexFormat.of()
-                .formatHex(MessageDigest.getInstance("SHA-256").digest(bytes)));
+            assertThat(wind.sha256())
+                    .isEqualTo(
+                            HexFormat.of()
+                                    .formatHex(MessageDigest.getInstance("SHA-256").digest(bytes)));
         }
     }
 
     @Test
     void aPreparedLibraryIsTakenOnce() {
         try (EngineFixture orbit = new EngineFixture().springOrbit();
-             PreparedLibrary wind = orbit.engine.prepare("wind")) {
+                PreparedLibrary wind = orbit.engine.prepare("wind")) {
             orbit.engine.loadPhysicsLaw(wind, Map.of());
             assertThatIllegalStateException()
-                .isThrownBy(() -> orbit.engine.loadPhysicsLaw(wind, Map.of()))
-                .withMessageContaining("'wind' was taken by an engine or closed");
+                    .isThrownBy(() -> orbit.engine.loadPhysicsLaw(wind, Map.of()))
+                    .withMessageContaining("'wind' was taken by an engine or closed");
         }
     }
 
     @Test
     void aRefusedLibraryStaysWithTheCaller() {
         try (EngineFixture orbit = new EngineFixture().springOrbit();
-             PreparedLibrary wind = orbit.engine.prepare("wind")) {
+                PreparedLibrary wind = orbit.engine.prepare("wind")) {
             assertThatExceptionOfType(PhysicsException.class)
-                .isThrownBy(() -> orbit.engine.loadPhysicsLaw(wind, Map.of("force", 101.0)));
+                    .isThrownBy(() -> orbit.engine.loadPhysicsLaw(wind, Map.of("force", 101.0)));
             orbit.engine.loadPhysicsLaw(wind, Map.of("force", 100.0));
             assertThat(orbit.engine.laws()).hasSize(1);
         }
@@ -250,25 +282,26 @@ class VesperEngineNativeTest {
         EngineFixture orbit = new EngineFixture().springOrbit();
         orbit.close();
         orbit.engine.close();
-        assertThatIllegalStateException().isThrownBy(() -> orbit.engine.advance(1, 1))
-            .withMessage("the engine is closed");
         assertThatIllegalStateException()
-            .isThrownBy(() -> orbit.engine.propertyProvider().touch("mass"));
+                .isThrownBy(() -> orbit.engine.advance(1, 1))
+                .withMessage("the engine is closed");
+        assertThatIllegalStateException()
+                .isThrownBy(() -> orbit.engine.propertyProvider().touch("mass"));
     }
 
     @Test
     void memoryClosedUnderTheEngineIsNamedBeforeCTouchesIt() {
         try (EngineFixture orbit = new EngineFixture().springOrbit().load(SpringOrbit.LAWS)) {
             Arena gone = Arena.ofShared();
-            orbit.engine.propertyProvider()
-                .rebindPhysicalProperty("mass", gone.allocate(16), 2);
+            orbit.engine.propertyProvider().rebindPhysicalProperty("mass", gone.allocate(16), 2);
             gone.close();
             assertThatIllegalStateException()
-                .isThrownBy(() -> orbit.engine.advance(SpringOrbit.DT, 1))
-                .withMessageContaining("[mass]");
+                    .isThrownBy(() -> orbit.engine.advance(SpringOrbit.DT, 1))
+                    .withMessageContaining("[mass]");
             assertThatIllegalStateException().isThrownBy(orbit.engine::stateHash);
-            orbit.engine.propertyProvider()
-                .rebindPhysicalProperty("mass", orbit.arrays.get("mass"), 2);
+            orbit.engine
+                    .propertyProvider()
+                    .rebindPhysicalProperty("mass", orbit.arrays.get("mass"), 2);
             orbit.engine.advance(SpringOrbit.DT, 1);
             assertThat(orbit.engine.stepCount()).isOne();
         }
@@ -279,28 +312,39 @@ class VesperEngineNativeTest {
         try (EngineFixture orbit = new EngineFixture()) {
             PhysicalPropertyProvider provider = orbit.engine.propertyProvider();
             assertThatIllegalArgumentException()
-                .isThrownBy(() -> provider.addPhysicalProperty("velocity",
-                    orbit.arena.allocate(47), 2))
-                .withMessage("velocity: data has 47 bytes, expected at least 48 (2 x 24)");
+                    .isThrownBy(
+                            () ->
+                                    provider.addPhysicalProperty(
+                                            "velocity", orbit.arena.allocate(47), 2))
+                    .withMessage("velocity: data has 47 bytes, expected at least 48 (2 x 24)");
             assertThatIllegalArgumentException()
-                .isThrownBy(() -> provider.addPhysicalProperty("mass",
-                    MemorySegment.ofArray(new double[2]), 2))
-                .withMessage("mass: data is heap memory, expected native memory");
+                    .isThrownBy(
+                            () ->
+                                    provider.addPhysicalProperty(
+                                            "mass", MemorySegment.ofArray(new double[2]), 2))
+                    .withMessage("mass: data is heap memory, expected native memory");
             assertThatIllegalArgumentException()
-                .isThrownBy(() -> provider.addPhysicalProperty("mass",
-                    orbit.arena.allocate(16), 2, orbit.arena.allocate(4), 2))
-                .withMessageContaining("mass: indices has 4 bytes, expected at least 8");
+                    .isThrownBy(
+                            () ->
+                                    provider.addPhysicalProperty(
+                                            "mass",
+                                            orbit.arena.allocate(16),
+                                            2,
+                                            orbit.arena.allocate(4),
+                                            2))
+                    .withMessageContaining("mass: indices has 4 bytes, expected at least 8");
             assertThatIllegalArgumentException()
-                .isThrownBy(() -> provider.addPhysicalProperty("mass",
-                    orbit.arena.allocate(16), -1));
+                    .isThrownBy(
+                            () ->
+                                    provider.addPhysicalProperty(
+                                            "mass", orbit.arena.allocate(16), -1));
         }
     }
 
     @Test
     void aSteadyAdvanceAllocatesNothing() {
         try (EngineFixture orbit = new EngineFixture().springOrbit().load(SpringOrbit.LAWS)) {
-            var threads =
-                (com.sun.management.ThreadMXBean) ManagementFactory.getThreadMXBean();
+            var threads = (com.sun.management.ThreadMXBean) ManagementFactory.getThreadMXBean();
             int frames = 20_000;
             for (int i = 0; i < frames; i++) {
                 orbit.engine.advance(SpringOrbit.DT, 1);
@@ -317,11 +361,20 @@ class VesperEngineNativeTest {
     void aPropertyOfTheClientsOwnTravelsWithTheOthers() {
         Prototype standard = VesperEngine.standardPrototype("si-f64");
         List<PropertyDescriptor> properties = new ArrayList<>(standard.properties());
-        properties.add(new PropertyDescriptor("temperature", "body", ScalarType.F64, 1,
-            Set.of(Access.READ, Access.WRITE),
-            SiUnit.of(new byte[] {0, 0, 0, 0, 1, 0, 0}, 1, "K"), null, null, "Of the surface."));
-        try (EngineFixture warm = new EngineFixture(new Prototype("warm", ScalarType.F64,
-            SiUnit.SECOND, properties)).springOrbit()) {
+        properties.add(
+                new PropertyDescriptor(
+                        "temperature",
+                        "body",
+                        ScalarType.F64,
+                        1,
+                        Set.of(Access.READ, Access.WRITE),
+                        SiUnit.of(new byte[] {0, 0, 0, 0, 1, 0, 0}, 1, "K"),
+                        null,
+                        null,
+                        "Of the surface."));
+        try (EngineFixture warm =
+                new EngineFixture(new Prototype("warm", ScalarType.F64, SiUnit.SECOND, properties))
+                        .springOrbit()) {
             long cold = warm.engine.stateHash();
             warm.set("temperature", 300, 0);
             assertThat(warm.engine.stateHash()).isNotEqualTo(cold);

@@ -1,7 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.pe.vesper;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.catchThrowableOfType;
+
+import org.assertj.core.api.ThrowableAssert.ThrowingCallable;
+import org.junit.jupiter.api.AfterEach;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+
+import reve.pe.Access;
+import reve.pe.NativeFiles;
+import reve.pe.PhysicsException;
+import reve.pe.PropertyDescriptor;
+import reve.pe.Prototype;
+import reve.pe.ScalarType;
+import reve.pe.SiUnit;
+import reve.pe.Status;
 
 import java.nio.ByteBuffer;
 import java.nio.channels.FileChannel;
@@ -13,18 +28,6 @@ import java.util.Arrays;
 import java.util.List;
 import java.util.Map;
 import java.util.Set;
-import org.assertj.core.api.ThrowableAssert.ThrowingCallable;
-import org.junit.jupiter.api.AfterEach;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.api.io.TempDir;
-import reve.pe.Access;
-import reve.pe.NativeFiles;
-import reve.pe.PhysicsException;
-import reve.pe.PropertyDescriptor;
-import reve.pe.Prototype;
-import reve.pe.ScalarType;
-import reve.pe.SiUnit;
-import reve.pe.Status;
 
 /** Every status that a client can provoke arrives with its number, names and message. */
 class VesperErrorsNativeTest {
@@ -48,41 +51,52 @@ class VesperErrorsNativeTest {
     void notFound() {
         PhysicsException law = refusal(() -> orbit.load("no_such_law"));
         assertThat(law.status()).isEqualTo(Status.NOT_FOUND);
-        assertThat(law).hasMessageContaining("'no_such_law' was not found; looked for [")
-            .hasMessageContaining("libvesper_law_no_such_law.so");
-        PhysicsException property =
-            refusal(() -> orbit.engine.propertyProvider().touch("weight"));
+        assertThat(law)
+                .hasMessageContaining("'no_such_law' was not found; looked for [")
+                .hasMessageContaining("libvesper_law_no_such_law.so");
+        PhysicsException property = refusal(() -> orbit.engine.propertyProvider().touch("weight"));
         assertThat(property.status()).isEqualTo(Status.NOT_FOUND);
         assertThat(property.property()).isEqualTo("weight");
         assertThat(refusal(() -> orbit.engine.unloadPhysicsLaw(77)).status())
-            .isEqualTo(Status.NOT_FOUND);
+                .isEqualTo(Status.NOT_FOUND);
         assertThat(refusal(() -> VesperEngine.standardPrototype("si-f16")).status())
-            .isEqualTo(Status.NOT_FOUND);
+                .isEqualTo(Status.NOT_FOUND);
     }
 
     @Test
     void alreadyExists() {
         orbit.load("wind");
         assertThat(refusal(() -> orbit.load("wind")).status()).isEqualTo(Status.ALREADY_EXISTS);
-        assertThat(refusal(() -> orbit.engine.propertyProvider()
-            .addPhysicalProperty("mass", orbit.arrays.get("mass"), 2)).status())
-            .isEqualTo(Status.ALREADY_EXISTS);
+        assertThat(
+                        refusal(
+                                        () ->
+                                                orbit.engine
+                                                        .propertyProvider()
+                                                        .addPhysicalProperty(
+                                                                "mass",
+                                                                orbit.arrays.get("mass"),
+                                                                2))
+                                .status())
+                .isEqualTo(Status.ALREADY_EXISTS);
     }
 
     @Test
     void busy() {
         List<PhysicsException> refusals = new ArrayList<>();
         VesperEngine[] self = new VesperEngine[1];
-        VesperConfig config = new VesperConfig(1, false, NativeFiles.lawPath(),
-            (level, message) -> refusals.add(refusal(() -> self[0].clearFault())));
+        VesperConfig config =
+                new VesperConfig(
+                        1,
+                        false,
+                        NativeFiles.lawPath(),
+                        (level, message) -> refusals.add(refusal(() -> self[0].clearFault())));
         self[0] = new VesperEngine(config, orbit.engine.prototype());
         try (VesperEngine engine = self[0]) {
             engine.propertyProvider().addPhysicalProperty("mass", orbit.arrays.get("mass"), 2);
             engine.loadPhysicsLaw("greets", Map.of());
             refusals.clear();
             engine.advance(1, 1);
-            assertThat(refusals).extracting(PhysicsException::status)
-                .containsExactly(Status.BUSY);
+            assertThat(refusals).extracting(PhysicsException::status).containsExactly(Status.BUSY);
         }
     }
 
@@ -96,11 +110,23 @@ class VesperErrorsNativeTest {
     @Test
     void typeMismatch() {
         List<PropertyDescriptor> flat = new ArrayList<>(orbit.engine.prototype().properties());
-        flat.replaceAll(p -> p.name().equals("velocity")
-            ? new PropertyDescriptor("velocity", "body", ScalarType.F64, 2,
-                Set.of(Access.READ, Access.WRITE), p.unit(), null, null, p.doc()) : p);
-        try (EngineFixture plane = new EngineFixture(
-            new Prototype("plane", ScalarType.F64, SiUnit.SECOND, flat)).lendAll()) {
+        flat.replaceAll(
+                p ->
+                        p.name().equals("velocity")
+                                ? new PropertyDescriptor(
+                                        "velocity",
+                                        "body",
+                                        ScalarType.F64,
+                                        2,
+                                        Set.of(Access.READ, Access.WRITE),
+                                        p.unit(),
+                                        null,
+                                        null,
+                                        p.doc())
+                                : p);
+        try (EngineFixture plane =
+                new EngineFixture(new Prototype("plane", ScalarType.F64, SiUnit.SECOND, flat))
+                        .lendAll()) {
             PhysicsException e = refusal(() -> plane.load("newton_motion"));
             assertThat(e.status()).isEqualTo(Status.TYPE_MISMATCH);
             assertThat(e.property()).isEqualTo("velocity");
@@ -116,10 +142,12 @@ class VesperErrorsNativeTest {
 
     @Test
     void countMismatch() {
-        orbit.load("newton_motion").engine.propertyProvider()
-            .rebindPhysicalProperty("mass", orbit.arrays.get("mass"), 1);
+        orbit.load("newton_motion")
+                .engine
+                .propertyProvider()
+                .rebindPhysicalProperty("mass", orbit.arrays.get("mass"), 1);
         assertThat(refusal(() -> orbit.engine.advance(1, 1)).status())
-            .isEqualTo(Status.COUNT_MISMATCH);
+                .isEqualTo(Status.COUNT_MISMATCH);
     }
 
     @Test
@@ -133,28 +161,29 @@ class VesperErrorsNativeTest {
     @Test
     void aLibraryThatIsTooLargeIsNotRead(@TempDir Path folder) throws Exception {
         Path large = folder.resolve("large.so");
-        try (var channel = FileChannel.open(large, StandardOpenOption.CREATE,
-                StandardOpenOption.WRITE)) {
+        try (var channel =
+                FileChannel.open(large, StandardOpenOption.CREATE, StandardOpenOption.WRITE)) {
             channel.write(ByteBuffer.allocate(1), 40L << 30);
         }
         assertThat(refusal(() -> orbit.load(large.toString())))
-            .returns(Status.LIBRARY_LOAD_FAILED, PhysicsException::status)
-            .hasMessageContaining(large + " has 42949672961 bytes, expected a law library of at "
-                + "most 268435456");
+                .returns(Status.LIBRARY_LOAD_FAILED, PhysicsException::status)
+                .hasMessageContaining(
+                        large
+                                + " has 42949672961 bytes, expected a law library of at "
+                                + "most 268435456");
     }
 
     @Test
     void libraryLoadFailed(@TempDir Path folder) throws Exception {
         Path garbage = Files.writeString(folder.resolve("garbage.so"), "I am no law library");
         assertThat(refusal(() -> orbit.load(garbage.toString())))
-            .returns(Status.LIBRARY_LOAD_FAILED, PhysicsException::status)
-            .hasMessageContaining(garbage.toString());
+                .returns(Status.LIBRARY_LOAD_FAILED, PhysicsException::status)
+                .hasMessageContaining(garbage.toString());
         byte[] whole = Files.readAllBytes(NativeFiles.testLaw("wind"));
-        Path half = Files.write(folder.resolve("half.so"),
-            Arrays.copyOf(whole, whole.length / 2));
+        Path half = Files.write(folder.resolve("half.so"), Arrays.copyOf(whole, whole.length / 2));
         assertThat(refusal(() -> orbit.load(half.toString())))
-            .returns(Status.LIBRARY_LOAD_FAILED, PhysicsException::status)
-            .hasMessageContaining("truncated");
+                .returns(Status.LIBRARY_LOAD_FAILED, PhysicsException::status)
+                .hasMessageContaining("truncated");
     }
 
     @Test
@@ -178,11 +207,10 @@ class VesperErrorsNativeTest {
         assertThat(e.law()).isEqualTo("writes_nan");
         assertThat(e.property()).isEqualTo("velocity");
         assertThat(e.row()).hasValue(1);
-        assertThat(refusal(() -> orbit.engine.advance(1, 1)).status())
-            .isEqualTo(Status.FAULTED);
+        assertThat(refusal(() -> orbit.engine.advance(1, 1)).status()).isEqualTo(Status.FAULTED);
         orbit.engine.clearFault();
         assertThat(refusal(() -> orbit.engine.advance(1, 1)).status())
-            .isEqualTo(Status.LAW_MISBEHAVED);
+                .isEqualTo(Status.LAW_MISBEHAVED);
     }
 
     private static PhysicsException refusal(ThrowingCallable call) {

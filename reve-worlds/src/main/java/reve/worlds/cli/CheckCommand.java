@@ -1,16 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.cli;
 
-import java.io.PrintWriter;
-import java.util.ArrayList;
-import java.util.LinkedHashMap;
-import java.util.List;
-import java.util.Map;
-import java.util.concurrent.Callable;
 import picocli.CommandLine.Command;
 import picocli.CommandLine.Mixin;
 import picocli.CommandLine.Model.CommandSpec;
 import picocli.CommandLine.Option;
 import picocli.CommandLine.Spec;
+
 import reve.core.file.LawReference;
 import reve.core.file.Problem;
 import reve.core.file.WorldDescription;
@@ -20,19 +16,23 @@ import reve.pe.PhysicsException;
 import reve.worlds.server.LawPath;
 import reve.worlds.server.Simulation;
 
+import java.io.PrintWriter;
+import java.util.ArrayList;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.concurrent.Callable;
+
 /** Reads a world file, builds the world, loads its laws, and runs nothing. */
 @Command(
         name = "check",
         description = "Checks a world file, and that its laws load and fit; runs nothing.")
 public final class CheckCommand implements Callable<Integer> {
-    @Spec
-    private CommandSpec spec = CommandSpec.create();
+    @Spec private CommandSpec spec = CommandSpec.create();
 
-    @Mixin
-    private WorldArgument world = new WorldArgument();
+    @Mixin private WorldArgument world = new WorldArgument();
 
-    @Mixin
-    private LawOptions laws = new LawOptions();
+    @Mixin private LawOptions laws = new LawOptions();
 
     @Option(names = "--json", description = "Print the result as one JSON document.")
     private boolean json;
@@ -56,8 +56,12 @@ public final class CheckCommand implements Callable<Integer> {
         return code;
     }
 
-    private int check(LawPath lawPath, List<Map<String, Object>> problems,
-            List<Map<String, Object>> warnings, List<String> unchecked) throws Exception {
+    private int check(
+            LawPath lawPath,
+            List<Map<String, Object>> problems,
+            List<Map<String, Object>> warnings,
+            List<String> unchecked)
+            throws Exception {
         PrintWriter out = spec.commandLine().getOut();
         PrintWriter err = spec.commandLine().getErr();
         WorldDescription description;
@@ -90,13 +94,17 @@ public final class CheckCommand implements Callable<Integer> {
                 new Simulation(description.withLaws(checked), Pacing.FAST, lawPath)) {
             if (!json) {
                 unchecked.forEach(err::println);
-                out.printf("%s: valid, %d items, %d laws%s%n", world.file(),
-                        description.items().size(), simulation.physics().laws().loaded().size(),
+                out.printf(
+                        "%s: valid, %d items, %d laws%s%n",
+                        world.file(),
+                        description.items().size(),
+                        simulation.physics().laws().loaded().size(),
                         unchecked.isEmpty() ? "" : ", not checked: " + unchecked.size() + " more");
             }
             return ExitCode.OK;
         } catch (PhysicsException refused) {
-            refused.getMessage().lines()
+            refused.getMessage()
+                    .lines()
                     .forEach(message -> problems.add(Map.of("message", message)));
             if (!json) {
                 LinePrinter.message(err, refused.getMessage());

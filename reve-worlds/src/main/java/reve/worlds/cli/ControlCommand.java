@@ -1,4 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.cli;
+
+import picocli.CommandLine.Command;
+import picocli.CommandLine.Model.CommandSpec;
+import picocli.CommandLine.Option;
+import picocli.CommandLine.ParameterException;
+import picocli.CommandLine.Parameters;
+import picocli.CommandLine.Spec;
+
+import reve.agent.ActResult;
+import reve.agent.AgentClient;
+import reve.agent.AgentException;
+import reve.agent.Join;
+import reve.agent.Trust;
 
 import java.io.IOException;
 import java.io.PrintWriter;
@@ -13,74 +27,86 @@ import java.util.Set;
 import java.util.TreeMap;
 import java.util.TreeSet;
 import java.util.concurrent.Callable;
-import picocli.CommandLine.Command;
-import picocli.CommandLine.Model.CommandSpec;
-import picocli.CommandLine.Option;
-import picocli.CommandLine.ParameterException;
-import picocli.CommandLine.Parameters;
-import picocli.CommandLine.Spec;
-import reve.agent.ActResult;
-import reve.agent.AgentClient;
-import reve.agent.AgentException;
-import reve.agent.Join;
-import reve.agent.Trust;
 
 /** Says one command of the role control to a running server. */
 @Command(
         name = "control",
-        description = "Says a command to a running world: pause, step, run, snapshot, rewind, "
-                + "save, edit, load-law, unload-law, picture, shut-down. For example: "
-                + "control rewind image=calm, "
-                + "control edit item=blue property=physics.velocity value=0,3,0.")
+        description =
+                "Says a command to a running world: pause, step, run, snapshot, rewind, "
+                        + "save, edit, load-law, unload-law, picture, shut-down. For example: "
+                        + "control rewind image=calm, "
+                        + "control edit item=blue property=physics.velocity value=0,3,0.")
 public final class ControlCommand implements Callable<Integer> {
     private static final String TOKEN = "REVE_TOKEN";
     private static final int MAX_PORT = 65_535;
 
     /** The fields of each command that can be written as FIELD=VALUE and has a result. */
-    private static final Map<String, Set<String>> COMMANDS = new TreeMap<>(Map.ofEntries(
-            Map.entry("pause", Set.of()),
-            Map.entry("step", Set.of("frames")),
-            Map.entry("run", Set.of()),
-            Map.entry("snapshot", Set.of("image")),
-            Map.entry("rewind", Set.of("image")),
-            Map.entry("save", Set.of("file")),
-            Map.entry("edit", Set.of("item", "property", "value")),
-            Map.entry("load-law", Set.of("library")),
-            Map.entry("unload-law", Set.of("library")),
-            Map.entry("picture", Set.of()),
-            Map.entry("shut-down", Set.of())));
+    private static final Map<String, Set<String>> COMMANDS =
+            new TreeMap<>(
+                    Map.ofEntries(
+                            Map.entry("pause", Set.of()),
+                            Map.entry("step", Set.of("frames")),
+                            Map.entry("run", Set.of()),
+                            Map.entry("snapshot", Set.of("image")),
+                            Map.entry("rewind", Set.of("image")),
+                            Map.entry("save", Set.of("file")),
+                            Map.entry("edit", Set.of("item", "property", "value")),
+                            Map.entry("load-law", Set.of("library")),
+                            Map.entry("unload-law", Set.of("library")),
+                            Map.entry("picture", Set.of()),
+                            Map.entry("shut-down", Set.of())));
 
-    @Spec
-    private CommandSpec spec = CommandSpec.create();
+    @Spec private CommandSpec spec = CommandSpec.create();
 
-    @Parameters(index = "0", paramLabel = "COMMAND",
+    @Parameters(
+            index = "0",
+            paramLabel = "COMMAND",
             description = "As in agents/protocol/PROTOCOL.md.")
     private String command = "";
 
-    @Parameters(index = "1..*", paramLabel = "FIELD=VALUE",
+    @Parameters(
+            index = "1..*",
+            paramLabel = "FIELD=VALUE",
             description = "Its fields: numbers, numbers with commas between, true, false, or text.")
     private List<String> given = new ArrayList<>();
 
-    @Option(names = "--host", paramLabel = "ADDRESS", defaultValue = "127.0.0.1",
+    @Option(
+            names = "--host",
+            paramLabel = "ADDRESS",
+            defaultValue = "127.0.0.1",
             description = "Where the server is (default: ${DEFAULT-VALUE}).")
     private String host = "";
 
-    @Option(names = "--port", paramLabel = "N", defaultValue = ListenOptions.DEFAULT_PORT,
+    @Option(
+            names = "--port",
+            paramLabel = "N",
+            defaultValue = ListenOptions.DEFAULT_PORT,
             description = "Its port for agents (default: ${DEFAULT-VALUE}).")
     private int port;
 
-    @Option(names = "--world", paramLabel = "NAME",
+    @Option(
+            names = "--world",
+            paramLabel = "NAME",
             description = "Which world, if the server has several.")
     private Optional<String> world = Optional.empty();
 
-    @Option(names = "--name", paramLabel = "NAME", defaultValue = "control",
-            description = "Who says it (default: ${DEFAULT-VALUE}). "
-                    + "A token is taken from " + TOKEN + ".")
+    @Option(
+            names = "--name",
+            paramLabel = "NAME",
+            defaultValue = "control",
+            description =
+                    "Who says it (default: ${DEFAULT-VALUE}). "
+                            + "A token is taken from "
+                            + TOKEN
+                            + ".")
     private String name = "";
 
-    @Option(names = "--tls-trust", paramLabel = "FILE",
-            description = "Speak TLS, with a server that a certificate in this file (PEM) "
-                    + "vouches for.")
+    @Option(
+            names = "--tls-trust",
+            paramLabel = "FILE",
+            description =
+                    "Speak TLS, with a server that a certificate in this file (PEM) "
+                            + "vouches for.")
     private Optional<Path> trust = Optional.empty();
 
     @Option(names = "--json", description = "Print the result as one JSON document.")
@@ -124,20 +150,33 @@ public final class ControlCommand implements Callable<Integer> {
     private Map<String, Object> fields() {
         Set<String> known = COMMANDS.get(command);
         if (known == null) {
-            throw wrong("'" + command + "' is no command of the role control, expected one of "
-                    + String.join(", ", COMMANDS.keySet()));
+            throw wrong(
+                    "'"
+                            + command
+                            + "' is no command of the role control, expected one of "
+                            + String.join(", ", COMMANDS.keySet()));
         }
         Map<String, Object> fields = new LinkedHashMap<>();
         for (String each : given) {
             int equals = each.indexOf('=');
             if (equals < 1) {
-                throw wrong("'" + each + "' is no field of " + command
-                        + ", expected FIELD=VALUE, e.g. image=calm");
+                throw wrong(
+                        "'"
+                                + each
+                                + "' is no field of "
+                                + command
+                                + ", expected FIELD=VALUE, e.g. image=calm");
             }
             String field = each.substring(0, equals);
             if (!known.contains(field)) {
-                throw wrong(command + " has no field '" + field + "'; it has "
-                        + (known.isEmpty() ? "none" : String.join(", ", new TreeSet<>(known))));
+                throw wrong(
+                        command
+                                + " has no field '"
+                                + field
+                                + "'; it has "
+                                + (known.isEmpty()
+                                        ? "none"
+                                        : String.join(", ", new TreeSet<>(known))));
             }
             fields.put(field, value(each.substring(equals + 1)));
         }
@@ -175,8 +214,13 @@ public final class ControlCommand implements Callable<Integer> {
         } else if (result.accepted()) {
             out.println(command + ": frame " + result.frame().orElseThrow());
         } else {
-            spec.commandLine().getErr().println("reve: " + result.code().orElse("refused") + ": "
-                    + result.reason().orElse(""));
+            spec.commandLine()
+                    .getErr()
+                    .println(
+                            "reve: "
+                                    + result.code().orElse("refused")
+                                    + ": "
+                                    + result.reason().orElse(""));
         }
         out.flush();
     }

@@ -1,25 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.cli;
 
-import java.io.PrintWriter;
-import java.nio.file.Path;
-import java.util.concurrent.Callable;
 import picocli.CommandLine.Command;
 import picocli.CommandLine.Model.CommandSpec;
 import picocli.CommandLine.Option;
 import picocli.CommandLine.Spec;
+
 import reve.worlds.demo.Demo;
 import reve.worlds.demo.DemoReport;
+
+import java.io.PrintWriter;
+import java.nio.file.Path;
+import java.util.concurrent.Callable;
 
 /** Shows the main job: server, agents, a law dropped into the running world, pictures. */
 @Command(
         name = "demo",
-        description = "Shows the main job: a server, two agents, a law dropped into the running "
-                + "world, pictures.")
+        description =
+                "Shows the main job: a server, two agents, a law dropped into the running "
+                        + "world, pictures.")
 public final class DemoCommand implements Callable<Integer> {
-    @Spec
-    private CommandSpec spec = CommandSpec.create();
+    @Spec private CommandSpec spec = CommandSpec.create();
 
-    @Option(names = "--out", paramLabel = "DIR",
+    @Option(
+            names = "--out",
+            paramLabel = "DIR",
             description = "Folder for pictures and logs (default: build/demo).")
     private Path out = Path.of(System.getProperty("reve.root", "."), "build", "demo");
 

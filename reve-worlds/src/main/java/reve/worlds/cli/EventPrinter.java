@@ -1,4 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.cli;
+
+import reve.worlds.server.ServerEvents;
+import reve.worlds.server.ServerReport;
 
 import java.io.PrintWriter;
 import java.time.Duration;
@@ -10,14 +14,12 @@ import java.util.concurrent.atomic.AtomicInteger;
 import java.util.concurrent.atomic.AtomicLong;
 import java.util.concurrent.locks.LockSupport;
 import java.util.stream.Collectors;
-import reve.worlds.server.ServerEvents;
-import reve.worlds.server.ServerReport;
 
 /**
  * Writes what happens in a server to standard output on a thread of its own, so that a reader who
  * does not read never holds a frame up: past 10,000 waiting lines, lines are dropped and counted,
- * as are lines that a full or closed output does not take.
- * Nobody wakes that thread: it looks for lines every few milliseconds.
+ * as are lines that a full or closed output does not take. Nobody wakes that thread: it looks for
+ * lines every few milliseconds.
  */
 final class EventPrinter implements ServerEvents, AutoCloseable {
     private static final int CAPACITY = 10_000;
@@ -31,13 +33,17 @@ final class EventPrinter implements ServerEvents, AutoCloseable {
     private final Queue<Event> events = new ConcurrentLinkedQueue<>();
     private final AtomicInteger waiting = new AtomicInteger();
     private final AtomicLong dropped = new AtomicLong();
+
     /** The last event could not be written. The printer's own. */
     private boolean failing;
+
     private final Thread printer = new Thread(this::print, "event printer");
 
     private record Event(String name, Map<String, Object> fields) {}
 
-    /** @param err where it reports that events are lost, because they cannot be written */
+    /**
+     * @param err where it reports that events are lost, because they cannot be written
+     */
     EventPrinter(LinePrinter out, PrintWriter err, boolean json, Printed printed) {
         this.out = out;
         this.err = err;
@@ -123,15 +129,18 @@ final class EventPrinter implements ServerEvents, AutoCloseable {
         if (out.watched().failures() > failures) {
             dropped.incrementAndGet();
             if (!failing) {
-                err.println("reve: standard output cannot be written: "
-                        + out.watched().reason().orElseThrow()
-                        + "; the worlds go on, and events are lost until it can");
+                err.println(
+                        "reve: standard output cannot be written: "
+                                + out.watched().reason().orElseThrow()
+                                + "; the worlds go on, and events are lost until it can");
             }
             failing = true;
         } else if (failing) {
             failing = false;
-            err.println("reve: standard output can be written again; " + dropped.get()
-                    + " events have been lost so far");
+            err.println(
+                    "reve: standard output can be written again; "
+                            + dropped.get()
+                            + " events have been lost so far");
         }
     }
 
@@ -143,8 +152,9 @@ final class EventPrinter implements ServerEvents, AutoCloseable {
     }
 
     private static String textLine(Event event) {
-        return event.name + event.fields.entrySet().stream()
-                .map(field -> " " + field.getKey() + "=" + field.getValue())
-                .collect(Collectors.joining());
+        return event.name
+                + event.fields.entrySet().stream()
+                        .map(field -> " " + field.getKey() + "=" + field.getValue())
+                        .collect(Collectors.joining());
     }
 }

@@ -1,8 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.cli;
 
-import java.net.BindException;
 import reve.core.file.WorldFileException;
 import reve.pe.PhysicsException;
+
+import java.net.BindException;
 
 /** Exit codes of every command; printed in the help text. */
 public final class ExitCode {
@@ -13,6 +15,7 @@ public final class ExitCode {
     public static final int PHYSICS = 4;
     public static final int CANNOT_BIND = 5;
     public static final int STALLED = 6;
+
     /** What shells report of a program that the signal SIGPIPE has ended. */
     public static final int CLOSED_PIPE = 128 + 13;
 

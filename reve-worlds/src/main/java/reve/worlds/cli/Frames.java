@@ -1,9 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.cli;
 
-import java.util.Optional;
 import picocli.CommandLine.Model.CommandSpec;
 import picocli.CommandLine.ParameterException;
+
 import reve.core.frame.Timing;
+
+import java.util.Optional;
 
 /** World time given on the command line, as a number of frames. */
 final class Frames {
@@ -15,9 +18,14 @@ final class Frames {
     static long of(CommandSpec spec, String option, double seconds, Timing timing) {
         double frames = seconds * timing.framesPerSecond();
         if (!(frames >= 0 && frames < 0x1p53)) {
-            throw new ParameterException(spec.commandLine(),
-                    option + " is " + seconds + ", expected a time from 0 s to "
-                            + 0x1p53 / timing.framesPerSecond() + " s");
+            throw new ParameterException(
+                    spec.commandLine(),
+                    option
+                            + " is "
+                            + seconds
+                            + ", expected a time from 0 s to "
+                            + 0x1p53 / timing.framesPerSecond()
+                            + " s");
         }
         return Math.round(frames);
     }

@@ -1,9 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.cli;
+
+import org.jspecify.annotations.Nullable;
+
+import picocli.CommandLine.Model.CommandSpec;
 
 import java.util.concurrent.CountDownLatch;
 import java.util.concurrent.TimeUnit;
-import org.jspecify.annotations.Nullable;
-import picocli.CommandLine.Model.CommandSpec;
 
 /**
  * What Ctrl-C and SIGTERM do to a command that runs for long: it is asked to stop, reports as
@@ -26,15 +29,20 @@ final class Interrupt implements AutoCloseable {
         Runtime.getRuntime().addShutdownHook(hook);
     }
 
-    /** @param asks the command to end soon, from now on; called on another thread */
+    /**
+     * @param asks the command to end soon, from now on; called on another thread
+     */
     void stopWith(Runnable asks) {
         stop = asks;
     }
 
     /** Returns the exit code of the command, which holds for an interrupted one, too. */
     int endsWith(boolean failed) {
-        code = ((LinePrinter) spec.commandLine().getOut()).codeAfter(
-                failed ? ExitCode.FAILURE : ExitCode.OK, spec.commandLine().getErr());
+        code =
+                ((LinePrinter) spec.commandLine().getOut())
+                        .codeAfter(
+                                failed ? ExitCode.FAILURE : ExitCode.OK,
+                                spec.commandLine().getErr());
         return code;
     }
 
@@ -47,9 +55,11 @@ final class Interrupt implements AutoCloseable {
         asks.run();
         try {
             if (!reported.await(PATIENCE_SECONDS, TimeUnit.SECONDS)) {
-                System.err.println("reve: asked to stop " + PATIENCE_SECONDS
-                        + " s ago and still busy, perhaps with a law that never returns; "
-                        + "ended without a report");
+                System.err.println(
+                        "reve: asked to stop "
+                                + PATIENCE_SECONDS
+                                + " s ago and still busy, perhaps with a law that never returns; "
+                                + "ended without a report");
                 Runtime.getRuntime().halt(ExitCode.FAILURE);
             }
         } catch (InterruptedException impatient) {

@@ -1,10 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.cli;
+
+import picocli.CommandLine.Model.CommandSpec;
+
+import reve.core.text.Visible;
+
+import tools.jackson.databind.json.JsonMapper;
 
 import java.io.PrintWriter;
 import java.util.Map;
-import picocli.CommandLine.Model.CommandSpec;
-import reve.core.text.Visible;
-import tools.jackson.databind.json.JsonMapper;
 
 /** Results as JSON on standard output, for programs. */
 public final class Json {
@@ -20,8 +24,9 @@ public final class Json {
     /** One document on the command's standard output. */
     static void print(CommandSpec spec, Map<String, ?> fields) {
         PrintWriter out = spec.commandLine().getOut();
-        out.print(Visible.json(MAPPER.writerWithDefaultPrettyPrinter().writeValueAsString(fields))
-                + System.lineSeparator());
+        out.print(
+                Visible.json(MAPPER.writerWithDefaultPrettyPrinter().writeValueAsString(fields))
+                        + System.lineSeparator());
         out.flush();
     }
 }

@@ -1,4 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.cli;
+
+import reve.pe.LedgerLine;
 
 import java.io.PrintWriter;
 import java.math.BigDecimal;
@@ -11,7 +14,6 @@ import java.util.Locale;
 import java.util.Map;
 import java.util.function.Function;
 import java.util.function.ToDoubleFunction;
-import reve.pe.LedgerLine;
 
 /**
  * The ledger of a run as a table for people, and as JSON: what {@code vesper run --ledger} prints.
@@ -19,6 +21,7 @@ import reve.pe.LedgerLine;
 final class LedgerReport {
     /** Parts of the largest number of a column that are rounding of the sums. */
     private static final double ROUNDING = 1e-12;
+
     private static final MathContext DIGITS = new MathContext(4, RoundingMode.HALF_EVEN);
 
     private final List<LedgerLine> lines;
@@ -26,25 +29,40 @@ final class LedgerReport {
 
     /** Leaves out what is no law's, and holds nothing; but not the total, the last line. */
     LedgerReport(List<LedgerLine> ledger) {
-        lines = ledger.stream()
-                .filter(line -> line.law() || line == ledger.getLast() || !isEmpty(line)).toList();
-        mostEnergy = largest(lines,
-                line -> Math.max(Math.abs(line.energy()), Math.abs(line.potentialChange())));
+        lines =
+                ledger.stream()
+                        .filter(line -> line.law() || line == ledger.getLast() || !isEmpty(line))
+                        .toList();
+        mostEnergy =
+                largest(
+                        lines,
+                        line ->
+                                Math.max(
+                                        Math.abs(line.energy()), Math.abs(line.potentialChange())));
     }
 
     /** Marks the law with the largest momentum, angular momentum and balance of energy. */
     void print(PrintWriter out) {
-        List<List<String>> columns = List.of(
-                column("ledger", LedgerLine::name),
-                vectors("momentum [kg*m/s]", LedgerLine::momentum),
-                vectors("angular momentum [kg*m^2/s]", LedgerLine::angularMomentum),
-                column("work [J]", line -> number(line.energy(), mostEnergy)),
-                column("potential [J]", line -> line.hasPotentialEnergy()
-                        ? number(line.potentialChange(), mostEnergy) : "-"),
-                marked("work + potential [J]", this::balance,
-                        line -> number(line.energyBalance(), mostEnergy)));
-        List<Integer> widths = columns.stream()
-                .map(cells -> cells.stream().mapToInt(String::length).max().orElse(0)).toList();
+        List<List<String>> columns =
+                List.of(
+                        column("ledger", LedgerLine::name),
+                        vectors("momentum [kg*m/s]", LedgerLine::momentum),
+                        vectors("angular momentum [kg*m^2/s]", LedgerLine::angularMomentum),
+                        column("work [J]", line -> number(line.energy(), mostEnergy)),
+                        column(
+                                "potential [J]",
+                                line ->
+                                        line.hasPotentialEnergy()
+                                                ? number(line.potentialChange(), mostEnergy)
+                                                : "-"),
+                        marked(
+                                "work + potential [J]",
+                                this::balance,
+                                line -> number(line.energyBalance(), mostEnergy)));
+        List<Integer> widths =
+                columns.stream()
+                        .map(cells -> cells.stream().mapToInt(String::length).max().orElse(0))
+                        .toList();
         for (int row = 0; row <= lines.size(); row++) {
             StringBuilder text = new StringBuilder();
             for (int i = 0; i < columns.size(); i++) {
@@ -67,32 +85,43 @@ final class LedgerReport {
         fields.put("angularMomentum", line.angularMomentum());
         fields.put("energy", line.energy());
         if (line.hasPotentialEnergy()) {
-            fields.put("potentialEnergy",
-                    Map.of("initial", line.initialPotentialEnergy(),
-                            "present", line.potentialEnergy()));
+            fields.put(
+                    "potentialEnergy",
+                    Map.of(
+                            "initial",
+                            line.initialPotentialEnergy(),
+                            "present",
+                            line.potentialEnergy()));
         }
         return fields;
     }
 
     private List<String> vectors(String head, Function<LedgerLine, List<Double>> vector) {
         double largest = largest(lines, line -> length(vector.apply(line)));
-        return marked(head, line -> length(vector.apply(line)), line -> {
-            List<String> numbers = vector.apply(line).stream().map(value -> number(value, largest))
-                    .toList();
-            return "(" + String.join(" ", numbers) + ")";
-        });
+        return marked(
+                head,
+                line -> length(vector.apply(line)),
+                line -> {
+                    List<String> numbers =
+                            vector.apply(line).stream()
+                                    .map(value -> number(value, largest))
+                                    .toList();
+                    return "(" + String.join(" ", numbers) + ")";
+                });
     }
 
     /** Cells behind a star where a law's size is the largest of all laws, and no rounding. */
-    private List<String> marked(String head, ToDoubleFunction<LedgerLine> size,
-            Function<LedgerLine, String> cell) {
+    private List<String> marked(
+            String head, ToDoubleFunction<LedgerLine> size, Function<LedgerLine, String> cell) {
         double largest = largest(lines, size);
         double largestOfLaws = largest(lines.stream().filter(LedgerLine::law).toList(), size);
-        return column(head, line -> {
-            double own = size.applyAsDouble(line);
-            boolean star = line.law() && own == largestOfLaws && own > ROUNDING * largest;
-            return cell.apply(line) + (star ? " *" : "");
-        });
+        return column(
+                head,
+                line -> {
+                    double own = size.applyAsDouble(line);
+                    boolean star = line.law() && own == largestOfLaws && own > ROUNDING * largest;
+                    return cell.apply(line) + (star ? " *" : "");
+                });
     }
 
     private List<String> column(String head, Function<LedgerLine, String> cell) {
@@ -111,7 +140,8 @@ final class LedgerReport {
     }
 
     private static boolean isEmpty(LedgerLine line) {
-        return length(line.momentum()) == 0 && length(line.angularMomentum()) == 0
+        return length(line.momentum()) == 0
+                && length(line.angularMomentum()) == 0
                 && line.energy() == 0;
     }
 
@@ -132,7 +162,7 @@ final class LedgerReport {
         if (exponent >= -4 && exponent < DIGITS.getPrecision()) {
             return digits.toPlainString();
         }
-        return String.format(Locale.ROOT, "%se%+03d",
-                digits.movePointLeft(exponent).toPlainString(), exponent);
+        return String.format(
+                Locale.ROOT, "%se%+03d", digits.movePointLeft(exponent).toPlainString(), exponent);
     }
 }

@@ -1,4 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.cli;
+
+import reve.core.text.Visible;
 
 import java.io.OutputStream;
 import java.io.OutputStreamWriter;
@@ -7,7 +10,6 @@ import java.io.Writer;
 import java.nio.charset.StandardCharsets;
 import java.util.Arrays;
 import java.util.Locale;
-import reve.core.text.Visible;
 
 /**
  * Prints for people. A {@code println} is one line whatever text is in it, and so is each argument
@@ -52,8 +54,11 @@ public final class LinePrinter extends PrintWriter {
         }
         if (!watched.isClosedPipe() && !lossTold) {
             lossTold = true;
-            message(err, "reve: standard output could not be written: "
-                    + watched.reason().orElseThrow() + "; results are lost");
+            message(
+                    err,
+                    "reve: standard output could not be written: "
+                            + watched.reason().orElseThrow()
+                            + "; results are lost");
         }
         if (code != ExitCode.OK) {
             return code;
@@ -62,8 +67,8 @@ public final class LinePrinter extends PrintWriter {
     }
 
     /**
-     * Prints a message that may have several lines. All but the first are indented, so that none
-     * of them can pass for an event or a log line.
+     * Prints a message that may have several lines. All but the first are indented, so that none of
+     * them can pass for an event or a log line.
      */
     public static void message(PrintWriter out, String message) {
         String indent = "";

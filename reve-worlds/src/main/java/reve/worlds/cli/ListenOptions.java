@@ -1,4 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.cli;
+
+import picocli.CommandLine.Model.CommandSpec;
+import picocli.CommandLine.Option;
+import picocli.CommandLine.ParameterException;
+import picocli.CommandLine.Spec;
+
+import reve.core.agent.AgentSecurity;
+import reve.core.agent.AgentServerConfig;
+import reve.core.agent.ServerTls;
+import reve.core.agent.TokenFile;
+import reve.worlds.Product;
 
 import java.io.IOException;
 import java.net.BindException;
@@ -6,15 +18,6 @@ import java.net.InetSocketAddress;
 import java.nio.file.Path;
 import java.util.Map;
 import java.util.Optional;
-import picocli.CommandLine.Model.CommandSpec;
-import picocli.CommandLine.Option;
-import picocli.CommandLine.ParameterException;
-import picocli.CommandLine.Spec;
-import reve.core.agent.AgentSecurity;
-import reve.core.agent.AgentServerConfig;
-import reve.core.agent.ServerTls;
-import reve.core.agent.TokenFile;
-import reve.worlds.Product;
 
 /** Where agents find a server, and how they and it know each other. */
 final class ListenOptions {
@@ -26,24 +29,37 @@ final class ListenOptions {
     @Spec(Spec.Target.MIXEE)
     private CommandSpec spec = CommandSpec.create();
 
-    @Option(names = "--port", paramLabel = "N", defaultValue = DEFAULT_PORT,
+    @Option(
+            names = "--port",
+            paramLabel = "N",
+            defaultValue = DEFAULT_PORT,
             description = "Port for agents, 0 for any free one (default: ${DEFAULT-VALUE}).")
     private int port;
 
-    @Option(names = "--listen", paramLabel = "ADDRESS", defaultValue = "127.0.0.1",
-            description = "Address for agents (default: ${DEFAULT-VALUE}). "
-                    + "Any but loopback takes tokens and TLS.")
+    @Option(
+            names = "--listen",
+            paramLabel = "ADDRESS",
+            defaultValue = "127.0.0.1",
+            description =
+                    "Address for agents (default: ${DEFAULT-VALUE}). "
+                            + "Any but loopback takes tokens and TLS.")
     private String address = "";
 
-    @Option(names = "--tokens", paramLabel = "FILE",
+    @Option(
+            names = "--tokens",
+            paramLabel = "FILE",
             description = "Let nobody in without a token of this file, see `token --help`.")
     private Optional<Path> tokens = Optional.empty();
 
-    @Option(names = "--tls-certificate", paramLabel = "FILE",
+    @Option(
+            names = "--tls-certificate",
+            paramLabel = "FILE",
             description = "Speak TLS, with this certificate (PEM, with those that vouch for it).")
     private Optional<Path> certificate = Optional.empty();
 
-    @Option(names = "--tls-key", paramLabel = "FILE",
+    @Option(
+            names = "--tls-key",
+            paramLabel = "FILE",
             description = "The certificate's private key (PEM).")
     private Optional<Path> key = Optional.empty();
 
@@ -61,18 +77,22 @@ final class ListenOptions {
      */
     AgentServerConfig config() throws IOException {
         if (port < 0 || port > MAX_PORT) {
-            throw new ParameterException(spec.commandLine(),
+            throw new ParameterException(
+                    spec.commandLine(),
                     "--port is " + port + ", expected 0 (any free one) to " + MAX_PORT);
         }
         if (certificate.isPresent() != key.isPresent()) {
-            throw new ParameterException(spec.commandLine(),
+            throw new ParameterException(
+                    spec.commandLine(),
                     "--tls-certificate and --tls-key belong together; found only one of them");
         }
         var listen = new InetSocketAddress(address, port);
         if (listen.isUnresolved()) {
-            throw new ParameterException(spec.commandLine(),
-                    "--listen " + address
-                    + ": there is no such address; expected 127.0.0.1, 0.0.0.0, or a name");
+            throw new ParameterException(
+                    spec.commandLine(),
+                    "--listen "
+                            + address
+                            + ": there is no such address; expected 127.0.0.1, 0.0.0.0, or a name");
         }
         if (!listen.getAddress().isLoopbackAddress()
                 && (tokens.isEmpty() || certificate.isEmpty())) {
@@ -90,10 +110,15 @@ final class ListenOptions {
     }
 
     private String howToListen() {
-        var how = new StringBuilder("--listen " + address
-                + ": other machines reach it, so agents take tokens and TLS there. Run");
+        var how =
+                new StringBuilder(
+                        "--listen "
+                                + address
+                                + ": other machines reach it, so agents take tokens and TLS there."
+                                + " Run");
         if (tokens.isEmpty()) {
-            how.append("\n  ").append(Product.command())
+            how.append("\n  ")
+                    .append(Product.command())
                     .append(" token new NAME --file tokens.json");
         }
         if (certificate.isEmpty()) {
@@ -101,9 +126,13 @@ final class ListenOptions {
                     .append(" -pkeyopt ec_paramgen_curve:P-256 -days 365 -subj /CN=HOST")
                     .append(" -addext subjectAltName=DNS:HOST -keyout server.key -out server.crt");
         }
-        return how.append("\nand add").append(tokens.isEmpty() ? " --tokens tokens.json" : "")
-                .append(certificate.isEmpty()
-                        ? " --tls-certificate server.crt --tls-key server.key" : "")
-                .append("\n(NAME: the agent's; HOST: what agents call this machine).").toString();
+        return how.append("\nand add")
+                .append(tokens.isEmpty() ? " --tokens tokens.json" : "")
+                .append(
+                        certificate.isEmpty()
+                                ? " --tls-certificate server.crt --tls-key server.key"
+                                : "")
+                .append("\n(NAME: the agent's; HOST: what agents call this machine).")
+                .toString();
     }
 }

@@ -1,11 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.cli;
+
+import picocli.CommandLine.Model.CommandSpec;
+import picocli.CommandLine.ParameterException;
+
+import reve.core.disk.Reason;
 
 import java.io.IOException;
 import java.nio.file.Files;
 import java.nio.file.Path;
-import picocli.CommandLine.Model.CommandSpec;
-import picocli.CommandLine.ParameterException;
-import reve.core.disk.Reason;
 
 /** A folder that an option names. */
 final class OptionFolder {
@@ -25,7 +28,10 @@ final class OptionFolder {
             throw refused(spec, option, given, "is a file, expected a folder");
         }
         if (!Files.isDirectory(folder.getParent())) {
-            throw refused(spec, option, given,
+            throw refused(
+                    spec,
+                    option,
+                    given,
                     "there is no folder " + folder.getParent() + "; make it first");
         }
         try {
@@ -35,8 +41,8 @@ final class OptionFolder {
         }
     }
 
-    private static ParameterException refused(CommandSpec spec, String option, Path given,
-            String reason) {
+    private static ParameterException refused(
+            CommandSpec spec, String option, Path given, String reason) {
         return new ParameterException(spec.commandLine(), option + " " + given + ": " + reason);
     }
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.cli;
 
 import java.io.PrintStream;
@@ -13,14 +14,17 @@ final class Patience implements AutoCloseable {
     private final Thread watch;
 
     Patience(PrintStream out, String what) {
-        watch = Thread.ofVirtual().start(() -> {
-            try {
-                Thread.sleep(UNTIL_TOLD);
-                out.println(what + " ...");
-            } catch (InterruptedException done) {
-                // It did not take that long.
-            }
-        });
+        watch =
+                Thread.ofVirtual()
+                        .start(
+                                () -> {
+                                    try {
+                                        Thread.sleep(UNTIL_TOLD);
+                                        out.println(what + " ...");
+                                    } catch (InterruptedException done) {
+                                        // It did not take that long.
+                                    }
+                                });
     }
 
     @Override

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.cli;
 
 import java.util.Set;
@@ -26,10 +27,21 @@ enum Printed {
         }
     };
 
-    private static final Set<String> ALWAYS = Set.of("ready", "fault", "snapshot-failed", "stalled",
-            "recovered");
-    private static final Set<String> NOW_AND_THEN = Set.of("joined", "left", "removed", "late",
-            "away", "back", "law-loaded", "law-unloaded", "snapshot", "saved", "rewound");
+    private static final Set<String> ALWAYS =
+            Set.of("ready", "fault", "snapshot-failed", "stalled", "recovered");
+    private static final Set<String> NOW_AND_THEN =
+            Set.of(
+                    "joined",
+                    "left",
+                    "removed",
+                    "late",
+                    "away",
+                    "back",
+                    "law-loaded",
+                    "law-unloaded",
+                    "snapshot",
+                    "saved",
+                    "rewound");
 
     abstract boolean includes(String event);
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.cli;
 
 import java.io.PrintStream;
@@ -18,7 +19,9 @@ final class Progress {
     private long nextNanos = startNanos + FIRST_NANOS;
     private boolean shown;
 
-    /** @param total frames of the whole run, 0 if it has no end */
+    /**
+     * @param total frames of the whole run, 0 if it has no end
+     */
     Progress(PrintStream out, long total) {
         this.out = out;
         this.terminal = System.console() != null && System.console().isTerminal();
@@ -34,11 +37,18 @@ final class Progress {
         nextNanos = now + EVERY_NANOS;
         shown = true;
         double factor = worldSeconds / ((now - startNanos) * 1e-9);
-        String part = total == 0 ? "" : String.format(Locale.ROOT, " of %d (%d %%)", total,
-                100 * frame / total);
-        String line = String.format(
-                Locale.ROOT, "frame %d%s, %.2f s of world time, %.2f x real time", frame, part,
-                worldSeconds, factor);
+        String part =
+                total == 0
+                        ? ""
+                        : String.format(Locale.ROOT, " of %d (%d %%)", total, 100 * frame / total);
+        String line =
+                String.format(
+                        Locale.ROOT,
+                        "frame %d%s, %.2f s of world time, %.2f x real time",
+                        frame,
+                        part,
+                        worldSeconds,
+                        factor);
         out.print(terminal ? "\r" + line + "   " : line + System.lineSeparator());
         out.flush();
     }

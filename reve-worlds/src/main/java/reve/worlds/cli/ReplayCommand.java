@@ -1,12 +1,6 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.cli;
 
-import java.io.IOException;
-import java.nio.file.Path;
-import java.util.LinkedHashMap;
-import java.util.Locale;
-import java.util.Map;
-import java.util.Optional;
-import java.util.concurrent.Callable;
 import picocli.CommandLine.Command;
 import picocli.CommandLine.Mixin;
 import picocli.CommandLine.Model.CommandSpec;
@@ -14,6 +8,7 @@ import picocli.CommandLine.Option;
 import picocli.CommandLine.ParameterException;
 import picocli.CommandLine.Parameters;
 import picocli.CommandLine.Spec;
+
 import reve.core.frame.Pacing;
 import reve.core.store.CorruptException;
 import reve.pe.PhysicsException;
@@ -22,22 +17,32 @@ import reve.worlds.journal.RunLog;
 import reve.worlds.server.Replay;
 import reve.worlds.server.Simulation;
 
+import java.io.IOException;
+import java.nio.file.Path;
+import java.util.LinkedHashMap;
+import java.util.Locale;
+import java.util.Map;
+import java.util.Optional;
+import java.util.concurrent.Callable;
+
 /** Runs a recording again and says whether it is the same, to the bit. */
 @Command(
         name = "replay",
-        description = "Runs a recording again, and says whether every bit is the same or what "
-                + "differs first.")
+        description =
+                "Runs a recording again, and says whether every bit is the same or what "
+                        + "differs first.")
 public final class ReplayCommand implements Callable<Integer> {
-    @Spec
-    private CommandSpec spec = CommandSpec.create();
+    @Spec private CommandSpec spec = CommandSpec.create();
 
     @Parameters(paramLabel = "FILE", description = "What --record wrote.")
     private Path file = Path.of("");
 
-    @Mixin
-    private LawOptions laws = new LawOptions();
+    @Mixin private LawOptions laws = new LawOptions();
 
-    @Option(names = "--until", paramLabel = "FRAME", defaultValue = "9223372036854775807",
+    @Option(
+            names = "--until",
+            paramLabel = "FRAME",
+            defaultValue = "9223372036854775807",
             description = "Stop when this frame is made (default: at the end).")
     private long until;
 
@@ -47,8 +52,8 @@ public final class ReplayCommand implements Callable<Integer> {
     @Override
     public Integer call() throws Exception {
         if (until < 0) {
-            throw new ParameterException(spec.commandLine(),
-                    "--until is " + until + ", expected a frame from 0 on");
+            throw new ParameterException(
+                    spec.commandLine(), "--until is " + until + ", expected a frame from 0 on");
         }
         try (Replay replay = new Replay(Optional.empty(), Pacing.FAST, laws.path(spec));
                 RunLog.Reader records = RunLog.open(file)) {
@@ -57,8 +62,10 @@ public final class ReplayCommand implements Callable<Integer> {
             }
             boolean same = replay.divergence().isEmpty();
             if (replay.frame() < 0) {
-                throw new CorruptException(file + " ends before the first image of the world: "
-                        + "there is nothing to replay");
+                throw new CorruptException(
+                        file
+                                + " ends before the first image of the world: "
+                                + "there is nothing to replay");
             }
             try (Simulation simulation = replay.release()) {
                 report(replay, simulation, records.wasCut());
@@ -86,8 +93,8 @@ public final class ReplayCommand implements Callable<Integer> {
         fields.put("identical", replay.divergence().isEmpty());
         fields.put("frames", replay.frames());
         fields.put("frame", simulation.loop().frame());
-        fields.put("stateHash",
-                String.format(Locale.ROOT, "%016x", simulation.physics().stateHash()));
+        fields.put(
+                "stateHash", String.format(Locale.ROOT, "%016x", simulation.physics().stateHash()));
         fields.put("cut", cut);
         replay.divergence().ifPresent(found -> fields.put("difference", found.fields()));
         if (json) {
@@ -98,12 +105,18 @@ public final class ReplayCommand implements Callable<Integer> {
         if (cut) {
             out.println("the recording ends in the middle of a record, as after a crash");
         }
-        out.println(replay.divergence().map(found -> "different: " + found.message())
-                .orElse("identical: " + replay.frames() + " frames"));
-        if (until != Long.MAX_VALUE && simulation.loop().frame() < until
+        out.println(
+                replay.divergence()
+                        .map(found -> "different: " + found.message())
+                        .orElse("identical: " + replay.frames() + " frames"));
+        if (until != Long.MAX_VALUE
+                && simulation.loop().frame() < until
                 && replay.divergence().isEmpty()) {
-            out.println("the recording ends at frame " + simulation.loop().frame()
-                    + ", before frame " + until);
+            out.println(
+                    "the recording ends at frame "
+                            + simulation.loop().frame()
+                            + ", before frame "
+                            + until);
         }
         out.println("state hash: " + fields.get("stateHash"));
         out.flush();

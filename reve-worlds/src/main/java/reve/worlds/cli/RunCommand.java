@@ -1,17 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.cli;
 
-import java.io.IOError;
-import java.io.IOException;
-import java.io.PrintWriter;
-import java.nio.file.Path;
-import java.util.Map;
-import java.util.Optional;
-import java.util.concurrent.Callable;
 import picocli.CommandLine.Command;
 import picocli.CommandLine.Mixin;
 import picocli.CommandLine.Model.CommandSpec;
 import picocli.CommandLine.Option;
 import picocli.CommandLine.Spec;
+
 import reve.core.file.WorldDescription;
 import reve.core.file.WorldFile;
 import reve.core.frame.Pacing;
@@ -22,20 +17,29 @@ import reve.worlds.server.LawPath;
 import reve.worlds.server.RunReport;
 import reve.worlds.server.Simulation;
 
+import java.io.IOError;
+import java.io.IOException;
+import java.io.PrintWriter;
+import java.nio.file.Path;
+import java.util.Map;
+import java.util.Optional;
+import java.util.concurrent.Callable;
+
 /** Runs a world without a server and says what came out. */
-@Command(name = "run",
+@Command(
+        name = "run",
         description = "Runs a world for some time, without a server, as fast as it goes.")
 public final class RunCommand implements Callable<Integer> {
-    @Spec
-    private CommandSpec spec = CommandSpec.create();
+    @Spec private CommandSpec spec = CommandSpec.create();
 
-    @Mixin
-    private WorldArgument world = new WorldArgument();
+    @Mixin private WorldArgument world = new WorldArgument();
 
-    @Mixin
-    private LawOptions laws = new LawOptions();
+    @Mixin private LawOptions laws = new LawOptions();
 
-    @Option(names = "--seconds", paramLabel = "S", defaultValue = "5",
+    @Option(
+            names = "--seconds",
+            paramLabel = "S",
+            defaultValue = "5",
             description = "World time to run [s] (default: ${DEFAULT-VALUE}).")
     private double seconds;
 
@@ -45,16 +49,18 @@ public final class RunCommand implements Callable<Integer> {
     @Option(names = "--profile", description = "Show where the time went, by phase and per body.")
     private boolean profile;
 
-    @Option(names = "--ledger",
+    @Option(
+            names = "--ledger",
             description = "Show how much each law changed momentum, angular momentum and energy.")
     private boolean ledger;
 
-    @Option(names = "--save", paramLabel = "FILE",
+    @Option(
+            names = "--save",
+            paramLabel = "FILE",
             description = "Write the world as it is at the end to a world file.")
     private Optional<Path> save = Optional.empty();
 
-    @Mixin
-    private RecordOptions record = new RecordOptions();
+    @Mixin private RecordOptions record = new RecordOptions();
 
     @Option(names = "--json", description = "Print the result as one JSON document.")
     private boolean json;
@@ -84,8 +90,17 @@ public final class RunCommand implements Callable<Integer> {
             RunReport report = recorded(simulation, frames, pacing, recording);
             if (save.isPresent()) {
                 WorldFile.save(save.get(), simulation.descriptionNow());
-                simulation.notDescribed().forEach(left -> spec.commandLine().getErr()
-                        .println("reve: " + save.get() + " does not hold " + left));
+                simulation
+                        .notDescribed()
+                        .forEach(
+                                left ->
+                                        spec.commandLine()
+                                                .getErr()
+                                                .println(
+                                                        "reve: "
+                                                                + save.get()
+                                                                + " does not hold "
+                                                                + left));
             }
             if (json) {
                 Json.print(spec, fields(report, simulation));
@@ -116,16 +131,32 @@ public final class RunCommand implements Callable<Integer> {
         out.flush();
     }
 
-    private RunReport recorded(Simulation simulation, long frames, Pacing pacing,
-            Optional<RecordingPlan> plan) throws IOException {
+    private RunReport recorded(
+            Simulation simulation, long frames, Pacing pacing, Optional<RecordingPlan> plan)
+            throws IOException {
         if (plan.isEmpty()) {
             return run(simulation, frames);
         }
         Recording recording = new Recording(plan.get());
-        recording.older().ifPresent(older -> spec.commandLine().getErr().println("reve: the "
-                + "recording that was in " + plan.get().file() + " is now " + older));
-        try (Journal _ = simulation.journal(world.folder(), Map.of(),
-                new Journal.Plan(0, pacing == Pacing.FAST), recording, this::tellRecording)) {
+        recording
+                .older()
+                .ifPresent(
+                        older ->
+                                spec.commandLine()
+                                        .getErr()
+                                        .println(
+                                                "reve: the "
+                                                        + "recording that was in "
+                                                        + plan.get().file()
+                                                        + " is now "
+                                                        + older));
+        try (Journal _ =
+                simulation.journal(
+                        world.folder(),
+                        Map.of(),
+                        new Journal.Plan(0, pacing == Pacing.FAST),
+                        recording,
+                        this::tellRecording)) {
             return run(simulation, frames);
         } catch (IOError ended) {
             throw new IOException(ended.getCause().getMessage(), ended);

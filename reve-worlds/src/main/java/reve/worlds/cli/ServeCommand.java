@@ -1,17 +1,6 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.cli;
 
-import java.io.IOException;
-import java.nio.file.Files;
-import java.nio.file.Path;
-import java.time.Duration;
-import java.util.ArrayList;
-import java.util.LinkedHashMap;
-import java.util.List;
-import java.util.Map;
-import java.util.Optional;
-import java.util.TreeMap;
-import java.util.concurrent.Callable;
-import java.util.regex.Pattern;
 import picocli.CommandLine.ArgGroup;
 import picocli.CommandLine.Command;
 import picocli.CommandLine.Mixin;
@@ -20,6 +9,7 @@ import picocli.CommandLine.Option;
 import picocli.CommandLine.ParameterException;
 import picocli.CommandLine.Parameters;
 import picocli.CommandLine.Spec;
+
 import reve.core.agent.AgentServerConfig;
 import reve.core.file.WorldDescription;
 import reve.core.file.WorldFileException;
@@ -34,11 +24,24 @@ import reve.worlds.server.WatchdogPlan;
 import reve.worlds.server.WorldPlan;
 import reve.worlds.server.WorldServer;
 
+import java.io.IOException;
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.time.Duration;
+import java.util.ArrayList;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.TreeMap;
+import java.util.concurrent.Callable;
+import java.util.regex.Pattern;
+
 /** Runs worlds that agents can join and laws can be dropped into, until Ctrl-C. */
 @Command(
         name = "serve",
-        description = "Runs worlds that agents can join and laws can be dropped into, "
-                + "until Ctrl-C.")
+        description =
+                "Runs worlds that agents can join and laws can be dropped into, " + "until Ctrl-C.")
 public final class ServeCommand implements Callable<Integer> {
     private static final int STORE_EVERY = 10;
     private static final double MIN_DEADLINE = 0.001;
@@ -50,100 +53,140 @@ public final class ServeCommand implements Callable<Integer> {
     private static final double MAX_WATCHDOG = 86_400;
     private static final Duration LAST_WORDS = Duration.ofSeconds(1);
 
-    @Spec
-    private CommandSpec spec = CommandSpec.create();
+    @Spec private CommandSpec spec = CommandSpec.create();
 
-    @Parameters(paramLabel = "WORLD", arity = "1..*",
-            description = "World files, or folders that hold a world.yaml. "
-                    + "Each world runs by itself.")
+    @Parameters(
+            paramLabel = "WORLD",
+            arity = "1..*",
+            description =
+                    "World files, or folders that hold a world.yaml. "
+                            + "Each world runs by itself.")
     private List<Path> paths = new ArrayList<>();
 
-    @Mixin
-    private ListenOptions listen = new ListenOptions();
+    @Mixin private ListenOptions listen = new ListenOptions();
 
-    @Mixin
-    private LawOptions laws = new LawOptions();
+    @Mixin private LawOptions laws = new LawOptions();
 
-    @Option(names = "--seconds", paramLabel = "S",
+    @Option(
+            names = "--seconds",
+            paramLabel = "S",
             description = "Stop after this much world time [s].")
     private Optional<Double> seconds = Optional.empty();
 
-    @Option(names = "--snapshots", paramLabel = "DIR", defaultValue = ".",
+    @Option(
+            names = "--snapshots",
+            paramLabel = "DIR",
+            defaultValue = ".",
             description = "Folder for pictures (default: the current one).")
     private Path snapshots = Path.of(".");
 
-    @Option(names = "--snapshot-at", paramLabel = "S", split = ",",
+    @Option(
+            names = "--snapshot-at",
+            paramLabel = "S",
+            split = ",",
             description = "World times to take pictures at [s], for example 0,2.5,5.")
     private List<Double> snapshotAt = new ArrayList<>();
 
-    @Option(names = "--store", paramLabel = "FILE",
-            description = "Keep the world in this file, and go on with what it holds. "
-                    + "Of several worlds: a folder, in which each has WORLD.db.")
+    @Option(
+            names = "--store",
+            paramLabel = "FILE",
+            description =
+                    "Keep the world in this file, and go on with what it holds. "
+                            + "Of several worlds: a folder, in which each has WORLD.db.")
     private Optional<Path> store = Optional.empty();
 
-    @Option(names = "--store-every", paramLabel = "S",
-            description = "World time between whole images in the store [s] "
-                    + "(default: " + STORE_EVERY + ").")
+    @Option(
+            names = "--store-every",
+            paramLabel = "S",
+            description =
+                    "World time between whole images in the store [s] "
+                            + "(default: "
+                            + STORE_EVERY
+                            + ").")
     private Optional<Double> storeEvery = Optional.empty();
 
-    @Option(names = "--durability", paramLabel = "KIND",
-            description = "What the store survives: normal, the end of the process (the default); "
-                    + "full, of power too, and the world waits for a slow disk as long as it "
-                    + "takes.")
+    @Option(
+            names = "--durability",
+            paramLabel = "KIND",
+            description =
+                    "What the store survives: normal, the end of the process (the default); full,"
+                            + " of power too, and the world waits for a slow disk as long as it takes.")
     private Optional<SqliteStore.Durability> durability = Optional.empty();
 
-    @Mixin
-    private RecordOptions record = new RecordOptions();
+    @Mixin private RecordOptions record = new RecordOptions();
 
-    @Option(names = "--saves", paramLabel = "DIR",
+    @Option(
+            names = "--saves",
+            paramLabel = "DIR",
             description = "Folder for world files that clients of the role control save.")
     private Optional<Path> saves = Optional.empty();
 
-    @Mixin
-    private AuditOptions audit = new AuditOptions();
+    @Mixin private AuditOptions audit = new AuditOptions();
 
-    @Option(names = "--deadline", paramLabel = "S", defaultValue = "1",
-            description = "Longest time that an agent in lock-step may have its world wait [s] "
-                    + "(default: ${DEFAULT-VALUE}).")
+    @Option(
+            names = "--deadline",
+            paramLabel = "S",
+            defaultValue = "1",
+            description =
+                    "Longest time that an agent in lock-step may have its world wait [s] "
+                            + "(default: ${DEFAULT-VALUE}).")
     private double deadline;
 
-    @Option(names = "--waiting", paramLabel = "S", defaultValue = "10",
-            description = "Time that agents in lock-step may keep others waiting [s], beside a "
-                    + "tenth of all time; off: any (default: ${DEFAULT-VALUE}).")
+    @Option(
+            names = "--waiting",
+            paramLabel = "S",
+            defaultValue = "10",
+            description =
+                    "Time that agents in lock-step may keep others waiting [s], beside a "
+                            + "tenth of all time; off: any (default: ${DEFAULT-VALUE}).")
     private String waiting;
 
-    @Option(names = "--watchdog", paramLabel = "S", defaultValue = "5",
-            description = "Time without a frame after which a world counts as standing still [s]; "
-                    + "0: never (default: ${DEFAULT-VALUE}).")
+    @Option(
+            names = "--watchdog",
+            paramLabel = "S",
+            defaultValue = "5",
+            description =
+                    "Time without a frame after which a world counts as standing still [s]; "
+                            + "0: never (default: ${DEFAULT-VALUE}).")
     private double watchdog;
 
-    @Option(names = "--stalled", paramLabel = "WHAT", defaultValue = "warn",
-            description = "What a world that stands still leads to: warn, a report; exit, a "
-                    + "report, and the server ends at once with code 6.")
+    @Option(
+            names = "--stalled",
+            paramLabel = "WHAT",
+            defaultValue = "warn",
+            description =
+                    "What a world that stands still leads to: warn, a report; exit, a "
+                            + "report, and the server ends at once with code 6.")
     private Stalled stalled = Stalled.WARN;
 
-    private enum Stalled { WARN, EXIT }
+    private enum Stalled {
+        WARN,
+        EXIT
+    }
 
-    @Option(names = "--fast",
+    @Option(
+            names = "--fast",
             description = "As fast as it goes, instead of paced to the wall clock.")
     private boolean fast;
 
-    @Option(names = "--json",
+    @Option(
+            names = "--json",
             description = "Report events as one JSON object per line on standard output.")
     private boolean json;
 
-    @ArgGroup
-    private PrintedOptions printed = new PrintedOptions();
+    @ArgGroup private PrintedOptions printed = new PrintedOptions();
 
     /** At most one of them. */
     static final class PrintedOptions {
-        @Option(names = "--quiet",
+        @Option(
+                names = "--quiet",
                 description = "Print only that worlds are ready, faults, and the end.")
         private boolean quiet;
 
-        @Option(names = "--actions",
-                description = "Print each action of agents, too, and the events that actions "
-                        + "raise.")
+        @Option(
+                names = "--actions",
+                description =
+                        "Print each action of agents, too, and the events that actions " + "raise.")
         private boolean actions;
 
         Printed printed() {
@@ -164,11 +207,20 @@ public final class ServeCommand implements Callable<Integer> {
         requireStoreEvery();
         requireOwnFiles();
         List<WorldPlan> plans = plans();
-        try (EventPrinter events = new EventPrinter(
-                (LinePrinter) spec.commandLine().getOut(), spec.commandLine().getErr(), json,
-                printed.printed())) {
-            WorldServer server = new WorldServer(plans, fast ? Pacing.FAST : Pacing.REAL_TIME,
-                    agents, laws.folder(), watchdog(events), events);
+        try (EventPrinter events =
+                new EventPrinter(
+                        (LinePrinter) spec.commandLine().getOut(),
+                        spec.commandLine().getErr(),
+                        json,
+                        printed.printed())) {
+            WorldServer server =
+                    new WorldServer(
+                            plans,
+                            fast ? Pacing.FAST : Pacing.REAL_TIME,
+                            agents,
+                            laws.folder(),
+                            watchdog(events),
+                            events);
             interrupt.stopWith(server::stop);
             ServerReport report;
             try (server) {
@@ -187,11 +239,12 @@ public final class ServeCommand implements Callable<Integer> {
         for (Path path : paths) {
             WorldArgument world = new WorldArgument(path);
             WorldDescription description = world.load(spec.commandLine().getErr());
-            if (plans.put(description.name(),
-                    plan(description, world.folder(), lawPath)) != null) {
-                throw new ParameterException(spec.commandLine(), "two worlds are called "
-                        + description.name()
-                        + ", expected different names: agents tell them apart by these");
+            if (plans.put(description.name(), plan(description, world.folder(), lawPath)) != null) {
+                throw new ParameterException(
+                        spec.commandLine(),
+                        "two worlds are called "
+                                + description.name()
+                                + ", expected different names: agents tell them apart by these");
             }
         }
         makeFolders();
@@ -227,30 +280,46 @@ public final class ServeCommand implements Callable<Integer> {
         if (file.getParent() == null) {
             return; // the folder of all folders, which no file can be opened at
         }
-        taken.forEach((other, by) -> {
-            boolean isStores = by.equals("--store") && file.startsWith(other.getParent())
-                    && file.getFileName().toString().startsWith(other.getFileName() + "-");
-            boolean isOlder = !by.equals("--store") && isOlder(file, other)
-                    || !option.equals("--store") && isOlder(other, file);
-            if (file.equals(other) || isStores || isOlder) {
-                throw new ParameterException(spec.commandLine(), option + " " + given.get()
-                        + " is a file of " + by + "; give each a file of its own");
-            }
-        });
+        taken.forEach(
+                (other, by) -> {
+                    boolean isStores =
+                            by.equals("--store")
+                                    && file.startsWith(other.getParent())
+                                    && file.getFileName()
+                                            .toString()
+                                            .startsWith(other.getFileName() + "-");
+                    boolean isOlder =
+                            !by.equals("--store") && isOlder(file, other)
+                                    || !option.equals("--store") && isOlder(other, file);
+                    if (file.equals(other) || isStores || isOlder) {
+                        throw new ParameterException(
+                                spec.commandLine(),
+                                option
+                                        + " "
+                                        + given.get()
+                                        + " is a file of "
+                                        + by
+                                        + "; give each a file of its own");
+                    }
+                });
         taken.put(file, option);
     }
 
     /** What a path leads to, also by links. */
     private static Path real(Path given) throws IOException {
         Path file = given.toAbsolutePath().normalize();
-        return Files.exists(file) ? file.toRealPath()
+        return Files.exists(file)
+                ? file.toRealPath()
                 : Files.isDirectory(file.getParent())
-                        ? file.getParent().toRealPath().resolve(file.getFileName()) : file;
+                        ? file.getParent().toRealPath().resolve(file.getFileName())
+                        : file;
     }
 
     private static boolean isOlder(Path older, Path file) {
-        return file.getParent().equals(older.getParent()) && older.getFileName().toString()
-                .matches(Pattern.quote(file.getFileName() + ".") + "[0-9]+");
+        return file.getParent().equals(older.getParent())
+                && older.getFileName()
+                        .toString()
+                        .matches(Pattern.quote(file.getFileName() + ".") + "[0-9]+");
     }
 
     private void makeFolders() {
@@ -273,19 +342,29 @@ public final class ServeCommand implements Callable<Integer> {
         for (double time : snapshotAt) {
             pictureFrames.add(Frames.of(spec, "--snapshot-at", time, description.timing()));
         }
-        return new WorldPlan(description,
+        return new WorldPlan(
+                description,
                 Frames.of(spec, "--seconds", seconds, description.timing()),
-                new Persistence(folder, recording(description.name()),
-                        fileOf(store, description.name() + ".db"), saves,
+                new Persistence(
+                        folder,
+                        recording(description.name()),
+                        fileOf(store, description.name() + ".db"),
+                        saves,
                         storeEvery.orElse((double) STORE_EVERY),
                         durability.orElse(SqliteStore.Durability.NORMAL)),
-                new Pictures(snapshots, pictureFrames), lawPath.forWorld(folder));
+                new Pictures(snapshots, pictureFrames),
+                lawPath.forWorld(folder));
     }
 
     private Optional<RecordingPlan> recording(String world) {
-        return record.plan().map(plan -> new RecordingPlan(
-                fileOf(Optional.of(plan.file()), world + ".log").orElseThrow(), plan.maxBytes(),
-                plan.keep()));
+        return record.plan()
+                .map(
+                        plan ->
+                                new RecordingPlan(
+                                        fileOf(Optional.of(plan.file()), world + ".log")
+                                                .orElseThrow(),
+                                        plan.maxBytes(),
+                                        plan.keep()));
     }
 
     /** The file of one world: that named or, of several worlds, one in the folder named. */
@@ -295,7 +374,8 @@ public final class ServeCommand implements Callable<Integer> {
 
     private void requireStoreEvery() {
         if (storeEvery.isPresent() && !(storeEvery.get() > 0)) {
-            throw new ParameterException(spec.commandLine(),
+            throw new ParameterException(
+                    spec.commandLine(),
                     "--store-every is " + storeEvery.get() + ", expected a time above 0 s");
         }
         PartnerOption.require(spec, "--store-every", storeEvery.isPresent(), "--store FILE", store);
@@ -304,13 +384,21 @@ public final class ServeCommand implements Callable<Integer> {
 
     private void requireWatchdog() {
         if (watchdog != 0 && !(watchdog >= MIN_WATCHDOG && watchdog <= MAX_WATCHDOG)) {
-            throw new ParameterException(spec.commandLine(), "--watchdog is " + watchdog
-                    + ", expected 0 or " + MIN_WATCHDOG + " to " + MAX_WATCHDOG + " s");
+            throw new ParameterException(
+                    spec.commandLine(),
+                    "--watchdog is "
+                            + watchdog
+                            + ", expected 0 or "
+                            + MIN_WATCHDOG
+                            + " to "
+                            + MAX_WATCHDOG
+                            + " s");
         }
     }
 
     private WatchdogPlan watchdog(EventPrinter events) {
-        return new WatchdogPlan(Duration.ofNanos(Math.round(watchdog * 1e9)),
+        return new WatchdogPlan(
+                Duration.ofNanos(Math.round(watchdog * 1e9)),
                 stalled == Stalled.EXIT ? Optional.of(() -> exit(events)) : Optional.empty());
     }
 
@@ -323,12 +411,20 @@ public final class ServeCommand implements Callable<Integer> {
 
     private AgentServerConfig agents() throws IOException {
         if (!(deadline >= MIN_DEADLINE && deadline <= MAX_DEADLINE)) {
-            throw new ParameterException(spec.commandLine(), "--deadline is " + deadline
-                    + ", expected " + MIN_DEADLINE + " to " + MAX_DEADLINE + " s");
+            throw new ParameterException(
+                    spec.commandLine(),
+                    "--deadline is "
+                            + deadline
+                            + ", expected "
+                            + MIN_DEADLINE
+                            + " to "
+                            + MAX_DEADLINE
+                            + " s");
         }
-        AgentServerConfig config = listen.config()
-                .withDeadline(Duration.ofNanos(Math.round(deadline * 1e9)))
-                .withWaiting(waiting());
+        AgentServerConfig config =
+                listen.config()
+                        .withDeadline(Duration.ofNanos(Math.round(deadline * 1e9)))
+                        .withWaiting(waiting());
         return audit.plan().map(config::withAudit).orElse(config);
     }
 
@@ -344,7 +440,17 @@ public final class ServeCommand implements Callable<Integer> {
         } catch (NumberFormatException e) {
             // Said below.
         }
-        throw new ParameterException(spec.commandLine(), "--waiting is '" + waiting + "'"
-                + ", expected " + NO_LIMIT + " or " + MIN_WAITING + " to " + MAX_WAITING + " s");
+        throw new ParameterException(
+                spec.commandLine(),
+                "--waiting is '"
+                        + waiting
+                        + "'"
+                        + ", expected "
+                        + NO_LIMIT
+                        + " or "
+                        + MIN_WAITING
+                        + " to "
+                        + MAX_WAITING
+                        + " s");
     }
 }

@@ -1,13 +1,6 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.cli;
 
-import java.io.PrintWriter;
-import java.nio.file.Path;
-import java.util.LinkedHashMap;
-import java.util.Locale;
-import java.util.Map;
-import java.util.concurrent.Callable;
-import java.util.regex.Matcher;
-import java.util.regex.Pattern;
 import picocli.CommandLine.Command;
 import picocli.CommandLine.ITypeConverter;
 import picocli.CommandLine.Mixin;
@@ -16,6 +9,7 @@ import picocli.CommandLine.Option;
 import picocli.CommandLine.ParameterException;
 import picocli.CommandLine.Spec;
 import picocli.CommandLine.TypeConversionException;
+
 import reve.core.file.WorldDescription;
 import reve.core.frame.Pacing;
 import reve.core.world.WorldSnapshot;
@@ -27,28 +21,44 @@ import reve.worlds.server.LawPath;
 import reve.worlds.server.Pictures;
 import reve.worlds.server.Simulation;
 
+import java.io.PrintWriter;
+import java.nio.file.Path;
+import java.util.LinkedHashMap;
+import java.util.Locale;
+import java.util.Map;
+import java.util.concurrent.Callable;
+import java.util.regex.Matcher;
+import java.util.regex.Pattern;
+
 /** Runs a world up to some time and takes a picture of it. */
-@Command(name = "snapshot",
+@Command(
+        name = "snapshot",
         description = "Runs a world up to a time and writes a picture of it, off-screen.")
 public final class SnapshotCommand implements Callable<Integer> {
-    @Spec
-    private CommandSpec spec = CommandSpec.create();
+    @Spec private CommandSpec spec = CommandSpec.create();
 
-    @Mixin
-    private WorldArgument world = new WorldArgument();
+    @Mixin private WorldArgument world = new WorldArgument();
 
-    @Mixin
-    private LawOptions laws = new LawOptions();
+    @Mixin private LawOptions laws = new LawOptions();
 
-    @Option(names = "--at", paramLabel = "S", defaultValue = "0",
+    @Option(
+            names = "--at",
+            paramLabel = "S",
+            defaultValue = "0",
             description = "World time of the picture [s] (default: ${DEFAULT-VALUE}).")
     private double at;
 
-    @Option(names = "--out", paramLabel = "FILE", required = true,
+    @Option(
+            names = "--out",
+            paramLabel = "FILE",
+            required = true,
             description = "The PNG to write.")
     private Path out = Path.of("");
 
-    @Option(names = "--size", paramLabel = "WxH", defaultValue = "960x640",
+    @Option(
+            names = "--size",
+            paramLabel = "WxH",
+            defaultValue = "960x640",
             converter = SizeConverter.class,
             description = "Width and height [px] (default: ${DEFAULT-VALUE}).")
     private ImageFormat format = Pictures.DEFAULT_FORMAT;
@@ -60,18 +70,19 @@ public final class SnapshotCommand implements Callable<Integer> {
     public Integer call() throws Exception {
         Path file = WritableFile.require(spec, "--out", out);
         if (!out.toString().toLowerCase(Locale.ROOT).endsWith(".png")) {
-            throw new ParameterException(spec.commandLine(),
+            throw new ParameterException(
+                    spec.commandLine(),
                     "--out " + out + ": pictures are PNG, expected a name that ends in .png");
         }
         LawPath lawPath = laws.path(spec).forWorld(world.folder());
         WorldDescription description = world.load(spec.commandLine().getErr());
         long frames = Frames.of(spec, "--at", at, description.timing());
         try (Simulation simulation = new Simulation(description, Pacing.FAST, lawPath);
-                Renderer renderer = new Renderer(Product.nativeFolder(),
-                        Renderer.DEFAULT_DEADLINE)) {
+                Renderer renderer =
+                        new Renderer(Product.nativeFolder(), Renderer.DEFAULT_DEADLINE)) {
             Progress progress = new Progress(System.err, frames);
-            simulation.onPublish("progress",
-                    event -> progress.at(event.frame(), event.timeSeconds()));
+            simulation.onPublish(
+                    "progress", event -> progress.at(event.frame(), event.timeSeconds()));
             simulation.loop().run(frames);
             progress.done();
             double time;
@@ -109,12 +120,12 @@ public final class SnapshotCommand implements Callable<Integer> {
         public ImageFormat convert(String value) {
             Matcher size = SIZE.matcher(value);
             if (!size.matches()) {
-                throw new TypeConversionException("'" + value
-                        + "' is no size, expected e.g. 960x640");
+                throw new TypeConversionException(
+                        "'" + value + "' is no size, expected e.g. 960x640");
             }
             try {
-                return ImageFormat.of(Integer.parseInt(size.group(1)),
-                        Integer.parseInt(size.group(2)));
+                return ImageFormat.of(
+                        Integer.parseInt(size.group(1)), Integer.parseInt(size.group(2)));
             } catch (IllegalArgumentException tooLarge) {
                 throw new TypeConversionException(tooLarge.getMessage());
             }

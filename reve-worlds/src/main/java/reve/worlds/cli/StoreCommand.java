@@ -1,11 +1,6 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.cli;
 
-import java.io.PrintWriter;
-import java.nio.file.Path;
-import java.util.LinkedHashMap;
-import java.util.List;
-import java.util.Map;
-import java.util.Optional;
 import picocli.CommandLine.Command;
 import picocli.CommandLine.Mixin;
 import picocli.CommandLine.Model.CommandSpec;
@@ -13,23 +8,31 @@ import picocli.CommandLine.Option;
 import picocli.CommandLine.ParameterException;
 import picocli.CommandLine.Parameters;
 import picocli.CommandLine.Spec;
+
 import reve.worlds.server.StoreCheck;
 
+import java.io.PrintWriter;
+import java.nio.file.Path;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+
 /** Checks a store that no server has open, and recovers what a damaged one still holds. */
-@Command(name = "store",
-        description = "Checks a store that no server has open, and recovers what a damaged one "
-                + "still holds.")
+@Command(
+        name = "store",
+        description =
+                "Checks a store that no server has open, and recovers what a damaged one "
+                        + "still holds.")
 public final class StoreCommand implements Runnable {
-    @Spec
-    private CommandSpec spec = CommandSpec.create();
+    @Spec private CommandSpec spec = CommandSpec.create();
 
     /** Of both commands. */
     static final class StoreOptions {
         @Parameters(paramLabel = "FILE", description = "The store, as serve --store names it.")
         private Path file = Path.of("");
 
-        @Mixin
-        private LawOptions laws = new LawOptions();
+        @Mixin private LawOptions laws = new LawOptions();
 
         @Option(names = "--json", description = "Print the result as one JSON document.")
         private boolean json;
@@ -40,8 +43,11 @@ public final class StoreCommand implements Runnable {
         throw new ParameterException(spec.commandLine(), "expected one of check, repair");
     }
 
-    @Command(name = "check", description = "Says whether a store is whole, and which frame it comes"
-            + " back to. Changes nothing.")
+    @Command(
+            name = "check",
+            description =
+                    "Says whether a store is whole, and which frame it comes"
+                            + " back to. Changes nothing.")
     int check(@Mixin StoreOptions options) throws Exception {
         StoreCheck found = StoreCheck.of(options.file, options.laws.path(spec));
         if (options.json) {
@@ -52,11 +58,14 @@ public final class StoreCommand implements Runnable {
         return found.isWhole() ? ExitCode.OK : ExitCode.FAILURE;
     }
 
-    @Command(name = "repair", description = "Puts a whole store with what can be recovered in "
-            + "place of a damaged one, and keeps its files in FILE.damaged-1.")
+    @Command(
+            name = "repair",
+            description =
+                    "Puts a whole store with what can be recovered in "
+                            + "place of a damaged one, and keeps its files in FILE.damaged-1.")
     int repair(@Mixin StoreOptions options) throws Exception {
-        Map.Entry<StoreCheck, Optional<Path>> done = StoreCheck.repair(options.file,
-                options.laws.path(spec));
+        Map.Entry<StoreCheck, Optional<Path>> done =
+                StoreCheck.repair(options.file, options.laws.path(spec));
         StoreCheck was = done.getKey();
         if (options.json) {
             Map<String, Object> fields = new LinkedHashMap<>(was.fields());
@@ -66,8 +75,15 @@ public final class StoreCommand implements Runnable {
         }
         print(was);
         PrintWriter out = spec.commandLine().getOut();
-        out.println(done.getValue().map(folder -> "repaired: continues from frame " + was.frame()
-                + "; the files as they were are in " + folder).orElse("nothing to repair"));
+        out.println(
+                done.getValue()
+                        .map(
+                                folder ->
+                                        "repaired: continues from frame "
+                                                + was.frame()
+                                                + "; the files as they were are in "
+                                                + folder)
+                        .orElse("nothing to repair"));
         out.flush();
         return ExitCode.OK;
     }
@@ -78,8 +94,9 @@ public final class StoreCommand implements Runnable {
         problems.forEach(out::println);
         out.println(found.store() + (found.isWhole() ? ": whole" : ": damaged"));
         if (found.frame() >= 0) {
-            out.printf("comes back to frame %d, state hash %s%n", found.frame(),
-                    found.fields().get("stateHash"));
+            out.printf(
+                    "comes back to frame %d, state hash %s%n",
+                    found.frame(), found.fields().get("stateHash"));
         } else {
             out.println("nothing can be recovered");
         }

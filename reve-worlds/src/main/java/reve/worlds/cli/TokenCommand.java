@@ -1,4 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.cli;
+
+import org.jspecify.annotations.Nullable;
+
+import picocli.CommandLine.Command;
+import picocli.CommandLine.Mixin;
+import picocli.CommandLine.Model.CommandSpec;
+import picocli.CommandLine.Option;
+import picocli.CommandLine.ParameterException;
+import picocli.CommandLine.Parameters;
+import picocli.CommandLine.Spec;
+
+import reve.core.agent.AgentToken;
+import reve.core.agent.Rights;
+import reve.core.agent.Role;
+import reve.core.agent.TokenFile;
+import reve.worlds.Product;
 
 import java.io.IOException;
 import java.nio.ByteBuffer;
@@ -22,41 +39,42 @@ import java.util.Set;
 import java.util.TreeSet;
 import java.util.regex.Matcher;
 import java.util.regex.Pattern;
-import org.jspecify.annotations.Nullable;
-import picocli.CommandLine.Command;
-import picocli.CommandLine.Mixin;
-import picocli.CommandLine.Model.CommandSpec;
-import picocli.CommandLine.Option;
-import picocli.CommandLine.ParameterException;
-import picocli.CommandLine.Parameters;
-import picocli.CommandLine.Spec;
-import reve.core.agent.AgentToken;
-import reve.core.agent.Rights;
-import reve.core.agent.Role;
-import reve.core.agent.TokenFile;
-import reve.worlds.Product;
 
 /** Makes, lists and revokes the tokens that let agents into a server. */
-@Command(name = "token",
+@Command(
+        name = "token",
         description = "Makes, lists and revokes the tokens that let agents into a server.")
 public final class TokenCommand implements Runnable {
     private static final Pattern TIME_TO_LIVE = Pattern.compile("(\\d{1,6})([hd])");
 
     /** What the holder of a token may do. */
     static final class RightsOptions {
-        @Option(names = "--roles", paramLabel = "ROLE", split = ",", defaultValue = "agent",
+        @Option(
+                names = "--roles",
+                paramLabel = "ROLE",
+                split = ",",
+                defaultValue = "agent",
                 description = "Of agent, control, observer (default: ${DEFAULT-VALUE}).")
         private List<Role> roles = List.of();
 
-        @Option(names = "--worlds", paramLabel = "NAME", split = ",",
+        @Option(
+                names = "--worlds",
+                paramLabel = "NAME",
+                split = ",",
                 description = "Only these worlds.")
         private @Nullable List<String> worlds;
 
-        @Option(names = "--bodies", paramLabel = "ITEM", split = ",",
+        @Option(
+                names = "--bodies",
+                paramLabel = "ITEM",
+                split = ",",
                 description = "Only these of the bodies that a world lends.")
         private @Nullable List<String> bodies;
 
-        @Option(names = "--capabilities", paramLabel = "NAME", split = ",",
+        @Option(
+                names = "--capabilities",
+                paramLabel = "NAME",
+                split = ",",
                 description = "Only these of its body's capabilities.")
         private @Nullable List<String> capabilities;
 
@@ -64,8 +82,8 @@ public final class TokenCommand implements Runnable {
         private boolean lockStep;
 
         Rights rights() {
-            return new Rights(Set.copyOf(roles), names(worlds), names(bodies), names(capabilities),
-                    lockStep);
+            return new Rights(
+                    Set.copyOf(roles), names(worlds), names(bodies), names(capabilities), lockStep);
         }
 
         private static Optional<Set<String>> names(@Nullable List<String> given) {
@@ -73,34 +91,44 @@ public final class TokenCommand implements Runnable {
         }
     }
 
-    @Spec
-    private CommandSpec spec = CommandSpec.create();
+    @Spec private CommandSpec spec = CommandSpec.create();
 
     @Override
     public void run() {
         throw new ParameterException(spec.commandLine(), "expected one of new, list, revoke");
     }
 
-    @Command(name = "new",
+    @Command(
+            name = "new",
             description = "Adds a token to the file, and prints it: the file keeps only its hash.")
     int issue(
-            @Parameters(paramLabel = "NAME",
-                    description = "The name that the client says hello with.")
-            String name,
-            @Option(names = "--file", paramLabel = "FILE", defaultValue = "tokens.json",
-                    description = "Where tokens are kept, made if missing "
-                            + "(default: ${DEFAULT-VALUE}).")
-            Path file,
+            @Parameters(
+                            paramLabel = "NAME",
+                            description = "The name that the client says hello with.")
+                    String name,
+            @Option(
+                            names = "--file",
+                            paramLabel = "FILE",
+                            defaultValue = "tokens.json",
+                            description =
+                                    "Where tokens are kept, made if missing "
+                                            + "(default: ${DEFAULT-VALUE}).")
+                    Path file,
             @Mixin RightsOptions rights,
-            @Option(names = "--expires", paramLabel = "WHEN",
-                    description = "30d, 12h, or a time such as 2030-01-31T12:00:00Z.")
-            Optional<String> expires,
-            @Option(names = "--out", paramLabel = "FILE",
-                    description = "Write the token to a new file that only its owner may read "
-                            + "(mode 600), instead of printing it.")
-            Optional<Path> out,
+            @Option(
+                            names = "--expires",
+                            paramLabel = "WHEN",
+                            description = "30d, 12h, or a time such as 2030-01-31T12:00:00Z.")
+                    Optional<String> expires,
+            @Option(
+                            names = "--out",
+                            paramLabel = "FILE",
+                            description =
+                                    "Write the token to a new file that only its owner may read "
+                                            + "(mode 600), instead of printing it.")
+                    Optional<Path> out,
             @Option(names = "--json", description = "Print the result as one JSON document.")
-            boolean json)
+                    boolean json)
             throws IOException {
         AgentToken.Issued issued;
         try {
@@ -121,43 +149,64 @@ public final class TokenCommand implements Runnable {
         }
         if (json) {
             Map<String, Object> fields = new LinkedHashMap<>();
-            out.ifPresentOrElse(path -> fields.put("out", path.toString()),
+            out.ifPresentOrElse(
+                    path -> fields.put("out", path.toString()),
                     () -> fields.put("token", issued.secret()));
             fields.putAll(fields(issued.token()));
             Json.print(spec, fields);
         } else if (out.isPresent()) {
-            spec.commandLine().getErr().println("reve: the token of " + name + " is in "
-                    + out.get() + " only; " + file + " keeps its hash");
+            spec.commandLine()
+                    .getErr()
+                    .println(
+                            "reve: the token of "
+                                    + name
+                                    + " is in "
+                                    + out.get()
+                                    + " only; "
+                                    + file
+                                    + " keeps its hash");
         } else {
-            spec.commandLine().getErr().println("reve: this token of " + name
-                    + " is shown only now; " + file + " keeps its hash");
+            spec.commandLine()
+                    .getErr()
+                    .println(
+                            "reve: this token of "
+                                    + name
+                                    + " is shown only now; "
+                                    + file
+                                    + " keeps its hash");
             spec.commandLine().getOut().println(issued.secret());
         }
         return ExitCode.OK;
     }
 
     private void write(Path out, String secret) throws IOException {
-        Path path = WritableFile.require(spec.subcommands().get("new").getCommandSpec(), "--out",
-                out);
-        try (FileChannel file = FileChannel.open(path,
-                Set.of(StandardOpenOption.CREATE_NEW, StandardOpenOption.WRITE),
-                PosixFilePermissions.asFileAttribute(
-                        PosixFilePermissions.fromString("rw-------")))) {
+        Path path =
+                WritableFile.require(spec.subcommands().get("new").getCommandSpec(), "--out", out);
+        try (FileChannel file =
+                FileChannel.open(
+                        path,
+                        Set.of(StandardOpenOption.CREATE_NEW, StandardOpenOption.WRITE),
+                        PosixFilePermissions.asFileAttribute(
+                                PosixFilePermissions.fromString("rw-------")))) {
             file.write(ByteBuffer.wrap((secret + "\n").getBytes(StandardCharsets.US_ASCII)));
         } catch (FileAlreadyExistsException e) {
-            throw new IOException("--out " + out + " is there already; name another file, or "
-                    + "remove it", e);
+            throw new IOException(
+                    "--out " + out + " is there already; name another file, or " + "remove it", e);
         }
     }
 
-    @Command(name = "list",
+    @Command(
+            name = "list",
             description = "Lists the tokens of a file, which cannot be read back from it.")
     int list(
-            @Option(names = "--file", paramLabel = "FILE", defaultValue = "tokens.json",
-                    description = "Where tokens are kept (default: ${DEFAULT-VALUE}).")
-            Path file,
+            @Option(
+                            names = "--file",
+                            paramLabel = "FILE",
+                            defaultValue = "tokens.json",
+                            description = "Where tokens are kept (default: ${DEFAULT-VALUE}).")
+                    Path file,
             @Option(names = "--json", description = "Print the result as one JSON document.")
-            boolean json)
+                    boolean json)
             throws IOException {
         List<Map<String, Object>> tokens = new ArrayList<>();
         for (AgentToken token : TokenFile.open(file).tokens()) {
@@ -171,26 +220,41 @@ public final class TokenCommand implements Runnable {
         return ExitCode.OK;
     }
 
-    @Command(name = "revoke",
-            description = "Takes tokens out of a file; who is in a server by one of them is sent "
-                    + "away.")
+    @Command(
+            name = "revoke",
+            description =
+                    "Takes tokens out of a file; who is in a server by one of them is sent "
+                            + "away.")
     int revoke(
-            @Parameters(paramLabel = "NAME|ID",
-                    description = "A client's name, for all of its tokens, or one's id.")
-            String nameOrId,
-            @Option(names = "--file", paramLabel = "FILE", defaultValue = "tokens.json",
-                    description = "Where tokens are kept (default: ${DEFAULT-VALUE}).")
-            Path file)
+            @Parameters(
+                            paramLabel = "NAME|ID",
+                            description = "A client's name, for all of its tokens, or one's id.")
+                    String nameOrId,
+            @Option(
+                            names = "--file",
+                            paramLabel = "FILE",
+                            defaultValue = "tokens.json",
+                            description = "Where tokens are kept (default: ${DEFAULT-VALUE}).")
+                    Path file)
             throws IOException {
         List<AgentToken> revoked = TokenFile.revoke(file, nameOrId);
         if (revoked.isEmpty()) {
-            spec.commandLine().getErr().println("reve: " + file + " has no token of the name or id "
-                    + nameOrId + "; " + Product.command() + " token list --file " + file
-                    + " shows those that it has");
+            spec.commandLine()
+                    .getErr()
+                    .println(
+                            "reve: "
+                                    + file
+                                    + " has no token of the name or id "
+                                    + nameOrId
+                                    + "; "
+                                    + Product.command()
+                                    + " token list --file "
+                                    + file
+                                    + " shows those that it has");
             return ExitCode.FAILURE;
         }
-        revoked.forEach(token -> spec.commandLine().getOut()
-                .println("revoked " + line(fields(token))));
+        revoked.forEach(
+                token -> spec.commandLine().getOut().println("revoked " + line(fields(token))));
         return ExitCode.OK;
     }
 
@@ -200,14 +264,20 @@ public final class TokenCommand implements Runnable {
         Matcher time = TIME_TO_LIVE.matcher(when);
         if (time.matches()) {
             int count = Integer.parseInt(time.group(1));
-            end = now.plus(time.group(2).equals("d") ? Duration.ofDays(count)
-                    : Duration.ofHours(count));
+            end =
+                    now.plus(
+                            time.group(2).equals("d")
+                                    ? Duration.ofDays(count)
+                                    : Duration.ofHours(count));
         } else {
             try {
                 end = Instant.parse(when);
             } catch (DateTimeParseException e) {
-                throw new IllegalArgumentException("--expires " + when
-                        + ": expected 30d, 12h, or a time such as 2030-01-31T12:00:00Z", e);
+                throw new IllegalArgumentException(
+                        "--expires "
+                                + when
+                                + ": expected 30d, 12h, or a time such as 2030-01-31T12:00:00Z",
+                        e);
             }
         }
         if (!end.isAfter(now)) {
@@ -237,13 +307,15 @@ public final class TokenCommand implements Runnable {
     }
 
     private static String line(Map<String, Object> fields) {
-        var line = new StringBuilder(String.format(Locale.ROOT, "%s %s", fields.get("id"),
-                fields.get("name")));
-        fields.forEach((field, value) -> {
-            if (!field.equals("id") && !field.equals("name")) {
-                line.append(' ').append(field).append('=').append(value);
-            }
-        });
+        var line =
+                new StringBuilder(
+                        String.format(Locale.ROOT, "%s %s", fields.get("id"), fields.get("name")));
+        fields.forEach(
+                (field, value) -> {
+                    if (!field.equals("id") && !field.equals("name")) {
+                        line.append(' ').append(field).append('=').append(value);
+                    }
+                });
         return line.toString();
     }
 }

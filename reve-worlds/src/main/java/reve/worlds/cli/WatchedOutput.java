@@ -1,10 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.cli;
+
+import org.jspecify.annotations.Nullable;
 
 import java.io.IOException;
 import java.io.OutputStream;
 import java.util.Optional;
 import java.util.concurrent.atomic.AtomicLong;
-import org.jspecify.annotations.Nullable;
 
 /**
  * Standard output that may be full or closed: it throws nothing, drops what cannot be written, and

@@ -1,14 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.cli;
+
+import picocli.CommandLine.Parameters;
+
+import reve.core.file.WorldDescription;
+import reve.core.file.WorldFile;
+import reve.core.file.WorldFileException;
 
 import java.io.IOException;
 import java.io.PrintWriter;
 import java.nio.file.Files;
 import java.nio.file.NoSuchFileException;
 import java.nio.file.Path;
-import picocli.CommandLine.Parameters;
-import reve.core.file.WorldDescription;
-import reve.core.file.WorldFile;
-import reve.core.file.WorldFileException;
 
 /** The WORLD argument that most commands take. */
 final class WorldArgument {
@@ -48,8 +51,10 @@ final class WorldArgument {
     WorldDescription read() throws IOException, WorldFileException {
         Path file = file();
         if (!Files.exists(file)) {
-            throw new NoSuchFileException("there is no world file " + file
-                    + "; name a file, or a folder that holds a world.yaml");
+            throw new NoSuchFileException(
+                    "there is no world file "
+                            + file
+                            + "; name a file, or a folder that holds a world.yaml");
         }
         try (Patience _ = new Patience(System.err, "reading " + file)) {
             return Files.isDirectory(path) ? WorldFile.loadFolder(path) : WorldFile.load(file);

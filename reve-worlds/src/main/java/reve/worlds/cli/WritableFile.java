@@ -1,10 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.cli;
+
+import picocli.CommandLine.Model.CommandSpec;
+import picocli.CommandLine.ParameterException;
 
 import java.io.IOException;
 import java.nio.file.Files;
 import java.nio.file.Path;
-import picocli.CommandLine.Model.CommandSpec;
-import picocli.CommandLine.ParameterException;
 
 /** A file that a command is going to write. */
 final class WritableFile {
@@ -21,7 +23,10 @@ final class WritableFile {
             throw refused(spec, option, given, "is a folder, expected a file");
         }
         if (!Files.isDirectory(file.getParent())) {
-            throw refused(spec, option, given,
+            throw refused(
+                    spec,
+                    option,
+                    given,
                     "there is no folder " + file.getParent() + "; make it first");
         }
         if (Files.exists(file) && !Files.isRegularFile(file)) {
@@ -29,15 +34,17 @@ final class WritableFile {
         }
         Path target = Files.isSymbolicLink(file) && Files.exists(file) ? file.toRealPath() : file;
         if (!Files.isWritable(target.getParent())) {
-            throw refused(spec, option, given,
+            throw refused(
+                    spec,
+                    option,
+                    given,
                     "the folder " + target.getParent() + " cannot be written to");
         }
         return target;
     }
 
-    private static ParameterException refused(CommandSpec spec, String option, Path given,
-            String reason) {
-        return new ParameterException(spec.commandLine(),
-                option + " " + given + ": " + reason);
+    private static ParameterException refused(
+            CommandSpec spec, String option, Path given, String reason) {
+        return new ParameterException(spec.commandLine(), option + " " + given + ": " + reason);
     }
 }

@@ -1,4 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.demo;
+
+import reve.worlds.Product;
+
+import tools.jackson.databind.JsonNode;
 
 import java.io.IOException;
 import java.io.PrintStream;
@@ -8,8 +13,6 @@ import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.List;
 import java.util.Map;
-import reve.worlds.Product;
-import tools.jackson.databind.JsonNode;
 
 /**
  * Runs the product as its users do: a headless server on {@code worlds/spring-orbit}, a Python and
@@ -18,12 +21,15 @@ import tools.jackson.databind.JsonNode;
  */
 public final class Demo {
     private static final String LAW = "gravity_field";
+
     /** World times of the two pictures [s]; between them the law is dropped. */
     private static final String PICTURES_AT = "2,5";
+
     /**
      * The server's end if nobody ends it before, and how long the agents stay [s of world time].
      */
     private static final String SERVER_SECONDS = "60";
+
     private static final String AGENT_SECONDS = "5";
     private static final long PATIENCE_SECONDS = 60;
 
@@ -50,17 +56,19 @@ public final class Demo {
         Files.deleteIfExists(dropped);
         try (JsonProcess server = startServer(laws)) {
             String port = server.await("ready", line -> true).get("agentPort").asString();
-            progress.println("server ready on port " + port
-                    + "; starting a Python and a Java agent");
+            progress.println(
+                    "server ready on port " + port + "; starting a Python and a Java agent");
             try (JsonProcess curious = startPythonAgent(port);
                     JsonProcess painter = startJavaAgent(port)) {
                 JsonNode before = server.await("snapshot", line -> true);
-                progress.println("first picture taken; dropping " + library.getFileName() + " into "
-                        + laws);
+                progress.println(
+                        "first picture taken; dropping " + library.getFileName() + " into " + laws);
                 Files.copy(library, dropped);
                 JsonNode loaded = server.await("law-loaded", Demo::isDroppedLaw);
-                progress.println("the law acts since frame " + loaded.get("frame")
-                        + "; waiting for the second picture");
+                progress.println(
+                        "the law acts since frame "
+                                + loaded.get("frame")
+                                + "; waiting for the second picture");
                 JsonNode after = server.await("snapshot", line -> !line.equals(before));
                 Files.delete(dropped);
                 JsonNode unloaded = server.await("law-unloaded", Demo::isDroppedLaw);
@@ -68,8 +76,14 @@ public final class Demo {
                 JsonNode curiousSummary = curious.awaitEnd(PATIENCE_SECONDS);
                 JsonNode painterSummary = painter.awaitEnd(PATIENCE_SECONDS);
                 server.interrupt();
-                return new DemoReport(server.awaitEnd(PATIENCE_SECONDS), loaded, unloaded, before,
-                        after, curiousSummary, painterSummary);
+                return new DemoReport(
+                        server.awaitEnd(PATIENCE_SECONDS),
+                        loaded,
+                        unloaded,
+                        before,
+                        after,
+                        curiousSummary,
+                        painterSummary);
             }
         }
     }
@@ -79,24 +93,54 @@ public final class Demo {
     }
 
     private JsonProcess startServer(Path laws) throws IOException {
-        List<String> command = java("reve.worlds.Main", "serve",
-                root.resolve("worlds/spring-orbit").toString(), "--port", "0",
-                "--laws", laws.toString(), "--snapshots", folder.toString(),
-                "--snapshot-at", PICTURES_AT, "--seconds", SERVER_SECONDS, "--json");
+        List<String> command =
+                java(
+                        "reve.worlds.Main",
+                        "serve",
+                        root.resolve("worlds/spring-orbit").toString(),
+                        "--port",
+                        "0",
+                        "--laws",
+                        laws.toString(),
+                        "--snapshots",
+                        folder.toString(),
+                        "--snapshot-at",
+                        PICTURES_AT,
+                        "--seconds",
+                        SERVER_SECONDS,
+                        "--json");
         return new JsonProcess("server", command, Map.of(), folder.resolve("server.log"));
     }
 
     private JsonProcess startPythonAgent(String port) throws IOException {
         Path python = root.resolve("agents/python");
-        List<String> command = List.of("python3", python.resolve("examples/curious.py").toString(),
-                "--port", port, "--name", "curious", "--seconds", AGENT_SECONDS);
-        return new JsonProcess("Python agent", command, Map.of("PYTHONPATH", python.toString()),
+        List<String> command =
+                List.of(
+                        "python3",
+                        python.resolve("examples/curious.py").toString(),
+                        "--port",
+                        port,
+                        "--name",
+                        "curious",
+                        "--seconds",
+                        AGENT_SECONDS);
+        return new JsonProcess(
+                "Python agent",
+                command,
+                Map.of("PYTHONPATH", python.toString()),
                 folder.resolve("curious.log"));
     }
 
     private JsonProcess startJavaAgent(String port) throws IOException {
-        List<String> command = java("reve.agent.examples.Painter", "--port", port,
-                "--name", "painter", "--seconds", AGENT_SECONDS);
+        List<String> command =
+                java(
+                        "reve.agent.examples.Painter",
+                        "--port",
+                        port,
+                        "--name",
+                        "painter",
+                        "--seconds",
+                        AGENT_SECONDS);
         return new JsonProcess("Java agent", command, Map.of(), folder.resolve("painter.log"));
     }
 

@@ -1,11 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.demo;
+
+import tools.jackson.databind.JsonNode;
 
 import java.io.PrintWriter;
 import java.util.LinkedHashMap;
 import java.util.Locale;
 import java.util.Map;
 import java.util.stream.Collectors;
-import tools.jackson.databind.JsonNode;
 
 /**
  * What happened in the demonstration, as the three processes told it.
@@ -18,8 +20,14 @@ import tools.jackson.databind.JsonNode;
  * @param curious the Python agent's summary
  * @param painter the Java agent's summary
  */
-public record DemoReport(JsonNode server, JsonNode loaded, JsonNode unloaded, JsonNode before,
-        JsonNode after, JsonNode curious, JsonNode painter) {
+public record DemoReport(
+        JsonNode server,
+        JsonNode loaded,
+        JsonNode unloaded,
+        JsonNode before,
+        JsonNode after,
+        JsonNode curious,
+        JsonNode painter) {
     /** For JSON. */
     public Map<String, Object> fields() {
         Map<String, Object> fields = new LinkedHashMap<>();
@@ -34,15 +42,22 @@ public record DemoReport(JsonNode server, JsonNode loaded, JsonNode unloaded, Js
 
     /** A page for people. */
     public void print(PrintWriter out) {
-        out.printf(Locale.ROOT,
+        out.printf(
+                Locale.ROOT,
                 "%nworld     %s: %d frames, %.1f s of world time at %.2f x real time%n",
-                server.path("world").asString(), server.path("frames").asLong(),
-                server.path("worldSeconds").asDouble(), server.path("realTimeFactor").asDouble());
-        out.printf(Locale.ROOT,
+                server.path("world").asString(),
+                server.path("frames").asLong(),
+                server.path("worldSeconds").asDouble(),
+                server.path("realTimeFactor").asDouble());
+        out.printf(
+                Locale.ROOT,
                 "laws      %s; %s from %.2f s to %.2f s, dropped in while running%n",
-                server.path("laws").valueStream().map(law -> law.path("law").asString())
+                server.path("laws")
+                        .valueStream()
+                        .map(law -> law.path("law").asString())
                         .collect(Collectors.joining(", ")),
-                loaded.path("library").asString(), loaded.path("time").asDouble(),
+                loaded.path("library").asString(),
+                loaded.path("time").asDouble(),
                 unloaded.path("time").asDouble());
         printAgent(out, "Python", curious);
         printAgent(out, "Java", painter);
@@ -54,12 +69,21 @@ public record DemoReport(JsonNode server, JsonNode loaded, JsonNode unloaded, Js
         out.printf(Locale.ROOT, "agent     %s (%s)%n", summary.path("agent").asString(), language);
         summary.propertyStream()
                 .filter(field -> !field.getKey().equals("agent"))
-                .forEach(field -> out.printf(Locale.ROOT, "            %s: %s%n",
-                        field.getKey(), field.getValue()));
+                .forEach(
+                        field ->
+                                out.printf(
+                                        Locale.ROOT,
+                                        "            %s: %s%n",
+                                        field.getKey(),
+                                        field.getValue()));
     }
 
     private static void printPicture(PrintWriter out, String when, JsonNode picture) {
-        out.printf(Locale.ROOT, "picture   %-7s %.2f s: %s%n", when,
-                picture.path("time").asDouble(), picture.path("file").asString());
+        out.printf(
+                Locale.ROOT,
+                "picture   %-7s %.2f s: %s%n",
+                when,
+                picture.path("time").asDouble(),
+                picture.path("file").asString());
     }
 }

@@ -1,4 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.demo;
+
+import tools.jackson.core.JacksonException;
+import tools.jackson.databind.JsonNode;
+import tools.jackson.databind.json.JsonMapper;
 
 import java.io.BufferedReader;
 import java.io.IOException;
@@ -8,9 +13,6 @@ import java.util.List;
 import java.util.Map;
 import java.util.concurrent.TimeUnit;
 import java.util.function.Predicate;
-import tools.jackson.core.JacksonException;
-import tools.jackson.databind.JsonNode;
-import tools.jackson.databind.json.JsonMapper;
 
 /**
  * A child process that writes JSON objects, one per line, to its standard output; its standard
@@ -24,8 +26,10 @@ final class JsonProcess implements AutoCloseable {
     private final Path log;
     private final Process process;
     private final Thread reader;
+
     /** Guards itself and {@link #reading}. */
     private final List<JsonNode> lines = new ArrayList<>();
+
     private boolean reading = true;
 
     JsonProcess(String name, List<String> command, Map<String, String> environment, Path log)
@@ -68,8 +72,12 @@ final class JsonProcess implements AutoCloseable {
             for (int seen = 0; ; seen++) {
                 while (seen == lines.size()) {
                     if (!reading) {
-                        throw new IllegalStateException(name + " ended without telling '" + event
-                                + "'; its messages are in " + log);
+                        throw new IllegalStateException(
+                                name
+                                        + " ended without telling '"
+                                        + event
+                                        + "'; its messages are in "
+                                        + log);
                     }
                     lines.wait();
                 }
@@ -78,8 +86,8 @@ final class JsonProcess implements AutoCloseable {
                     return line;
                 }
                 if (line.path("event").asString("").equals(event + "-failed")) {
-                    throw new IllegalStateException(name + ": " + event + " failed: "
-                            + line.path("message").asString());
+                    throw new IllegalStateException(
+                            name + ": " + event + " failed: " + line.path("message").asString());
                 }
             }
         }
@@ -93,13 +101,13 @@ final class JsonProcess implements AutoCloseable {
     /** Waits for the process to end, and returns the last line it wrote. */
     JsonNode awaitEnd(long seconds) throws InterruptedException {
         if (!process.waitFor(seconds, TimeUnit.SECONDS)) {
-            throw new IllegalStateException(name + " did not end within " + seconds + " s; see "
-                    + log);
+            throw new IllegalStateException(
+                    name + " did not end within " + seconds + " s; see " + log);
         }
         reader.join();
         if (process.exitValue() != 0 || lines.isEmpty()) {
-            throw new IllegalStateException(name + " ended with code " + process.exitValue()
-                    + "; see " + log);
+            throw new IllegalStateException(
+                    name + " ended with code " + process.exitValue() + "; see " + log);
         }
         return lines.getLast();
     }

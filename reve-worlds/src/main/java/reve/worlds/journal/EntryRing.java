@@ -1,7 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.journal;
 
-import java.util.concurrent.atomic.AtomicLong;
 import org.jspecify.annotations.Nullable;
+
+import java.util.concurrent.atomic.AtomicLong;
 
 /**
  * Hands entries from the world's thread to the writer's, in their order, without a lock and without
@@ -44,7 +46,8 @@ final class EntryRing {
 
     /** The oldest entry that waits, or null. */
     @Nullable Entry peek() {
-        return read.getPlain() == written.getAcquire() ? null
+        return read.getPlain() == written.getAcquire()
+                ? null
                 : entries[(int) (read.getPlain() % entries.length)];
     }
 

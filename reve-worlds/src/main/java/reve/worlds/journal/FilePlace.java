@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.journal;
 
 import java.io.IOException;
@@ -24,9 +25,11 @@ record FilePlace(Path path, Object key) {
     String trouble(long bytes) {
         try {
             BasicFileAttributes now = attributes(path);
-            return !now.fileKey().equals(key) ? "was replaced by another file"
-                    : now.size() < bytes ? "was cut to " + now.size() + " of " + bytes + " bytes"
-                    : "";
+            return !now.fileKey().equals(key)
+                    ? "was replaced by another file"
+                    : now.size() < bytes
+                            ? "was cut to " + now.size() + " of " + bytes + " bytes"
+                            : "";
         } catch (NoSuchFileException e) {
             return "was removed";
         } catch (IOException unknown) {

@@ -1,4 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.journal;
+
+import org.sqlite.SQLiteErrorCode;
 
 import java.io.IOException;
 import java.nio.channels.FileChannel;
@@ -10,17 +13,19 @@ import java.nio.file.Path;
 import java.nio.file.StandardOpenOption;
 import java.sql.SQLException;
 import java.util.Optional;
-import org.sqlite.SQLiteErrorCode;
 
 /** Why a file could not be opened, read or written, in words. */
 final class FileTrouble {
     private static final int CODE_BITS = 0xff;
+
     /** Room without which SQLite does not even open a database [bytes]. */
     private static final long ROOM = 1 << 20;
 
     private FileTrouble() {}
 
-    /** @param what was to be done to the file, as a participle */
+    /**
+     * @param what was to be done to the file, as a participle
+     */
     static IOException of(Path file, String what, IOException e) {
         return new IOException(file + " could not be " + what + ": " + reason(file, e), e);
     }
@@ -29,14 +34,18 @@ final class FileTrouble {
     static IOException of(Path file, String what, SQLException e) {
         SQLiteErrorCode code = SQLiteErrorCode.getErrorCode(e.getErrorCode() & CODE_BITS);
         if (code == SQLiteErrorCode.SQLITE_BUSY) {
-            return new IOException(file + " is in use by another process (the database is locked);"
-                    + " end that one first, or name another file", e);
+            return new IOException(
+                    file
+                            + " is in use by another process (the database is locked);"
+                            + " end that one first, or name another file",
+                    e);
         }
-        String reason = switch (code) {
-            case SQLITE_CANTOPEN, SQLITE_READONLY, SQLITE_PERM -> whyNotOpened(file);
-            case SQLITE_FULL, SQLITE_IOERR -> whyNotWritten(file, e);
-            default -> e.getMessage();
-        };
+        String reason =
+                switch (code) {
+                    case SQLITE_CANTOPEN, SQLITE_READONLY, SQLITE_PERM -> whyNotOpened(file);
+                    case SQLITE_FULL, SQLITE_IOERR -> whyNotWritten(file, e);
+                    default -> e.getMessage();
+                };
         return new IOException(file + " could not be " + what + ": " + reason, e);
     }
 
@@ -46,7 +55,8 @@ final class FileTrouble {
             return Optional.of(file + " is a folder");
         }
         return Files.isSymbolicLink(file) && !Files.exists(file)
-                ? Optional.of(file + " is a link to a file that is not there") : Optional.empty();
+                ? Optional.of(file + " is a link to a file that is not there")
+                : Optional.empty();
     }
 
     static String reason(Path file, IOException e) {
@@ -60,8 +70,9 @@ final class FileTrouble {
     }
 
     private static String advised(String reason) {
-        return reason.contains("Too many open files") ? "Too many open files; raise the limit of "
-                + "the process (ulimit -n)" : reason;
+        return reason.contains("Too many open files")
+                ? "Too many open files; raise the limit of " + "the process (ulimit -n)"
+                : reason;
     }
 
     private static String whyNotWritten(Path file, SQLException e) {
@@ -69,8 +80,12 @@ final class FileTrouble {
         try {
             long free = Files.getFileStore(folder).getUsableSpace();
             if (free < ROOM) {
-                return "the disk is full, " + free + " bytes are free, expected " + ROOM
-                        + " at least; make room on the disk of " + folder
+                return "the disk is full, "
+                        + free
+                        + " bytes are free, expected "
+                        + ROOM
+                        + " at least; make room on the disk of "
+                        + folder
                         + ", or move the store with all its files to another one";
             }
         } catch (IOException unknown) {
@@ -82,18 +97,23 @@ final class FileTrouble {
     /** SQLite does not say; the system does when it is asked for the same. */
     private static String whyNotOpened(Path file) {
         Path folder = file.toAbsolutePath().getParent();
-        try (FileChannel _ = FileChannel.open(file, StandardOpenOption.READ,
-                StandardOpenOption.WRITE)) {
-            return Files.isWritable(folder) ? "SQLite could not open a file beside it; raise the "
-                    + "limit of open files (ulimit -n), and see that " + file + "-wal may be "
-                    + "read and written" : "the folder " + folder + " may not be written";
+        try (FileChannel _ =
+                FileChannel.open(file, StandardOpenOption.READ, StandardOpenOption.WRITE)) {
+            return Files.isWritable(folder)
+                    ? "SQLite could not open a file beside it; raise the "
+                            + "limit of open files (ulimit -n), and see that "
+                            + file
+                            + "-wal may be "
+                            + "read and written"
+                    : "the folder " + folder + " may not be written";
         } catch (IOException e) {
             return reason(file, e);
         }
     }
 
     private static String noPlace(Path folder) {
-        return Files.isDirectory(folder) ? "the folder " + folder + " takes no such file"
+        return Files.isDirectory(folder)
+                ? "the folder " + folder + " takes no such file"
                 : "there is no folder " + folder;
     }
 }

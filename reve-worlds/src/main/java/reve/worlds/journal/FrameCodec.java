@@ -1,4 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.journal;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.core.store.ChangeCodec;
+import reve.core.store.CorruptException;
+import reve.core.store.Trees;
+import reve.core.world.ItemId;
+import reve.core.world.WorldEvent;
+import reve.pe.adapter.LawChange;
+
+import tools.jackson.databind.JsonNode;
 
 import java.nio.ByteBuffer;
 import java.util.ArrayList;
@@ -8,20 +20,12 @@ import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.function.Function;
-import org.jspecify.annotations.Nullable;
-import reve.core.store.ChangeCodec;
-import reve.core.store.CorruptException;
-import reve.core.store.Trees;
-import reve.core.world.ItemId;
-import reve.core.world.WorldEvent;
-import reve.pe.adapter.LawChange;
-import tools.jackson.databind.JsonNode;
 
 /**
- * Frames of a journal as JSON: {@code frame}, {@code changes} before PHYSICS and {@code
- * late} ones after it, changes of the {@code laws}, the {@code events} for whoever reads it, and
- * digests: {@code before} PHYSICS where there were changes, and the {@code digest} of the frame's
- * end, each the part that is not as in the one before it. One thread; frames in their order.
+ * Frames of a journal as JSON: {@code frame}, {@code changes} before PHYSICS and {@code late} ones
+ * after it, changes of the {@code laws}, the {@code events} for whoever reads it, and digests:
+ * {@code before} PHYSICS where there were changes, and the {@code digest} of the frame's end, each
+ * the part that is not as in the one before it. One thread; frames in their order.
  */
 public final class FrameCodec {
     private static final int PART_BYTES = Short.BYTES + 2 * Long.BYTES;
@@ -30,7 +34,9 @@ public final class FrameCodec {
     private final long[] digest;
     private boolean whole;
 
-    /** @param digestSize how many numbers a digest has */
+    /**
+     * @param digestSize how many numbers a digest has
+     */
     public FrameCodec(WorldHeader header, int digestSize) {
         changes = new ChangeCodec(header.prototype(), header.assets());
         digest = new long[digestSize];
@@ -46,7 +52,9 @@ public final class FrameCodec {
         whole = true;
     }
 
-    /** @throws IllegalArgumentException if a change of it has no form */
+    /**
+     * @throws IllegalArgumentException if a change of it has no form
+     */
     byte[] write(Entry entry) {
         Map<String, Object> tree = new LinkedHashMap<>();
         tree.put("frame", entry.frame);
@@ -72,8 +80,8 @@ public final class FrameCodec {
         while (parts.hasRemaining()) {
             int part = 2 * parts.getShort();
             if (part < 0 || part + 1 >= digest.length) {
-                throw new CorruptException("the field " + name
-                        + ": found a digest of another prototype");
+                throw new CorruptException(
+                        "the field " + name + ": found a digest of another prototype");
             }
             digest[part] = parts.getLong();
             digest[part + 1] = parts.getLong();
@@ -86,28 +94,45 @@ public final class FrameCodec {
         try {
             bytes = Base64.getDecoder().decode(text);
         } catch (IllegalArgumentException e) {
-            throw new CorruptException("the field " + name + ": found no Base64, expected a digest",
-                    e);
+            throw new CorruptException(
+                    "the field " + name + ": found no Base64, expected a digest", e);
         }
         if (bytes.length % PART_BYTES != 0) {
-            throw new CorruptException("the field " + name + ": found " + bytes.length
-                    + " bytes, expected a digest in parts of " + PART_BYTES + " bytes");
+            throw new CorruptException(
+                    "the field "
+                            + name
+                            + ": found "
+                            + bytes.length
+                            + " bytes, expected a digest in parts of "
+                            + PART_BYTES
+                            + " bytes");
         }
         return bytes;
     }
 
     /** Changes of the laws of a frame. */
-    public static List<LawChange> laws(JsonNode frame,
-            Function<String, byte @Nullable []> libraries) {
+    public static List<LawChange> laws(
+            JsonNode frame, Function<String, byte @Nullable []> libraries) {
         List<LawChange> laws = new ArrayList<>();
         List<JsonNode> changes = Trees.listIfAny(frame, "laws");
-        changes.forEach(change -> laws.add(switch (Trees.text(change, "law")) {
-            case "loaded" -> new LawChange.Loaded(ImageCodec.library(change, libraries));
-            case "unloaded" -> new LawChange.Unloaded((int) Trees.integer(change, "place"));
-            case "arrested" -> new LawChange.Arrested(new ItemId(Trees.integer(change, "item")));
-            default -> new LawChange.Failed((int) Trees.integer(change, "place"),
-                    ImageCodec.quarantined(change));
-        }));
+        changes.forEach(
+                change ->
+                        laws.add(
+                                switch (Trees.text(change, "law")) {
+                                    case "loaded" ->
+                                            new LawChange.Loaded(
+                                                    ImageCodec.library(change, libraries));
+                                    case "unloaded" ->
+                                            new LawChange.Unloaded(
+                                                    (int) Trees.integer(change, "place"));
+                                    case "arrested" ->
+                                            new LawChange.Arrested(
+                                                    new ItemId(Trees.integer(change, "item")));
+                                    default ->
+                                            new LawChange.Failed(
+                                                    (int) Trees.integer(change, "place"),
+                                                    ImageCodec.quarantined(change));
+                                }));
         return laws;
     }
 
@@ -163,7 +188,6 @@ public final class FrameCodec {
             }
         }
         whole = false;
-        return Base64.getEncoder()
-                .encodeToString(Arrays.copyOf(parts.array(), parts.position()));
+        return Base64.getEncoder().encodeToString(Arrays.copyOf(parts.array(), parts.position()));
     }
 }

@@ -1,4 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.journal;
+
+import org.jspecify.annotations.Nullable;
 
 import java.io.IOException;
 import java.nio.file.Files;
@@ -7,12 +10,11 @@ import java.security.SecureRandom;
 import java.util.List;
 import java.util.TreeMap;
 import java.util.stream.Stream;
-import org.jspecify.annotations.Nullable;
 
 /**
  * Writes the files beside a store that hold its frames, STORE-frames-1 and so on, and the manifest
- * that says how far they reach. With each image another file begins, which names the one before
- * it; those before the oldest image are removed.
+ * that says how far they reach. With each image another file begins, which names the one before it;
+ * those before the oldest image are removed.
  */
 final class FrameFiles {
     private static final SecureRandom IDS = new SecureRandom();
@@ -59,8 +61,10 @@ final class FrameFiles {
     Finished next() throws IOException {
         Manifest listed = manifest();
         long nextId = IDS.nextLong();
-        RunLog.Writer next = new RunLog.Writer(path(store, number + 1),
-                new RunLog.Link(claim.store(), number + 1, nextId, id));
+        RunLog.Writer next =
+                new RunLog.Writer(
+                        path(store, number + 1),
+                        new RunLog.Link(claim.store(), number + 1, nextId, id));
         try {
             listed.begin(number + 1, nextId);
         } catch (IOException e) {
@@ -113,7 +117,8 @@ final class FrameFiles {
 
     /** Ends the newest file and the manifest. */
     void close() throws IOException {
-        try (Manifest _ = manifest; Finished _ = new Finished(current)) {
+        try (Manifest _ = manifest;
+                Finished _ = new Finished(current)) {
             current = null;
             manifest = null;
         }
@@ -133,8 +138,12 @@ final class FrameFiles {
     List<String> troubles() {
         Manifest listed = manifest;
         RunLog.Writer file = current;
-        List<String> found = Stream.of(listed == null ? "" : listed.trouble(),
-                file == null ? "" : file.trouble()).filter(each -> !each.isEmpty()).toList();
+        List<String> found =
+                Stream.of(
+                                listed == null ? "" : listed.trouble(),
+                                file == null ? "" : file.trouble())
+                        .filter(each -> !each.isEmpty())
+                        .toList();
         return listed == manifest && file == current ? found : List.of(); // else look again
     }
 
@@ -161,13 +170,15 @@ final class FrameFiles {
         String prefix = store.getFileName() + "-frames-";
         var files = new TreeMap<Long, Path>();
         try (Stream<Path> siblings = Files.list(store.toAbsolutePath().getParent())) {
-            siblings.forEach(file -> {
-                String name = file.getFileName().toString();
-                String digits = name.startsWith(prefix) ? name.substring(prefix.length()) : "";
-                if (digits.matches("[1-9][0-9]{0,17}")) {
-                    files.put(Long.parseLong(digits), store.resolveSibling(name));
-                }
-            });
+            siblings.forEach(
+                    file -> {
+                        String name = file.getFileName().toString();
+                        String digits =
+                                name.startsWith(prefix) ? name.substring(prefix.length()) : "";
+                        if (digits.matches("[1-9][0-9]{0,17}")) {
+                            files.put(Long.parseLong(digits), store.resolveSibling(name));
+                        }
+                    });
         }
         return files;
     }

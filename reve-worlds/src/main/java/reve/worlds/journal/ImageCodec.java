@@ -1,11 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.journal;
 
-import java.util.ArrayList;
-import java.util.LinkedHashMap;
-import java.util.List;
-import java.util.Map;
-import java.util.function.Function;
 import org.jspecify.annotations.Nullable;
+
 import reve.core.store.CorruptException;
 import reve.core.store.Sections;
 import reve.core.store.Trees;
@@ -17,8 +14,15 @@ import reve.pe.adapter.LawLibrary;
 import reve.pe.adapter.PhysicsImage;
 import reve.pe.adapter.Quarantined;
 import reve.worlds.Product;
+
 import tools.jackson.core.JacksonException;
 import tools.jackson.databind.JsonNode;
+
+import java.util.ArrayList;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.function.Function;
 
 /**
  * Images of simulations as bytes. Law libraries are named by their SHA-256 and kept elsewhere. One
@@ -41,8 +45,11 @@ public final class ImageCodec {
      *
      * @param members ids of the agents' bodies by agent
      */
-    public record Stored(WorldHeader header, Map<String, Long> members, JsonNode tree,
-                         Map<String, byte[]> sections) {}
+    public record Stored(
+            WorldHeader header,
+            Map<String, Long> members,
+            JsonNode tree,
+            Map<String, byte[]> sections) {}
 
     /**
      * @param members ids of the agents' bodies by agent
@@ -54,7 +61,8 @@ public final class ImageCodec {
         tree.putAll(header.tree());
         tree.put("members", members);
         tree.put("libraries", image.physics().libraries().stream().map(ImageCodec::tree).toList());
-        tree.put("quarantined",
+        tree.put(
+                "quarantined",
                 image.physics().quarantined().stream().map(ImageCodec::tree).toList());
         Map<String, byte[]> sections = new LinkedHashMap<>();
         sections.put(HEADER, Trees.write(tree));
@@ -63,7 +71,9 @@ public final class ImageCodec {
         return Sections.write(sections);
     }
 
-    /** @throws CorruptException saying what is wrong, if the bytes are not what was written */
+    /**
+     * @throws CorruptException saying what is wrong, if the bytes are not what was written
+     */
     public static Stored open(byte[] bytes) {
         Map<String, byte[]> sections = Sections.read(bytes);
         byte[] head = sections.get(HEADER);
@@ -104,8 +114,8 @@ public final class ImageCodec {
         }
     }
 
-    private static PhysicsImage physics(Stored stored,
-            Function<String, byte @Nullable []> libraries) {
+    private static PhysicsImage physics(
+            Stored stored, Function<String, byte @Nullable []> libraries) {
         List<LawLibrary> loaded = new ArrayList<>();
         Trees.field(stored.tree(), "libraries")
                 .forEach(library -> loaded.add(library(library, libraries)));
@@ -131,13 +141,17 @@ public final class ImageCodec {
         String sha256 = Trees.text(tree, "sha256");
         byte[] bytes = libraries.apply(sha256);
         if (bytes == null) {
-            throw new CorruptException("the law library " + name + " (SHA-256 " + sha256
-                    + ") is missing or damaged");
+            throw new CorruptException(
+                    "the law library " + name + " (SHA-256 " + sha256 + ") is missing or damaged");
         }
         Map<String, Double> parameters = new LinkedHashMap<>();
-        Trees.field(tree, "parameters").properties()
-                .forEach(parameter -> parameters.put(parameter.getKey(),
-                        Trees.number("a parameter", parameter.getValue())));
+        Trees.field(tree, "parameters")
+                .properties()
+                .forEach(
+                        parameter ->
+                                parameters.put(
+                                        parameter.getKey(),
+                                        Trees.number("a parameter", parameter.getValue())));
         return new LawLibrary(name, sha256, parameters, bytes);
     }
 
@@ -152,8 +166,11 @@ public final class ImageCodec {
     }
 
     static Quarantined quarantined(JsonNode tree) {
-        return new Quarantined(Trees.text(tree, "sha256"), Trees.text(tree, "library"),
-                Trees.integer(tree, "frame"), Status.valueOf(Trees.text(tree, "status")),
+        return new Quarantined(
+                Trees.text(tree, "sha256"),
+                Trees.text(tree, "library"),
+                Trees.integer(tree, "frame"),
+                Status.valueOf(Trees.text(tree, "status")),
                 Trees.text(tree, "message"));
     }
 }

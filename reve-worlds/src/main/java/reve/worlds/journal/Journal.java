@@ -1,4 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.journal;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.core.frame.FrameBus;
+import reve.core.frame.FrameEvent;
+import reve.core.frame.FramePhase;
+import reve.core.frame.Subscription;
+import reve.core.store.WorldDigest;
+import reve.core.world.World;
+import reve.core.world.WorldChange;
+import reve.core.world.WorldEvent;
+import reve.pe.adapter.LawChange;
+import reve.pe.adapter.PhysicsAdapter;
 
 import java.io.IOError;
 import java.io.IOException;
@@ -12,17 +26,6 @@ import java.util.Queue;
 import java.util.concurrent.ConcurrentLinkedQueue;
 import java.util.concurrent.locks.LockSupport;
 import java.util.function.Consumer;
-import org.jspecify.annotations.Nullable;
-import reve.core.frame.FrameBus;
-import reve.core.frame.FrameEvent;
-import reve.core.frame.FramePhase;
-import reve.core.frame.Subscription;
-import reve.core.store.WorldDigest;
-import reve.core.world.World;
-import reve.core.world.WorldChange;
-import reve.core.world.WorldEvent;
-import reve.pe.adapter.LawChange;
-import reve.pe.adapter.PhysicsAdapter;
 
 /**
  * Keeps a journal of a running world: an image first, and again every so many frames; in between,
@@ -38,8 +41,10 @@ public final class Journal implements AutoCloseable {
     private static final int IMAGES_WAITING = 2;
     private static final long PAUSE_NANOSECONDS = 50_000;
     private static final int SPINS = 2_000;
+
     /** How long a frame waits for the one before it, where the wall clock paces the world [ns]. */
     private static final long FRAME_PATIENCE_NANOSECONDS = 1_000_000_000;
+
     /** The same if there is a whole image to be written, or to be copied [ns]. */
     private static final long IMAGE_PATIENCE_NANOSECONDS = 5_000_000_000L;
 
@@ -62,8 +67,10 @@ public final class Journal implements AutoCloseable {
     private long lastFrame;
     private boolean published;
     private boolean imageWanted = true;
+
     /** Whether the disk is behind, and frames no longer wait for it. */
     private boolean behind;
+
     private Optional<Shortfall> shortfall = Optional.empty();
 
     /**
@@ -83,10 +90,12 @@ public final class Journal implements AutoCloseable {
         @Override
         public String toString() {
             return "its last image could not be written; it "
-                    + (reached < 0 ? "holds what it held before, and nothing of this run"
-                    : "continues from frame " + reached)
-                    + (reached < last && last > 0 ? ", frames " + (reached + 1) + " to " + last
-                    + " are lost" : ", no frame is lost");
+                    + (reached < 0
+                            ? "holds what it held before, and nothing of this run"
+                            : "continues from frame " + reached)
+                    + (reached < last && last > 0
+                            ? ", frames " + (reached + 1) + " to " + last + " are lost"
+                            : ", no frame is lost");
         }
     }
 
@@ -102,7 +111,8 @@ public final class Journal implements AutoCloseable {
 
         @Override
         public String toString() {
-            return count == 1 ? "frame " + first + " is not recorded"
+            return count == 1
+                    ? "frame " + first + " is not recorded"
                     : count + " frames from " + first + " to " + last + " are not recorded";
         }
     }
@@ -114,8 +124,15 @@ public final class Journal implements AutoCloseable {
      * @param sink closed by the journal
      * @param problems told, on any thread, what went wrong
      */
-    public Journal(WorldHeader header, World world, PhysicsAdapter physics, FrameBus bus,
-            Map<String, Long> members, Plan plan, JournalSink sink, Consumer<String> problems) {
+    public Journal(
+            WorldHeader header,
+            World world,
+            PhysicsAdapter physics,
+            FrameBus bus,
+            Map<String, Long> members,
+            Plan plan,
+            JournalSink sink,
+            Consumer<String> problems) {
         this.world = world;
         this.physics = physics;
         this.plan = plan;
@@ -153,8 +170,11 @@ public final class Journal implements AutoCloseable {
         }
         writer.end();
         rooms.forEach(SimulationImage::close);
-        writer.failure().ifPresent(failure ->
-                problems.accept("the journal has ended before its last image: " + failure));
+        writer.failure()
+                .ifPresent(
+                        failure ->
+                                problems.accept(
+                                        "the journal has ended before its last image: " + failure));
         boolean lacks = !writer.isLastImageKept() || writer.reached() < lastFrame;
         if (plan.imageFrames > 0 && published && lacks) {
             shortfall = Optional.of(new Shortfall(writer.reached(), lastFrame));
@@ -182,12 +202,21 @@ public final class Journal implements AutoCloseable {
         }
     }
 
-    /** @throws IOError if nothing more will be written */
+    /**
+     * @throws IOError if nothing more will be written
+     */
     private void requireWriter() {
-        writer.failure().ifPresent(failure -> {
-            throw new IOError(new IOException("the journal has ended after frame " + lastFrame
-                    + " was handed over: " + failure, failure));
-        });
+        writer.failure()
+                .ifPresent(
+                        failure -> {
+                            throw new IOError(
+                                    new IOException(
+                                            "the journal has ended after frame "
+                                                    + lastFrame
+                                                    + " was handed over: "
+                                                    + failure,
+                                            failure));
+                        });
     }
 
     /** What is announced is thereby at most one frame ahead of what is written. */
@@ -201,15 +230,17 @@ public final class Journal implements AutoCloseable {
             return;
         }
         long start = System.nanoTime();
-        long patience = lastFrame == lastImage ? IMAGE_PATIENCE_NANOSECONDS
-                : FRAME_PATIENCE_NANOSECONDS;
+        long patience =
+                lastFrame == lastImage ? IMAGE_PATIENCE_NANOSECONDS : FRAME_PATIENCE_NANOSECONDS;
         while (!behind && !ring.isEmpty() && writer.isWorking()) {
             LockSupport.parkNanos(PAUSE_NANOSECONDS);
             if (!plan.waits && System.nanoTime() - start > patience) {
                 behind = true;
-                problems.accept("the disk is too slow: frame " + (frame.frame() - 1)
-                        + " is not written yet, and the world goes on; a crash before it is loses"
-                        + " more than one frame");
+                problems.accept(
+                        "the disk is too slow: frame "
+                                + (frame.frame() - 1)
+                                + " is not written yet, and the world goes on; a crash before it is"
+                                + " loses more than one frame");
             }
         }
         requireWriter();
@@ -251,8 +282,10 @@ public final class Journal implements AutoCloseable {
     private void skip(long frame) {
         if (!imageWanted) {
             imageWanted = true;
-            problems.accept("the disk is too slow: frames from " + frame
-                    + " on are left out, up to the next image");
+            problems.accept(
+                    "the disk is too slow: frames from "
+                            + frame
+                            + " on are left out, up to the next image");
         }
     }
 
@@ -268,11 +301,18 @@ public final class Journal implements AutoCloseable {
         entry.laws.addAll(laws);
         entry.events = world.events();
         entry.members = members;
-        entry.begins = imageWanted || writer.beginsAnew() || world.changesLost() > 0
-                || changes.stream().anyMatch(WorldChange.Restored.class::isInstance);
+        entry.begins =
+                imageWanted
+                        || writer.beginsAnew()
+                        || world.changesLost() > 0
+                        || changes.stream().anyMatch(WorldChange.Restored.class::isInstance);
         if (entry.begins) {
-            entry.image = copy(frame, plan.waits ? Long.MAX_VALUE
-                    : behind || imageWanted ? 0 : IMAGE_PATIENCE_NANOSECONDS);
+            entry.image =
+                    copy(
+                            frame,
+                            plan.waits
+                                    ? Long.MAX_VALUE
+                                    : behind || imageWanted ? 0 : IMAGE_PATIENCE_NANOSECONDS);
         } else if (plan.imageFrames > 0 && frame - lastImage >= plan.imageFrames) {
             entry.image = copy(frame, 0);
         }
@@ -317,9 +357,14 @@ public final class Journal implements AutoCloseable {
     }
 
     private Entry.Noted noted(WorldChange change) {
-        return new Entry.Noted(change, change instanceof WorldChange.ColumnEdited edited
-                ? world.table(edited.kind()).column(edited.property()).segment()
-                        .toArray(ValueLayout.JAVA_BYTE) : null);
+        return new Entry.Noted(
+                change,
+                change instanceof WorldChange.ColumnEdited edited
+                        ? world.table(edited.kind())
+                                .column(edited.property())
+                                .segment()
+                                .toArray(ValueLayout.JAVA_BYTE)
+                        : null);
     }
 
     private void followMembers() {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.journal;
 
 /** A record of a journal, whatever it is kept in. A journal begins with an image. */

@@ -1,4 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.journal;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.pe.adapter.LawChange;
+import reve.pe.adapter.LawLibrary;
 
 import java.io.IOException;
 import java.nio.file.Path;
@@ -13,9 +19,6 @@ import java.util.concurrent.atomic.AtomicBoolean;
 import java.util.concurrent.locks.LockSupport;
 import java.util.function.Consumer;
 import java.util.function.Supplier;
-import org.jspecify.annotations.Nullable;
-import reve.pe.adapter.LawChange;
-import reve.pe.adapter.LawLibrary;
 
 /**
  * Writes a journal on two threads: one that adds each frame as soon as it is handed over, and one
@@ -25,8 +28,10 @@ final class JournalWriter {
     private static final int SPINS = 1_000;
     private static final long SYNC_MILLISECONDS = 100;
     private static final int LAST_IMAGE_TRIES = 3;
+
     /** Time between two looks whether the file is still in its place [ns]. */
     private static final long LOOK_NANOSECONDS = 1_000_000_000;
+
     private static final String NOTHING_KEPT = "; nothing is kept until an image can be written";
     private static final long BETWEEN_TRIES_NANOSECONDS = 200_000_000;
 
@@ -38,33 +43,50 @@ final class JournalWriter {
     private final ImageCodec images;
     private final FrameCodec frames;
     private final Thread thread = Thread.ofPlatform().name("journal").unstarted(this::run);
-    private final ScheduledThreadPoolExecutor disk = new ScheduledThreadPoolExecutor(1,
-            Thread.ofPlatform().name("journal images").factory());
+    private final ScheduledThreadPoolExecutor disk =
+            new ScheduledThreadPoolExecutor(
+                    1, Thread.ofPlatform().name("journal images").factory());
     private final AtomicBoolean syncDue = new AtomicBoolean();
+
     /** False until an image is kept: what there is has to begin with one. */
     private boolean begun;
+
     /** Frame that what is kept leads to without a gap, -1 for none. Final when the writer ends. */
     private long reached = -1;
+
     /** Frame of the image that began it last. */
     private long begunAt = -1;
+
     private boolean lastImageKept = true;
     private final AtomicBoolean beginsAnew = new AtomicBoolean();
     private long lookedNanos = System.nanoTime();
+
     /** The file was moved or removed, and there is no other one in its place yet. */
     private boolean missing;
+
     /** A recording could not be written, and does not go on yet in another file. */
     private volatile boolean refused;
+
     /** Whether it was told why it cannot go on in another file. */
     private boolean toldStay;
+
     /** Where one has begun, for people; empty if none has. */
     private String place = "";
+
     /** Frames that a recording lacks. Final when the writer ends. */
     private Optional<Journal.Gap> gap = Optional.empty();
+
     private volatile boolean ending;
     private volatile @Nullable Throwable failure;
 
-    JournalWriter(WorldHeader header, int digestSize, EntryRing ring, Queue<SimulationImage> rooms,
-            Journal.Plan plan, JournalSink sink, Consumer<String> problems) {
+    JournalWriter(
+            WorldHeader header,
+            int digestSize,
+            EntryRing ring,
+            Queue<SimulationImage> rooms,
+            Journal.Plan plan,
+            JournalSink sink,
+            Consumer<String> problems) {
         this.ring = ring;
         this.rooms = rooms;
         this.plan = plan;
@@ -77,8 +99,8 @@ final class JournalWriter {
 
     void start() {
         thread.start();
-        disk.scheduleWithFixedDelay(this::lookAtFiles, LOOK_NANOSECONDS, LOOK_NANOSECONDS,
-                TimeUnit.NANOSECONDS);
+        disk.scheduleWithFixedDelay(
+                this::lookAtFiles, LOOK_NANOSECONDS, LOOK_NANOSECONDS, TimeUnit.NANOSECONDS);
     }
 
     private void lookAtFiles() {
@@ -144,12 +166,22 @@ final class JournalWriter {
         } finally {
             disk.close();
             if (begun) {
-                sink.missing().ifPresent(file -> {
-                    problems.accept(file + " was moved or removed;"
-                            + " what was recorded is no longer there");
-                    gap = gap.or(() -> Optional.of(
-                            new Journal.Gap(reached - begunAt + 1, begunAt, reached)));
-                });
+                sink.missing()
+                        .ifPresent(
+                                file -> {
+                                    problems.accept(
+                                            file
+                                                    + " was moved or removed;"
+                                                    + " what was recorded is no longer there");
+                                    gap =
+                                            gap.or(
+                                                    () ->
+                                                            Optional.of(
+                                                                    new Journal.Gap(
+                                                                            reached - begunAt + 1,
+                                                                            begunAt,
+                                                                            reached)));
+                                });
             }
             attempt(sink::close, "; what was written before is there");
         }
@@ -203,14 +235,17 @@ final class JournalWriter {
             sink.beginAnew();
             missing = false;
             beginsAnew.set(true);
-            problems.accept(file.map(Path::toString).orElse("the recording")
-                    + " was moved or removed; a new recording begins there,"
-                    + " which lacks the frames before it");
+            problems.accept(
+                    file.map(Path::toString).orElse("the recording")
+                            + " was moved or removed; a new recording begins there,"
+                            + " which lacks the frames before it");
         } catch (IOException e) {
             if (!missing) {
-                problems.accept(file.map(Path::toString).orElse("the recording")
-                        + " was moved or removed, and no new recording can begin there: "
-                        + reason(e) + "; nothing is recorded until one can");
+                problems.accept(
+                        file.map(Path::toString).orElse("the recording")
+                                + " was moved or removed, and no new recording can begin there: "
+                                + reason(e)
+                                + "; nothing is recorded until one can");
             }
             missing = true;
         }
@@ -255,19 +290,30 @@ final class JournalWriter {
     }
 
     private static String reason(Throwable failure) {
-        return failure instanceof IOException && failure.getMessage() != null ? failure.getMessage()
+        return failure instanceof IOException && failure.getMessage() != null
+                ? failure.getMessage()
                 : failure.toString();
     }
 
     /** A frame that cannot be written costs the journal up to the next image, and nothing else. */
     private void take(Entry entry) {
         if (begun && !entry.begins && !entry.last) {
-            begun = attempt(() -> addFrame(entry), () -> plan.imageFrames() == 0
-                    ? sink.hasItsLimit() ? "; the recording ends before frame " + entry.frame
-                    : "; the frames from " + entry.frame + " on are not recorded, until a new "
-                    + "recording can begin"
-                    : "; a crash before the next image loses the frames from " + entry.frame
-                    + " on");
+            begun =
+                    attempt(
+                            () -> addFrame(entry),
+                            () ->
+                                    plan.imageFrames() == 0
+                                            ? sink.hasItsLimit()
+                                                    ? "; the recording ends before frame "
+                                                            + entry.frame
+                                                    : "; the frames from "
+                                                            + entry.frame
+                                                            + " on are not recorded, until a new "
+                                                            + "recording can begin"
+                                            : "; a crash before the next image loses the frames"
+                                                    + " from "
+                                                    + entry.frame
+                                                    + " on");
             if (begun) {
                 reached = entry.frame;
             } else {
@@ -283,17 +329,24 @@ final class JournalWriter {
             if (begun && refused) {
                 refused = false;
                 toldStay = false;
-                problems.accept((place.isEmpty() ? "the recording goes on with frame " + entry.frame
-                        : "a new recording begins with frame " + entry.frame + " in " + place)
-                        + gap.map(lack -> "; " + lack).orElse(""));
+                problems.accept(
+                        (place.isEmpty()
+                                        ? "the recording goes on with frame " + entry.frame
+                                        : "a new recording begins with frame "
+                                                + entry.frame
+                                                + " in "
+                                                + place)
+                                + gap.map(lack -> "; " + lack).orElse(""));
                 place = "";
             } else if (!begun) {
                 refused |= isRecordingRefused();
             }
         }
         if (!begun && (refused || missing)) {
-            gap = Optional.of(gap.map(lack -> lack.and(entry.frame))
-                    .orElseGet(() -> new Journal.Gap(1, entry.frame, entry.frame)));
+            gap =
+                    Optional.of(
+                            gap.map(lack -> lack.and(entry.frame))
+                                    .orElseGet(() -> new Journal.Gap(1, entry.frame, entry.frame)));
         }
     }
 
@@ -322,15 +375,17 @@ final class JournalWriter {
     private void keepImage(Entry entry, SimulationImage image) throws IOException {
         Map<String, Long> members = entry.members;
         int tries = entry.last ? LAST_IMAGE_TRIES : 1;
-        String otherwise = begun && !entry.begins
-                ? "; the image before it and the frames since are there"
-                : NOTHING_KEPT;
+        String otherwise =
+                begun && !entry.begins
+                        ? "; the image before it and the frames since are there"
+                        : NOTHING_KEPT;
         CompletableFuture<Boolean> kept;
         try {
             JournalSink.Place place = sink.place();
             frames.begin();
-            kept = CompletableFuture.supplyAsync(
-                    () -> writeImage(image, members, place, tries, otherwise), disk);
+            kept =
+                    CompletableFuture.supplyAsync(
+                            () -> writeImage(image, members, place, tries, otherwise), disk);
         } catch (Throwable e) {
             rooms.add(image); // else given back when it is written
             throw e;
@@ -343,12 +398,22 @@ final class JournalWriter {
         }
     }
 
-    private boolean writeImage(SimulationImage image, Map<String, Long> members,
-            JournalSink.Place place, int tries, String otherwise) {
+    private boolean writeImage(
+            SimulationImage image,
+            Map<String, Long> members,
+            JournalSink.Place place,
+            int tries,
+            String otherwise) {
         try {
-            Step step = () -> write(place,
-                    image.physics().libraries().stream().map(JournalWriter::record).toList(),
-                    new JournalRecord.Image(image.frame(), images.write(image, members)));
+            Step step =
+                    () ->
+                            write(
+                                    place,
+                                    image.physics().libraries().stream()
+                                            .map(JournalWriter::record)
+                                            .toList(),
+                                    new JournalRecord.Image(
+                                            image.frame(), images.write(image, members)));
             boolean done = attempt(step, otherwise);
             for (int i = 1; !done && i < tries; i++) {
                 LockSupport.parkNanos(BETWEEN_TRIES_NANOSECONDS);
@@ -360,13 +425,16 @@ final class JournalWriter {
         }
     }
 
-    private void write(JournalSink.Place place, List<JournalRecord.Library> libraries,
-            JournalRecord.Image image) throws IOException {
+    private void write(
+            JournalSink.Place place,
+            List<JournalRecord.Library> libraries,
+            JournalRecord.Image image)
+            throws IOException {
         try {
             place.write(libraries, image);
         } catch (JournalSink.BegunAnewException e) {
-            problems.accept(e.getMessage() + "; it goes on with the image of frame "
-                    + image.frame());
+            problems.accept(
+                    e.getMessage() + "; it goes on with the image of frame " + image.frame());
             place.write(libraries, image);
         }
     }

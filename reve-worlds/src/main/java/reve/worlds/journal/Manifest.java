@@ -1,4 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.journal;
+
+import reve.core.store.CorruptException;
 
 import java.io.IOException;
 import java.io.InputStream;
@@ -11,7 +14,6 @@ import java.nio.file.StandardOpenOption;
 import java.util.Optional;
 import java.util.UUID;
 import java.util.zip.CRC32C;
-import reve.core.store.CorruptException;
 
 /**
  * The file STORE-manifest: the least that the other files of a store must hold. It is written in
@@ -43,8 +45,15 @@ final class Manifest implements AutoCloseable {
      * @param frame that was written last, or shown by the image that was written last
      * @param image number of the newest image, 0 without any; its frame and its checksum
      */
-    record Claim(UUID store, UUID boot, long file, long fileId, long frame, long image,
-                 long imageFrame, long imageSum) {
+    record Claim(
+            UUID store,
+            UUID boot,
+            long file,
+            long fileId,
+            long frame,
+            long image,
+            long imageFrame,
+            long imageSum) {
         static Claim nothing(UUID store) {
             return new Claim(store, thisBoot(), 0, 0, 0, 0, 0, 0);
         }
@@ -64,8 +73,11 @@ final class Manifest implements AutoCloseable {
         file = path(store);
         this.claim = claim;
         if (Files.exists(file) && !Files.isRegularFile(file)) { // opening a pipe waits for a reader
-            throw new IOException(file + " is no regular file, expected a file of the store "
-                    + store + "; move it away");
+            throw new IOException(
+                    file
+                            + " is no regular file, expected a file of the store "
+                            + store
+                            + "; move it away");
         }
         try {
             channel = FileChannel.open(file, StandardOpenOption.CREATE, StandardOpenOption.WRITE);
@@ -104,28 +116,44 @@ final class Manifest implements AutoCloseable {
         try (InputStream in = Files.newInputStream(file)) {
             long size = Files.size(file);
             if (size != BYTES) {
-                throw new CorruptException(file + " is damaged: it has " + size
-                        + " bytes, expected " + BYTES);
+                throw new CorruptException(
+                        file + " is damaged: it has " + size + " bytes, expected " + BYTES);
             }
             bytes = in.readNBytes(BYTES);
         } catch (IOException e) {
             throw FileTrouble.of(file, "read", e);
         }
         ByteBuffer block = ByteBuffer.wrap(bytes);
-        if (bytes.length != BYTES || !ByteBuffer.wrap(MARK).equals(block.slice(0, MARK.length))
+        if (bytes.length != BYTES
+                || !ByteBuffer.wrap(MARK).equals(block.slice(0, MARK.length))
                 || block.getInt(BYTES - Integer.BYTES) != sum(block)) {
             throw new CorruptException(file + " is damaged");
         }
         block.position(MARK.length);
-        return Optional.of(new Claim(new UUID(block.getLong(), block.getLong()),
-                new UUID(block.getLong(), block.getLong()), block.getLong(), block.getLong(),
-                block.getLong(), block.getLong(), block.getLong(), block.getLong()));
+        return Optional.of(
+                new Claim(
+                        new UUID(block.getLong(), block.getLong()),
+                        new UUID(block.getLong(), block.getLong()),
+                        block.getLong(),
+                        block.getLong(),
+                        block.getLong(),
+                        block.getLong(),
+                        block.getLong(),
+                        block.getLong()));
     }
 
     /** Another file of frames has begun. */
     synchronized void begin(long number, long id) throws IOException {
-        write(new Claim(claim.store, claim.boot, number, id, frame, claim.image,
-                claim.imageFrame, claim.imageSum));
+        write(
+                new Claim(
+                        claim.store,
+                        claim.boot,
+                        number,
+                        id,
+                        frame,
+                        claim.image,
+                        claim.imageFrame,
+                        claim.imageSum));
     }
 
     /** A frame was written. */
@@ -137,8 +165,16 @@ final class Manifest implements AutoCloseable {
 
     /** An image was written. */
     synchronized void keep(long image, long itsFrame, long sum) throws IOException {
-        write(new Claim(claim.store, claim.boot, claim.file, claim.fileId,
-                Math.max(frame, itsFrame), image, itsFrame, sum));
+        write(
+                new Claim(
+                        claim.store,
+                        claim.boot,
+                        claim.file,
+                        claim.fileId,
+                        Math.max(frame, itsFrame),
+                        image,
+                        itsFrame,
+                        sum));
     }
 
     /** Waits until what it says outlives a power failure. */
@@ -157,8 +193,15 @@ final class Manifest implements AutoCloseable {
     }
 
     synchronized Claim claim() {
-        return new Claim(claim.store, claim.boot, claim.file, claim.fileId, frame, claim.image,
-                claim.imageFrame, claim.imageSum);
+        return new Claim(
+                claim.store,
+                claim.boot,
+                claim.file,
+                claim.fileId,
+                frame,
+                claim.image,
+                claim.imageFrame,
+                claim.imageSum);
     }
 
     @Override
@@ -170,8 +213,12 @@ final class Manifest implements AutoCloseable {
         block.clear().put(MARK);
         put(now.store);
         put(now.boot);
-        block.putLong(now.file).putLong(now.fileId).putLong(now.frame).putLong(now.image)
-                .putLong(now.imageFrame).putLong(now.imageSum);
+        block.putLong(now.file)
+                .putLong(now.fileId)
+                .putLong(now.frame)
+                .putLong(now.image)
+                .putLong(now.imageFrame)
+                .putLong(now.imageSum);
         claim = now;
         frame = now.frame;
         write();

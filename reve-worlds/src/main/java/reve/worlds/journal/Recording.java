@@ -1,4 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.journal;
+
+import reve.core.disk.OwnedFile;
 
 import java.io.IOException;
 import java.io.InputStream;
@@ -8,7 +11,6 @@ import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.Optional;
 import java.util.stream.IntStream;
-import reve.core.disk.OwnedFile;
 
 /**
  * A recording that is being made, in a file that no other process may write meanwhile. An older
@@ -59,8 +61,12 @@ public final class Recording implements JournalSink {
         try {
             return OwnedFile.rotate(file, plan.keep());
         } catch (IOException e) {
-            throw new IOException("it holds a recording, which could not be moved to "
-                    + OwnedFile.older(file, 1) + ": " + FileTrouble.reason(file, e), e);
+            throw new IOException(
+                    "it holds a recording, which could not be moved to "
+                            + OwnedFile.older(file, 1)
+                            + ": "
+                            + FileTrouble.reason(file, e),
+                    e);
         }
     }
 
@@ -84,8 +90,10 @@ public final class Recording implements JournalSink {
         }
         try (InputStream held = Files.newInputStream(named)) {
             if (!RunLog.isRecording(held)) {
-                throw new IOException(named + " is there already and holds no recording; name "
-                        + "another file, or remove it");
+                throw new IOException(
+                        named
+                                + " is there already and holds no recording; name "
+                                + "another file, or remove it");
             }
         } catch (AccessDeniedException e) {
             throw FileTrouble.of(named, "read", e);
@@ -137,10 +145,15 @@ public final class Recording implements JournalSink {
 
     /** A disk that becomes full again and again must not push out the recordings before. */
     private void requireRoomForOlder() throws IOException {
-        if (Files.size(file) > RunLog.EMPTY_BYTES && IntStream.rangeClosed(1, plan.keep())
-                .allMatch(i -> Files.exists(OwnedFile.older(file, i)))) {
-            throw new IOException(file + " has " + plan.keep() + " older files, of which none is "
-                    + "given up for a part of a recording; move some away");
+        if (Files.size(file) > RunLog.EMPTY_BYTES
+                && IntStream.rangeClosed(1, plan.keep())
+                        .allMatch(i -> Files.exists(OwnedFile.older(file, i)))) {
+            throw new IOException(
+                    file
+                            + " has "
+                            + plan.keep()
+                            + " older files, of which none is "
+                            + "given up for a part of a recording; move some away");
         }
     }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.journal;
 
 import java.nio.file.Path;
@@ -13,11 +14,17 @@ public record RecordingPlan(Path file, long maxBytes, int keep) {
 
     public static final int DEFAULT_KEEP = 8;
 
-    /** @throws IllegalArgumentException if the size is less than 1 byte or no file is kept */
+    /**
+     * @throws IllegalArgumentException if the size is less than 1 byte or no file is kept
+     */
     public RecordingPlan {
         if (maxBytes < 1 || keep < 1) {
-            throw new IllegalArgumentException("a recording of " + maxBytes + " bytes and "
-                    + keep + " older files, expected 1 or more of each");
+            throw new IllegalArgumentException(
+                    "a recording of "
+                            + maxBytes
+                            + " bytes and "
+                            + keep
+                            + " older files, expected 1 or more of each");
         }
     }
 

@@ -1,4 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.journal;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.core.store.CorruptException;
+import reve.pe.PreparedLibrary;
 
 import java.io.BufferedInputStream;
 import java.io.DataInputStream;
@@ -24,9 +30,6 @@ import java.util.Optional;
 import java.util.Set;
 import java.util.UUID;
 import java.util.zip.CRC32C;
-import org.jspecify.annotations.Nullable;
-import reve.core.store.CorruptException;
-import reve.pe.PreparedLibrary;
 
 /**
  * A file of records, only ever added to: a whole recording, or frames of a store. A mark, then each
@@ -37,17 +40,24 @@ import reve.pe.PreparedLibrary;
 public final class RunLog {
     /** The letter of the record that files of a store begin with. */
     private static final char LINK = 'S';
+
     private static final byte[] MARK = "REVE run log 2\n".getBytes(StandardCharsets.US_ASCII);
+
     /** Size of a file without any record [bytes]. */
     static final int EMPTY_BYTES = MARK.length;
+
     private static final int HEAD_BYTES = Integer.BYTES + 1 + Long.BYTES;
     private static final int SUM_BYTES = Integer.BYTES;
     private static final int SHA_BYTES = 32;
+
     /** Maximum size of a record; SQLite takes no more for an image either [bytes]. */
     static final int MAX_BYTES = 1_000_000_000;
+
     /** Size from which on a content is summed up before memory is allocated for it [bytes]. */
     private static final int LARGE_BYTES = 1 << 20;
+
     private static final int PIECE_BYTES = 1 << 16;
+
     /** Size of a file of frames of a store without any frame [bytes]. */
     static final int LINKED_BYTES = EMPTY_BYTES + HEAD_BYTES + 2 * SUM_BYTES + Link.BYTES;
 
@@ -65,14 +75,23 @@ public final class RunLog {
         private static final int BYTES = 4 * Long.BYTES;
 
         private ByteBuffer encoded() {
-            return RunLog.encoded(LINK, number, ByteBuffer.allocate(BYTES)
-                    .putLong(store.getMostSignificantBits())
-                    .putLong(store.getLeastSignificantBits()).putLong(id).putLong(before).array());
+            return RunLog.encoded(
+                    LINK,
+                    number,
+                    ByteBuffer.allocate(BYTES)
+                            .putLong(store.getMostSignificantBits())
+                            .putLong(store.getLeastSignificantBits())
+                            .putLong(id)
+                            .putLong(before)
+                            .array());
         }
 
         private static Link decoded(long number, byte[] content) {
             ByteBuffer bytes = ByteBuffer.wrap(content);
-            return new Link(new UUID(bytes.getLong(), bytes.getLong()), number, bytes.getLong(),
+            return new Link(
+                    new UUID(bytes.getLong(), bytes.getLong()),
+                    number,
+                    bytes.getLong(),
                     bytes.getLong());
         }
     }
@@ -89,10 +108,16 @@ public final class RunLog {
     /** Whether a file begins as a recording, or as the part of it that a crash left. */
     static boolean isRecording(InputStream file) throws IOException {
         byte[] start = file.readNBytes(MARK.length + Integer.BYTES + 1);
-        boolean stores = start.length > MARK.length + Integer.BYTES
-                && start[start.length - 1] == LINK;
-        return !stores && Arrays.equals(start, 0, Math.min(start.length, MARK.length),
-                MARK, 0, Math.min(start.length, MARK.length));
+        boolean stores =
+                start.length > MARK.length + Integer.BYTES && start[start.length - 1] == LINK;
+        return !stores
+                && Arrays.equals(
+                        start,
+                        0,
+                        Math.min(start.length, MARK.length),
+                        MARK,
+                        0,
+                        Math.min(start.length, MARK.length));
     }
 
     /** Adds each record by one write. One thread, but for {@link #force}. */
@@ -101,8 +126,10 @@ public final class RunLog {
         private final FileChannel channel;
         private final long maxBytes;
         private final Optional<FilePlace> place;
+
         /** Bytes that the file has at least. */
         private volatile long written;
+
         private final Set<String> libraries = new HashSet<>();
         private boolean full;
 
@@ -113,12 +140,17 @@ public final class RunLog {
 
         /** A file of frames of a store. */
         Writer(Path file, Link link) throws IOException {
-            this(file, emptied(file), Long.MAX_VALUE, ByteBuffer.allocate(LINKED_BYTES).put(MARK)
-                    .put(link.encoded()).flip(), true);
+            this(
+                    file,
+                    emptied(file),
+                    Long.MAX_VALUE,
+                    ByteBuffer.allocate(LINKED_BYTES).put(MARK).put(link.encoded()).flip(),
+                    true);
         }
 
-        private Writer(Path file, FileChannel channel, long maxBytes, ByteBuffer start,
-                boolean isWatched) throws IOException {
+        private Writer(
+                Path file, FileChannel channel, long maxBytes, ByteBuffer start, boolean isWatched)
+                throws IOException {
             this.file = file;
             this.channel = channel;
             this.maxBytes = maxBytes;
@@ -134,8 +166,12 @@ public final class RunLog {
         private static FileChannel emptied(Path file) throws IOException {
             try {
                 // APPEND: a file that something cut stays shorter than what was written.
-                return FileChannel.open(file, StandardOpenOption.CREATE, StandardOpenOption.WRITE,
-                        StandardOpenOption.APPEND).truncate(0);
+                return FileChannel.open(
+                                file,
+                                StandardOpenOption.CREATE,
+                                StandardOpenOption.WRITE,
+                                StandardOpenOption.APPEND)
+                        .truncate(0);
             } catch (IOException e) {
                 throw FileTrouble.of(file, "written", e);
             }
@@ -145,8 +181,12 @@ public final class RunLog {
             switch (record) {
                 case JournalRecord.Library library -> {
                     if (!libraries.contains(library.sha256())) {
-                        add(encoded('L', 0, HexFormat.of().parseHex(library.sha256()),
-                                library.bytes()));
+                        add(
+                                encoded(
+                                        'L',
+                                        0,
+                                        HexFormat.of().parseHex(library.sha256()),
+                                        library.bytes()));
                         libraries.add(library.sha256());
                     }
                 }
@@ -206,8 +246,12 @@ public final class RunLog {
 
         private void add(ByteBuffer bytes) throws IOException {
             if (bytes.remaining() - HEAD_BYTES - 2 * SUM_BYTES > MAX_BYTES) {
-                throw new IOException(file + " cannot hold a record of " + bytes.remaining()
-                        + " bytes, expected at most " + MAX_BYTES);
+                throw new IOException(
+                        file
+                                + " cannot hold a record of "
+                                + bytes.remaining()
+                                + " bytes, expected at most "
+                                + MAX_BYTES);
             }
             long end = channel.position();
             long after = written + bytes.remaining();
@@ -241,8 +285,12 @@ public final class RunLog {
 
     private static ByteBuffer encoded(char letter, long frame, byte[]... parts) {
         int length = Math.toIntExact(Arrays.stream(parts).mapToLong(part -> part.length).sum());
-        ByteBuffer record = ByteBuffer.allocate(HEAD_BYTES + length + 2 * SUM_BYTES)
-                .order(ByteOrder.LITTLE_ENDIAN).putInt(length).put((byte) letter).putLong(frame);
+        ByteBuffer record =
+                ByteBuffer.allocate(HEAD_BYTES + length + 2 * SUM_BYTES)
+                        .order(ByteOrder.LITTLE_ENDIAN)
+                        .putInt(length)
+                        .put((byte) letter)
+                        .putLong(frame);
         record.putInt(checksum(record.array(), 0, HEAD_BYTES));
         for (byte[] part : parts) {
             record.put(part);
@@ -271,12 +319,15 @@ public final class RunLog {
         private Reader(Path file) throws IOException {
             this.file = file;
             if (!Files.isRegularFile(file)) {
-                throw new IOException(Files.exists(file) ? file + " is no file that could be a "
-                        + "recording" : "there is no recording " + file);
+                throw new IOException(
+                        Files.exists(file)
+                                ? file + " is no file that could be a " + "recording"
+                                : "there is no recording " + file);
             }
             channel = FileChannel.open(file);
-            in = new DataInputStream(
-                    new BufferedInputStream(Channels.newInputStream(channel), PIECE_BYTES));
+            in =
+                    new DataInputStream(
+                            new BufferedInputStream(Channels.newInputStream(channel), PIECE_BYTES));
             try {
                 size = channel.size();
                 if (!Arrays.equals(in.readNBytes(MARK.length), MARK)) {
@@ -313,7 +364,9 @@ public final class RunLog {
             return next != null || damage != null;
         }
 
-        /** @throws CorruptException naming the place in the file, if the record is damaged */
+        /**
+         * @throws CorruptException naming the place in the file, if the record is damaged
+         */
         @Override
         public JournalRecord next() {
             if (damage != null) {
@@ -353,8 +406,11 @@ public final class RunLog {
                 cut = true;
                 return null;
             }
-            boolean fits = length <= (bytes[Integer.BYTES] == 'L'
-                    ? PreparedLibrary.MAX_BYTES + SHA_BYTES : MAX_BYTES);
+            boolean fits =
+                    length
+                            <= (bytes[Integer.BYTES] == 'L'
+                                    ? PreparedLibrary.MAX_BYTES + SHA_BYTES
+                                    : MAX_BYTES);
             if (!fits || length > LARGE_BYTES && !isGood(length)) {
                 throw damaged();
             }
@@ -407,7 +463,8 @@ public final class RunLog {
                     if (content.length < SHA_BYTES) {
                         throw damaged();
                     }
-                    yield new JournalRecord.Library(HexFormat.of().formatHex(content, 0, SHA_BYTES),
+                    yield new JournalRecord.Library(
+                            HexFormat.of().formatHex(content, 0, SHA_BYTES),
                             Arrays.copyOfRange(content, SHA_BYTES, content.length));
                 }
                 case 'I' -> new JournalRecord.Image(frame, content);
@@ -417,8 +474,11 @@ public final class RunLog {
         }
 
         private CorruptException damaged() {
-            return new CorruptException(file + " is damaged in the record at byte " + at
-                    + "; nothing after it can be trusted");
+            return new CorruptException(
+                    file
+                            + " is damaged in the record at byte "
+                            + at
+                            + "; nothing after it can be trusted");
         }
     }
 }

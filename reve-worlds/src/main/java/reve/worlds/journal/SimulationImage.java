@@ -1,11 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.journal;
 
-import java.util.List;
-import java.util.function.Consumer;
 import reve.core.world.World;
 import reve.core.world.WorldImage;
 import reve.pe.adapter.PhysicsAdapter;
 import reve.pe.adapter.PhysicsImage;
+
+import java.util.List;
+import java.util.function.Consumer;
 
 /**
  * Everything a simulation is at the end of a frame. Any number of threads may read it and make
@@ -18,10 +20,12 @@ public final class SimulationImage implements AutoCloseable {
 
     /** Room for a world of this prototype; nothing in it yet. World's thread. */
     public SimulationImage(World like) {
-        this(like, image -> { });
+        this(like, image -> {});
     }
 
-    /** @param whenClosed told when the image is closed */
+    /**
+     * @param whenClosed told when the image is closed
+     */
     public SimulationImage(World like, Consumer<SimulationImage> whenClosed) {
         this.world = new WorldImage(like);
         this.whenClosed = whenClosed;

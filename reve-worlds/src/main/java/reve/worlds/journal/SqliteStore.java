@@ -1,4 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.journal;
+
+import reve.core.store.CorruptException;
 
 import java.io.IOException;
 import java.nio.file.Files;
@@ -13,7 +16,6 @@ import java.util.LinkedHashSet;
 import java.util.List;
 import java.util.Set;
 import java.util.UUID;
-import reve.core.store.CorruptException;
 
 /**
  * A durable store of one world: an SQLite database in write-ahead-log mode with the last three
@@ -33,8 +35,10 @@ public final class SqliteStore implements JournalSink {
     private final Set<String> told = new HashSet<>();
     private Connection connection;
     private FilePlace place;
+
     /** Size that the database has at least [bytes]. */
     private long bytes;
+
     private boolean hasIdentity;
 
     /** How much a power failure may cost; the end of the process alone never costs a record. */
@@ -83,24 +87,31 @@ public final class SqliteStore implements JournalSink {
         };
     }
 
-    private void write(long framesFile, List<JournalRecord.Library> libraries,
-            JournalRecord.Image image) throws IOException {
+    private void write(
+            long framesFile, List<JournalRecord.Library> libraries, JournalRecord.Image image)
+            throws IOException {
         requireInPlace();
         frames.forceManifest();
         long sum = StoreDatabase.checksum(image.bytes(), framesFile, image.frame());
         long oldest;
         try {
             for (JournalRecord.Library library : libraries) {
-                insert(damagedLibraries.contains(library.sha256())
-                        ? "INSERT OR REPLACE INTO library VALUES (?, ?)"
-                        : "INSERT OR IGNORE INTO library VALUES (?, ?)", library.sha256(),
+                insert(
+                        damagedLibraries.contains(library.sha256())
+                                ? "INSERT OR REPLACE INTO library VALUES (?, ?)"
+                                : "INSERT OR IGNORE INTO library VALUES (?, ?)",
+                        library.sha256(),
                         library.bytes());
             }
             if (!hasIdentity) {
                 identify();
             }
-            insert("INSERT OR REPLACE INTO image VALUES (?, ?, ?, ?)", framesFile, image.frame(),
-                    image.bytes(), sum);
+            insert(
+                    "INSERT OR REPLACE INTO image VALUES (?, ?, ?, ?)",
+                    framesFile,
+                    image.frame(),
+                    image.bytes(),
+                    sum);
             oldest = dropOld();
             connection.commit();
         } catch (SQLException e) {
@@ -172,7 +183,9 @@ public final class SqliteStore implements JournalSink {
         }
     }
 
-    /** @return where it is now, for people; empty if there was nothing */
+    /**
+     * @return where it is now, for people; empty if there was nothing
+     */
     private String moveAside() throws IOException {
         if (!Files.exists(file, LinkOption.NOFOLLOW_LINKS)) {
             return "";
@@ -197,10 +210,16 @@ public final class SqliteStore implements JournalSink {
         if (!trouble.isEmpty()) {
             now.add(file + " " + trouble);
         }
-        List<String> fresh = now.stream().filter(each -> !told.contains(each))
-                .map(each -> each + ". The next image makes the store whole again, and the server "
-                        + "has to run until then; leave the files of a store that is in use alone")
-                .toList();
+        List<String> fresh =
+                now.stream()
+                        .filter(each -> !told.contains(each))
+                        .map(
+                                each ->
+                                        each
+                                                + ". The next image makes the store whole again,"
+                                                + " and the server has to run until then; leave the"
+                                                + " files of a store that is in use alone")
+                        .toList();
         told.clear();
         told.addAll(now);
         return fresh;
@@ -229,9 +248,11 @@ public final class SqliteStore implements JournalSink {
     /** Keeps the last images; the number of the file of the frames after the oldest of them. */
     private long dropOld() throws SQLException {
         try (Statement statement = connection.createStatement()) {
-            statement.executeUpdate("DELETE FROM image WHERE frames_file NOT IN "
-                    + "(SELECT frames_file FROM image ORDER BY frames_file DESC LIMIT "
-                    + GENERATIONS + ")");
+            statement.executeUpdate(
+                    "DELETE FROM image WHERE frames_file NOT IN "
+                            + "(SELECT frames_file FROM image ORDER BY frames_file DESC LIMIT "
+                            + GENERATIONS
+                            + ")");
             return StoreDatabase.number(statement, "SELECT min(frames_file) FROM image");
         }
     }

@@ -1,4 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.journal;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.core.store.CorruptException;
+import reve.worlds.Product;
 
 import java.io.IOException;
 import java.nio.file.Files;
@@ -6,15 +12,11 @@ import java.nio.file.LinkOption;
 import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.List;
-import java.util.Map;
 import java.util.Optional;
 import java.util.SortedMap;
 import java.util.TreeMap;
 import java.util.UUID;
 import java.util.stream.Stream;
-import org.jspecify.annotations.Nullable;
-import reve.core.store.CorruptException;
-import reve.worlds.Product;
 
 /**
  * What the files of a store hold, read without changing any of them, and what is missing. One
@@ -25,8 +27,10 @@ public final class StoreContents {
 
     /** Damage that costs nothing, as a line each that names the file. */
     private final List<String> harmless = new ArrayList<>();
+
     /** Damage because of which the store is not whole. */
     private final List<String> damage = new ArrayList<>();
+
     private final Path file;
     private final StoreDatabase.Rows rows;
     private final Optional<Manifest.Claim> claim;
@@ -37,8 +41,12 @@ public final class StoreContents {
     private long known;
 
     /** A file of frames as far as it can be read. */
-    private record FrameFile(long number, Path file, Optional<RunLog.Link> link,
-                             List<JournalRecord> records, Optional<String> damage) {}
+    private record FrameFile(
+            long number,
+            Path file,
+            Optional<RunLog.Link> link,
+            List<JournalRecord> records,
+            Optional<String> damage) {}
 
     /**
      * An image and what follows it without a gap.
@@ -46,9 +54,13 @@ public final class StoreContents {
      * @param why it ends where it does, or is read in another way than it was written
      * @param isTail whether all that is wrong may be the end of the newest file
      */
-    private record Start(StoreDatabase.ImageRow row, JournalRecord.Image image,
-                         List<JournalRecord> after, long frame, List<String> why,
-                         boolean isTail) {}
+    private record Start(
+            StoreDatabase.ImageRow row,
+            JournalRecord.Image image,
+            List<JournalRecord> after,
+            long frame,
+            List<String> why,
+            boolean isTail) {}
 
     /**
      * Reads a store; a file that is not there is an empty one.
@@ -74,10 +86,11 @@ public final class StoreContents {
         this.files = files;
         damage.addAll(rows.damage());
         claim = readClaim();
-        id = claim.filter(said -> rows.identity().isEmpty() || isOf(said))
-                .map(Manifest.Claim::store)
-                .or(() -> rows.identity().map(StoreDatabase.Identity::id))
-                .orElseGet(UUID::randomUUID);
+        id =
+                claim.filter(said -> rows.identity().isEmpty() || isOf(said))
+                        .map(Manifest.Claim::store)
+                        .or(() -> rows.identity().map(StoreDatabase.Identity::id))
+                        .orElseGet(UUID::randomUUID);
         requireImageBeforeFrames();
         if (isEmpty()) {
             return;
@@ -100,7 +113,8 @@ public final class StoreContents {
 
     /** Whether no image was ever kept in it. */
     public boolean isEmpty() {
-        return rows.images().isEmpty() && rows.damage().isEmpty()
+        return rows.images().isEmpty()
+                && rows.damage().isEmpty()
                 && claim.map(Manifest.Claim::image).orElse(0L) == 0
                 && damage.isEmpty();
     }
@@ -128,8 +142,8 @@ public final class StoreContents {
     /** What it takes to have the world again: an image, and the frames that follow it. */
     public List<JournalRecord> records() {
         List<JournalRecord> records = new ArrayList<>();
-        rows.libraries().forEach((sha256, bytes) ->
-                records.add(new JournalRecord.Library(sha256, bytes)));
+        rows.libraries()
+                .forEach((sha256, bytes) -> records.add(new JournalRecord.Library(sha256, bytes)));
         if (start != null) {
             records.add(start.image());
             records.addAll(start.after());
@@ -146,7 +160,9 @@ public final class StoreContents {
         return all.stream().filter(each -> Files.exists(each, LinkOption.NOFOLLOW_LINKS)).toList();
     }
 
-    /** @throws CorruptException saying what is missing, what is left and what to do */
+    /**
+     * @throws CorruptException saying what is missing, what is left and what to do
+     */
     public void requireWhole() {
         if (!isWhole()) {
             throw refusal(String.join("; ", damage), frame());
@@ -159,21 +175,42 @@ public final class StoreContents {
      * @param frame that it could go on from, -1 if there is none
      */
     public CorruptException refusal(String reason, long frame) {
-        String left = frame < 0 ? "Nothing can be recovered from these files: put them back from "
-                + "a copy, or name another file" : "It can continue from frame " + frame
-                + (known > frame ? "; frames " + (frame + 1) + " to " + known + " would be lost"
-                : "") + ". Put back what is missing from a copy, or recover what is left: "
-                + Product.command() + " store repair " + file;
-        return new CorruptException(file + " is not whole: " + reason + ". " + left
-                + " (nothing was changed)");
+        String left =
+                frame < 0
+                        ? "Nothing can be recovered from these files: put them back from "
+                                + "a copy, or name another file"
+                        : "It can continue from frame "
+                                + frame
+                                + (known > frame
+                                        ? "; frames "
+                                                + (frame + 1)
+                                                + " to "
+                                                + known
+                                                + " would be lost"
+                                        : "")
+                                + ". Put back what is missing from a copy, or recover what is left:"
+                                + " "
+                                + Product.command()
+                                + " store repair "
+                                + file;
+        return new CorruptException(
+                file + " is not whole: " + reason + ". " + left + " (nothing was changed)");
     }
 
     /** What the manifest is to say when the store goes on from here. */
     Manifest.Claim claim() {
         Manifest.Claim begin = Manifest.Claim.nothing(id);
-        return start == null ? begin : new Manifest.Claim(id, begin.boot(), lastFile(),
-                lastId(), start.frame(), start.row().framesFile(), start.row().frame(),
-                start.row().sum());
+        return start == null
+                ? begin
+                : new Manifest.Claim(
+                        id,
+                        begin.boot(),
+                        lastFile(),
+                        lastId(),
+                        start.frame(),
+                        start.row().framesFile(),
+                        start.row().frame(),
+                        start.row().sum());
     }
 
     /** The number of the newest file of frames there is or was; 0 without any. */
@@ -186,8 +223,10 @@ public final class StoreContents {
     }
 
     long lastId() {
-        return Optional.ofNullable(read.get(lastFile())).flatMap(FrameFile::link)
-                .map(RunLog.Link::id).orElse(0L);
+        return Optional.ofNullable(read.get(lastFile()))
+                .flatMap(FrameFile::link)
+                .map(RunLog.Link::id)
+                .orElse(0L);
     }
 
     UUID id() {
@@ -207,8 +246,11 @@ public final class StoreContents {
         try {
             Optional<Manifest.Claim> found = Manifest.read(file);
             if (found.isEmpty() && rows.identity().isPresent()) {
-                damage.add(Manifest.path(file) + " is " + (Files.exists(Manifest.path(file))
-                        ? "empty" : "missing") + NOT_VOUCHED);
+                damage.add(
+                        Manifest.path(file)
+                                + " is "
+                                + (Files.exists(Manifest.path(file)) ? "empty" : "missing")
+                                + NOT_VOUCHED);
             }
             return found;
         } catch (CorruptException e) {
@@ -219,8 +261,12 @@ public final class StoreContents {
 
     /** Whether a manifest names the very image that is in the database. */
     private boolean isOf(Manifest.Claim said) {
-        return rows.images().stream().anyMatch(row -> row.isGood()
-                && row.framesFile() == said.image() && row.sum() == said.imageSum());
+        return rows.images().stream()
+                .anyMatch(
+                        row ->
+                                row.isGood()
+                                        && row.framesFile() == said.image()
+                                        && row.sum() == said.imageSum());
     }
 
     private void requireImageBeforeFrames() throws IOException {
@@ -243,8 +289,10 @@ public final class StoreContents {
         known = said.frame();
         Path manifest = Manifest.path(file);
         if (rows.identity().isPresent() && !rows.identity().get().id().equals(said.store())) {
-            damage.add(isOf(said) ? file + " has another identity than " + manifest
-                    : manifest + " belongs to another store than " + file);
+            damage.add(
+                    isOf(said)
+                            ? file + " has another identity than " + manifest
+                            : manifest + " belongs to another store than " + file);
             known = id.equals(said.store()) ? known : 0;
         } else if (said.image() > 0 && rows.identity().isEmpty()) {
             damage.add(file + " is an older copy, from before " + manifest);
@@ -260,15 +308,24 @@ public final class StoreContents {
             damage.add(older(file));
         }
         if (said.image() > 0 && !has) {
-            harmless.add(file + " lacks the image of frame " + said.imageFrame() + ": it is an "
-                    + "older copy, or " + file + "-wal was lost");
+            harmless.add(
+                    file
+                            + " lacks the image of frame "
+                            + said.imageFrame()
+                            + ": it is an "
+                            + "older copy, or "
+                            + file
+                            + "-wal was lost");
         }
     }
 
     /** Whose each file is, and that each continues the one before it; others are passed over. */
     private void checkLinks() throws IOException {
-        long first = rows.images().stream().mapToLong(StoreDatabase.ImageRow::framesFile).min()
-                .orElse(1);
+        long first =
+                rows.images().stream()
+                        .mapToLong(StoreDatabase.ImageRow::framesFile)
+                        .min()
+                        .orElse(1);
         RunLog.@Nullable Link before = null;
         for (long number : files.tailMap(first).keySet()) {
             FrameFile each = frames(number);
@@ -286,10 +343,17 @@ public final class StoreContents {
      * on the disk, and not yet the manifest; it is on the disk before an image is.
      */
     private void compareFramesWithManifest() {
-        claim.ifPresent(said -> read.tailMap(said.file() + 1).values().stream()
-                .filter(each -> !each.records().isEmpty() || each.damage().isPresent())
-                .forEach(each -> (said.isOfAnotherBoot() ? harmless : damage)
-                        .add(older(each.file()))));
+        claim.ifPresent(
+                said ->
+                        read.tailMap(said.file() + 1).values().stream()
+                                .filter(
+                                        each ->
+                                                !each.records().isEmpty()
+                                                        || each.damage().isPresent())
+                                .forEach(
+                                        each ->
+                                                (said.isOfAnotherBoot() ? harmless : damage)
+                                                        .add(older(each.file()))));
     }
 
     private String older(Path than) {
@@ -298,7 +362,8 @@ public final class StoreContents {
 
     /** Whether the database, and not a file beside it, is the one that does not belong here. */
     private boolean isStranger() {
-        return claim.isPresent() && !id.equals(claim.get().store())
+        return claim.isPresent()
+                && !id.equals(claim.get().store())
                 && read.values().stream().allMatch(each -> each.link().isEmpty());
     }
 
@@ -314,14 +379,19 @@ public final class StoreContents {
             return Optional.of(each.file() + " belongs to another store than " + file);
         }
         if (link.number() != each.number()) {
-            return Optional.of(each.file() + " was "
-                    + FrameFiles.path(file, link.number()).getFileName());
+            return Optional.of(
+                    each.file() + " was " + FrameFiles.path(file, link.number()).getFileName());
         }
-        boolean isClaimed = claim.isEmpty() || link.number() != claim.get().file()
-                || link.id() == claim.get().fileId();
-        boolean continues = before == null || before.number() != link.number() - 1
-                || link.before() == before.id();
-        return isClaimed && continues ? Optional.empty()
+        boolean isClaimed =
+                claim.isEmpty()
+                        || link.number() != claim.get().file()
+                        || link.id() == claim.get().fileId();
+        boolean continues =
+                before == null
+                        || before.number() != link.number() - 1
+                        || link.before() == before.id();
+        return isClaimed && continues
+                ? Optional.empty()
                 : Optional.of(each.file() + " belongs to another copy of the store");
     }
 
@@ -346,8 +416,8 @@ public final class StoreContents {
             }
             return new FrameFile(number, path, reader.link(), records, found);
         } catch (CorruptException e) {
-            return new FrameFile(number, path, Optional.empty(), records,
-                    Optional.of(e.getMessage()));
+            return new FrameFile(
+                    number, path, Optional.empty(), records, Optional.of(e.getMessage()));
         } catch (IOException e) {
             throw FileTrouble.of(path, "read", e);
         }
@@ -385,8 +455,13 @@ public final class StoreContents {
                     known = Math.max(known, made.frame());
                     if (!gap && made.frame() != frame + 1) {
                         gap = true;
-                        why.add(each.file() + ": frame " + made.frame() + " follows frame " + frame
-                                + ", records are missing");
+                        why.add(
+                                each.file()
+                                        + ": frame "
+                                        + made.frame()
+                                        + " follows frame "
+                                        + frame
+                                        + ", records are missing");
                     }
                     frame = gap ? frame : made.frame();
                 }
@@ -405,10 +480,15 @@ public final class StoreContents {
     private boolean addMissing(long from, long before, String more, List<String> into) {
         long first = Math.max(from, since());
         if (first < before) {
-            String last = before - first == 1 ? ""
-                    : " to " + FrameFiles.path(file, before - 1).getFileName();
-            into.add(FrameFiles.path(file, first) + last
-                    + (files.containsKey(first) ? " cannot be used" : " is missing") + more);
+            String last =
+                    before - first == 1
+                            ? ""
+                            : " to " + FrameFiles.path(file, before - 1).getFileName();
+            into.add(
+                    FrameFiles.path(file, first)
+                            + last
+                            + (files.containsKey(first) ? " cannot be used" : " is missing")
+                            + more);
         }
         return first < before;
     }
@@ -423,27 +503,47 @@ public final class StoreContents {
             damage.addAll(harmless);
             return;
         }
-        claim.filter(said -> from.row().framesFile() < said.image()
-                && from.frame() <= said.imageFrame()).ifPresent(said -> damage.add(file
-                + ": the last image, of frame " + said.imageFrame() + ", cannot be used; it may "
-                + "hold edits that were made after that frame"));
-        boolean damaged = read.tailMap(from.row().framesFile()).values().stream()
-                .anyMatch(each -> each.damage().isPresent());
+        claim.filter(
+                        said ->
+                                from.row().framesFile() < said.image()
+                                        && from.frame() <= said.imageFrame())
+                .ifPresent(
+                        said ->
+                                damage.add(
+                                        file
+                                                + ": the last image, of frame "
+                                                + said.imageFrame()
+                                                + ", cannot be used; it may "
+                                                + "hold edits that were made after that frame"));
+        boolean damaged =
+                read.tailMap(from.row().framesFile()).values().stream()
+                        .anyMatch(each -> each.damage().isPresent());
         if (from.frame() >= known && !damaged) {
             (damage.isEmpty() ? harmless : damage).addAll(from.why());
             addOlderFiles(from.row().framesFile());
-        } else if (damage.isEmpty() && from.isTail() && claim.isPresent()
+        } else if (damage.isEmpty()
+                && from.isTail()
+                && claim.isPresent()
                 && claim.get().isOfAnotherBoot()) {
             harmless.addAll(from.why());
-            harmless.add(FrameFiles.path(file, lastFile()) + " ends at frame " + from.frame()
-                    + " of " + known + ": the machine was started again since, and the disk did "
-                    + "not have the others");
+            harmless.add(
+                    FrameFiles.path(file, lastFile())
+                            + " ends at frame "
+                            + from.frame()
+                            + " of "
+                            + known
+                            + ": the machine was started again since, and the disk did "
+                            + "not have the others");
         } else {
             damage.addAll(from.why());
             damage.addAll(harmless);
             if (damage.isEmpty()) {
-                damage.add(FrameFiles.path(file, lastFile()) + " ends at frame " + from.frame()
-                        + ", but went on to frame " + known);
+                damage.add(
+                        FrameFiles.path(file, lastFile())
+                                + " ends at frame "
+                                + from.frame()
+                                + ", but went on to frame "
+                                + known);
             }
         }
     }
@@ -467,11 +567,18 @@ public final class StoreContents {
                 .forEach(beside::add);
         beside.addAll(setAside(file));
         if (!beside.isEmpty()) {
-            throw new CorruptException(file + (Files.exists(file) ? " is empty" : " is missing")
-                    + ", but " + beside.getFirst() + (beside.size() > 1 ? " and "
-                    + (beside.size() - 1) + " more beside it belong" : " beside it belongs")
-                    + " to a store. Put " + file.getFileName() + " back from a copy; to begin a "
-                    + "new world, name another file or move these away (nothing was changed)");
+            throw new CorruptException(
+                    file
+                            + (Files.exists(file) ? " is empty" : " is missing")
+                            + ", but "
+                            + beside.getFirst()
+                            + (beside.size() > 1
+                                    ? " and " + (beside.size() - 1) + " more beside it belong"
+                                    : " beside it belongs")
+                            + " to a store. Put "
+                            + file.getFileName()
+                            + " back from a copy; to begin a new world, name another file or move"
+                            + " these away (nothing was changed)");
         }
     }
 
@@ -480,7 +587,8 @@ public final class StoreContents {
         String prefix = file.getFileName() + ".damaged-";
         try (Stream<Path> siblings = Files.list(file.toAbsolutePath().getParent())) {
             return siblings.filter(each -> each.getFileName().toString().startsWith(prefix))
-                    .sorted().toList();
+                    .sorted()
+                    .toList();
         }
     }
 
@@ -492,15 +600,22 @@ public final class StoreContents {
         own.addAll(StoreDatabase.besides(file));
         for (Path each : own) {
             if (Files.exists(each) && !Files.isRegularFile(each) && !Files.isDirectory(each)) {
-                throw new IOException(each + " is a device or a pipe, expected a file of the store "
-                        + file + "; move it away (nothing was changed)");
+                throw new IOException(
+                        each
+                                + " is a device or a pipe, expected a file of the store "
+                                + file
+                                + "; move it away (nothing was changed)");
             }
         }
         for (Path each : StoreDatabase.besides(file)) { // SQLite would make the file it leads to
             if (Files.isSymbolicLink(each) && !Files.exists(each)) {
-                throw new IOException(each + " is a link to a file that is not there, expected a "
-                        + "file of the store " + file + "; put that file back, or remove the link "
-                        + "(nothing was changed)");
+                throw new IOException(
+                        each
+                                + " is a link to a file that is not there, expected a "
+                                + "file of the store "
+                                + file
+                                + "; put that file back, or remove the link "
+                                + "(nothing was changed)");
             }
         }
     }

@@ -1,4 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.journal;
+
+import org.sqlite.SQLiteConfig;
+import org.sqlite.SQLiteConnection;
+import org.sqlite.SQLiteErrorCode;
+import org.sqlite.SQLiteLimits;
+
+import reve.core.store.CorruptException;
+import reve.worlds.Product;
 
 import java.io.IOException;
 import java.nio.ByteBuffer;
@@ -24,36 +33,41 @@ import java.util.UUID;
 import java.util.concurrent.atomic.AtomicBoolean;
 import java.util.stream.Collectors;
 import java.util.zip.CRC32C;
-import org.sqlite.SQLiteConfig;
-import org.sqlite.SQLiteConnection;
-import org.sqlite.SQLiteErrorCode;
-import org.sqlite.SQLiteLimits;
-import reve.core.store.CorruptException;
-import reve.worlds.Product;
 
 /** The database of a store: its schema, and reading it without changing a byte. */
 final class StoreDatabase {
     /** "REVE" in SQLite's header: whose file it is. */
     static final int APPLICATION_ID = 0x52455645;
+
     static final int VERSION = 3;
+
     /** Stores without an identity, which get one when they are written. */
     private static final int OLD_VERSION = 2;
+
     private static final String LIBRARY =
             "CREATE TABLE library (sha256 TEXT PRIMARY KEY, bytes BLOB NOT NULL)";
-    private static final String IMAGE = """
+    private static final String IMAGE =
+            """
             CREATE TABLE image (frames_file INTEGER PRIMARY KEY, frame INTEGER NOT NULL,
-                bytes BLOB NOT NULL, crc32c INTEGER NOT NULL)""";
+                bytes BLOB NOT NULL, crc32c INTEGER NOT NULL)\
+            """;
     private static final String IDENTITY = "identity (id TEXT NOT NULL, since INTEGER NOT NULL)";
     static final String IDENTITY_IF_ABSENT = "CREATE TABLE IF NOT EXISTS " + IDENTITY;
+
     /** What SQLite says of the tables of version 2, the index of a primary key included. */
-    private static final Set<Element> OLD_SCHEMA = Set.of(
-            new Element("table", "library", "library", LIBRARY),
-            new Element("index", "sqlite_autoindex_library_1", "library", Element.AUTOMATIC),
-            new Element("table", "image", "image", IMAGE));
+    private static final Set<Element> OLD_SCHEMA =
+            Set.of(
+                    new Element("table", "library", "library", LIBRARY),
+                    new Element(
+                            "index", "sqlite_autoindex_library_1", "library", Element.AUTOMATIC),
+                    new Element("table", "image", "image", IMAGE));
+
     private static final Element IDENTITY_TABLE =
             new Element("table", "identity", "identity", "CREATE TABLE " + IDENTITY);
+
     /** Maximum length of an SQL statement, also of those in a schema [bytes]. */
     private static final int SQL_BYTES = 1_000;
+
     /** Maximum number of letters of a name in a message. */
     private static final int NAME_LENGTH = 60;
 
@@ -86,11 +100,15 @@ final class StoreDatabase {
      * @param libraries by the SHA-256 of the bytes as they are
      * @param damagedLibraries what the SHA-256 of other bytes should be
      */
-    record Rows(boolean isIdentified, Optional<Identity> identity, List<ImageRow> images,
-                Map<String, byte[]> libraries, List<String> damagedLibraries,
-                List<String> damage) {
-        static final Rows NONE = new Rows(true, Optional.empty(), List.of(), Map.of(),
-                List.of(), List.of());
+    record Rows(
+            boolean isIdentified,
+            Optional<Identity> identity,
+            List<ImageRow> images,
+            Map<String, byte[]> libraries,
+            List<String> damagedLibraries,
+            List<String> damage) {
+        static final Rows NONE =
+                new Rows(true, Optional.empty(), List.of(), Map.of(), List.of(), List.of());
     }
 
     /** A row of the schema of a database. */
@@ -121,28 +139,42 @@ final class StoreDatabase {
         List<String> damage = new ArrayList<>();
         List<Identity> identity = new ArrayList<>();
         var isIdentified = new AtomicBoolean();
-        reading(file, statement -> {
-            isIdentified.set(check(file, statement, damage));
-            attempt(file, damage, () -> readLibraries(statement, libraries, damagedLibraries));
-            attempt(file, damage, () -> readImages(statement, images));
-            if (isIdentified.get()) {
-                attempt(file, damage, () -> readIdentity(statement, identity));
-            }
-        });
-        return new Rows(isIdentified.get(), identity.stream().findFirst(), images, libraries,
-                damagedLibraries, damage);
+        reading(
+                file,
+                statement -> {
+                    isIdentified.set(check(file, statement, damage));
+                    attempt(
+                            file,
+                            damage,
+                            () -> readLibraries(statement, libraries, damagedLibraries));
+                    attempt(file, damage, () -> readImages(statement, images));
+                    if (isIdentified.get()) {
+                        attempt(file, damage, () -> readIdentity(statement, identity));
+                    }
+                });
+        return new Rows(
+                isIdentified.get(),
+                identity.stream().findFirst(),
+                images,
+                libraries,
+                damagedLibraries,
+                damage);
     }
 
     /** An image whose row is good. */
     static JournalRecord.Image image(Path file, ImageRow row) throws IOException {
         List<JournalRecord.Image> found = new ArrayList<>();
-        reading(file, statement -> {
-            try (ResultSet result = statement.executeQuery(
-                    "SELECT bytes FROM image WHERE frames_file = " + row.framesFile())) {
-                result.next();
-                found.add(new JournalRecord.Image(row.frame(), result.getBytes(1)));
-            }
-        });
+        reading(
+                file,
+                statement -> {
+                    try (ResultSet result =
+                            statement.executeQuery(
+                                    "SELECT bytes FROM image WHERE frames_file = "
+                                            + row.framesFile())) {
+                        result.next();
+                        found.add(new JournalRecord.Image(row.frame(), result.getBytes(1)));
+                    }
+                });
         return found.getFirst();
     }
 
@@ -188,7 +220,8 @@ final class StoreDatabase {
 
     /** Files that SQLite keeps beside it. */
     static List<Path> besides(Path file) {
-        return List.of(file.resolveSibling(file.getFileName() + "-wal"),
+        return List.of(
+                file.resolveSibling(file.getFileName() + "-wal"),
                 file.resolveSibling(file.getFileName() + "-shm"));
     }
 
@@ -212,13 +245,16 @@ final class StoreDatabase {
      * beside the database even so, which are removed again.
      */
     private static void reading(Path file, Query query) throws IOException {
-        List<Path> made = besides(file).stream()
-                .filter(beside -> !Files.exists(beside, LinkOption.NOFOLLOW_LINKS)).toList();
+        List<Path> made =
+                besides(file).stream()
+                        .filter(beside -> !Files.exists(beside, LinkOption.NOFOLLOW_LINKS))
+                        .toList();
         SQLiteConfig config = new SQLiteConfig();
         config.setReadOnly(true);
         config.setBusyTimeout(0);
-        try (Connection connection = config.createConnection("jdbc:sqlite:"
-                + file.toAbsolutePath()); Statement statement = connection.createStatement()) {
+        try (Connection connection =
+                        config.createConnection("jdbc:sqlite:" + file.toAbsolutePath());
+                Statement statement = connection.createStatement()) {
             restrict(connection, statement);
             query.run(statement);
         } catch (SQLException e) {
@@ -231,8 +267,7 @@ final class StoreDatabase {
     }
 
     /** A schema may come from anyone: it must not run functions, nor other files be attached. */
-    private static void restrict(Connection connection, Statement statement)
-            throws SQLException {
+    private static void restrict(Connection connection, Statement statement) throws SQLException {
         var limited = connection.unwrap(SQLiteConnection.class);
         limited.setLimit(SQLiteLimits.SQLITE_LIMIT_ATTACHED, 0);
         limited.setLimit(SQLiteLimits.SQLITE_LIMIT_SQL_LENGTH, SQL_BYTES);
@@ -242,11 +277,16 @@ final class StoreDatabase {
 
     private static IOException unreadable(Path file, SQLException e) {
         SQLiteErrorCode code = SQLiteErrorCode.getErrorCode(e.getErrorCode() & 0xff);
-        if (code == SQLiteErrorCode.SQLITE_CORRUPT || code == SQLiteErrorCode.SQLITE_NOTADB
+        if (code == SQLiteErrorCode.SQLITE_CORRUPT
+                || code == SQLiteErrorCode.SQLITE_NOTADB
                 || code == SQLiteErrorCode.SQLITE_TOOBIG) {
-            throw new CorruptException(file + " is damaged so that nothing of it can be read ("
-                    + e.getMessage() + "); put a copy of it and its files in its place, or name "
-                    + "another file", e);
+            throw new CorruptException(
+                    file
+                            + " is damaged so that nothing of it can be read ("
+                            + e.getMessage()
+                            + "); put a copy of it and its files in its place, or name "
+                            + "another file",
+                    e);
         }
         return FileTrouble.of(file, "opened", e);
     }
@@ -270,23 +310,30 @@ final class StoreDatabase {
     private static boolean check(Path file, Statement statement, List<String> damage)
             throws SQLException {
         if (number(statement, "PRAGMA application_id") != APPLICATION_ID) {
-            throw new CorruptException(file + " is an SQLite database but no store of REVE;"
-                    + " name another file");
+            throw new CorruptException(
+                    file + " is an SQLite database but no store of REVE;" + " name another file");
         }
         long version = number(statement, "PRAGMA user_version");
         if (version != VERSION && version != OLD_VERSION) {
-            throw new CorruptException(file + " is a store of version " + version
-                    + ", this program reads and writes " + VERSION);
+            throw new CorruptException(
+                    file
+                            + " is a store of version "
+                            + version
+                            + ", this program reads and writes "
+                            + VERSION);
         }
         requireSchema(file, statement, version);
-        attempt(file, damage, () -> {
-            try (ResultSet result = statement.executeQuery("PRAGMA integrity_check(1)")) {
-                String found = result.next() ? result.getString(1) : "nothing";
-                if (!found.equals("ok")) {
-                    damage.add(file + " is damaged: " + found.replace('\n', ' '));
-                }
-            }
-        });
+        attempt(
+                file,
+                damage,
+                () -> {
+                    try (ResultSet result = statement.executeQuery("PRAGMA integrity_check(1)")) {
+                        String found = result.next() ? result.getString(1) : "nothing";
+                        if (!found.equals("ok")) {
+                            damage.add(file + " is damaged: " + found.replace('\n', ' '));
+                        }
+                    }
+                });
         return version == VERSION;
     }
 
@@ -301,18 +348,30 @@ final class StoreDatabase {
             expected.add(IDENTITY_TABLE);
         }
         Set<Element> found = new LinkedHashSet<>();
-        try (ResultSet row = statement.executeQuery("SELECT type, name, tbl_name, sql "
-                + "FROM sqlite_schema LIMIT " + (expected.size() + 1))) {
+        try (ResultSet row =
+                statement.executeQuery(
+                        "SELECT type, name, tbl_name, sql "
+                                + "FROM sqlite_schema LIMIT "
+                                + (expected.size() + 1))) {
             while (row.next()) {
-                found.add(new Element(String.valueOf(row.getString(1)),
-                        String.valueOf(row.getString(2)), String.valueOf(row.getString(3)),
-                        String.valueOf(row.getString(4))));
+                found.add(
+                        new Element(
+                                String.valueOf(row.getString(1)),
+                                String.valueOf(row.getString(2)),
+                                String.valueOf(row.getString(3)),
+                                String.valueOf(row.getString(4))));
             }
         }
         for (Element each : found) {
             if (!expected.contains(each)) {
-                throw otherSchema(file, "has a " + each + (expected.stream().anyMatch(each::isSame)
-                        ? " of another form" : ""), expected);
+                throw otherSchema(
+                        file,
+                        "has a "
+                                + each
+                                + (expected.stream().anyMatch(each::isSame)
+                                        ? " of another form"
+                                        : ""),
+                        expected);
             }
         }
         for (Element each : expected) {
@@ -323,16 +382,24 @@ final class StoreDatabase {
     }
 
     private static CorruptException otherSchema(Path file, String what, Set<Element> expected) {
-        return new CorruptException(file + " " + what + ", expected only the tables "
-                + expected.stream().filter(each -> each.type.equals("table")).map(Element::name)
-                        .sorted().collect(Collectors.joining(", "))
-                + " as this program makes them: another program changed it, or it is damaged; put "
-                + "a copy of it and its files in its place, or name another file (nothing was "
-                + "changed)");
+        return new CorruptException(
+                file
+                        + " "
+                        + what
+                        + ", expected only the tables "
+                        + expected.stream()
+                                .filter(each -> each.type.equals("table"))
+                                .map(Element::name)
+                                .sorted()
+                                .collect(Collectors.joining(", "))
+                        + " as this program makes them: another program changed it, or it is"
+                        + " damaged; put a copy of it and its files in its place, or name another"
+                        + " file (nothing was changed)");
     }
 
-    private static void readLibraries(Statement statement, Map<String, byte[]> into,
-            List<String> damaged) throws SQLException {
+    private static void readLibraries(
+            Statement statement, Map<String, byte[]> into, List<String> damaged)
+            throws SQLException {
         try (ResultSet row = statement.executeQuery("SELECT sha256, bytes FROM library")) {
             while (row.next()) {
                 byte[] bytes = row.getBytes(2);
@@ -346,19 +413,25 @@ final class StoreDatabase {
     }
 
     private static void readImages(Statement statement, List<ImageRow> into) throws SQLException {
-        try (ResultSet row = statement.executeQuery(
-                "SELECT frames_file, frame, bytes, crc32c FROM image ORDER BY frames_file DESC")) {
+        try (ResultSet row =
+                statement.executeQuery(
+                        "SELECT frames_file, frame, bytes, crc32c FROM image ORDER BY frames_file"
+                                + " DESC")) {
             while (row.next()) {
                 byte[] bytes = row.getBytes(3);
                 long sum = row.getLong(4);
-                into.add(new ImageRow(row.getLong(1), row.getLong(2), sum, bytes != null
-                        && sum == checksum(bytes, row.getLong(1), row.getLong(2))));
+                into.add(
+                        new ImageRow(
+                                row.getLong(1),
+                                row.getLong(2),
+                                sum,
+                                bytes != null
+                                        && sum == checksum(bytes, row.getLong(1), row.getLong(2))));
             }
         }
     }
 
-    private static void readIdentity(Statement statement, List<Identity> into)
-            throws SQLException {
+    private static void readIdentity(Statement statement, List<Identity> into) throws SQLException {
         try (ResultSet row = statement.executeQuery("SELECT id, since FROM identity")) {
             if (row.next()) {
                 try {
@@ -374,8 +447,10 @@ final class StoreDatabase {
         try (var in = Files.newInputStream(file)) {
             if (!new String(in.readNBytes(16), StandardCharsets.ISO_8859_1)
                     .equals("SQLite format 3\0")) {
-                throw new CorruptException(file + " is no store of REVE, or damaged so that nothing"
-                        + " of it can be read; name another file, or put back a copy");
+                throw new CorruptException(
+                        file
+                                + " is no store of REVE, or damaged so that nothing"
+                                + " of it can be read; name another file, or put back a copy");
             }
         } catch (IOException e) {
             throw FileTrouble.of(file, "opened", e);

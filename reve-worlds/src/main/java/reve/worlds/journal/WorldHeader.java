@@ -1,15 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.journal;
 
-import java.nio.file.Path;
-import java.util.LinkedHashMap;
-import java.util.Map;
 import reve.core.frame.Timing;
 import reve.core.mesh.Assets;
 import reve.core.mesh.WorldFolder;
 import reve.core.store.PrototypeCodec;
 import reve.core.store.Trees;
 import reve.core.world.WorldPrototype;
+
 import tools.jackson.databind.JsonNode;
+
+import java.nio.file.Path;
+import java.util.LinkedHashMap;
+import java.util.Map;
 
 /**
  * What never changes about a world that is recorded or stored.
@@ -34,9 +37,11 @@ public record WorldHeader(String name, WorldPrototype prototype, Timing timing, 
     }
 
     static WorldHeader read(JsonNode tree) {
-        return new WorldHeader(Trees.text(tree, "world"),
+        return new WorldHeader(
+                Trees.text(tree, "world"),
                 PrototypeCodec.read(Trees.field(tree, "prototype")),
-                new Timing((int) Trees.integer(tree, "framesPerSecond"),
+                new Timing(
+                        (int) Trees.integer(tree, "framesPerSecond"),
                         (int) Trees.integer(tree, "stepsPerFrame")),
                 Path.of(Trees.text(tree, "folder")));
     }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.render;
 
 /** A box along the world's axes, from its lowest to its highest corner [m]. */
@@ -11,8 +12,8 @@ public record Bounds(Point low, Point high) {
     }
 
     public Point centre() {
-        return new Point(0.5 * (low.x() + high.x()), 0.5 * (low.y() + high.y()),
-                0.5 * (low.z() + high.z()));
+        return new Point(
+                0.5 * (low.x() + high.x()), 0.5 * (low.y() + high.y()), 0.5 * (low.z() + high.z()));
     }
 
     /** Longest of the three sides [m]. */
@@ -22,7 +23,9 @@ public record Bounds(Point low, Point high) {
 
     /** A corner; bits 0, 1 and 2 of {@code index} choose the high side of x, y and z. */
     Point corner(int index) {
-        return new Point((index & 1) == 0 ? low.x() : high.x(),
-                (index & 2) == 0 ? low.y() : high.y(), (index & 4) == 0 ? low.z() : high.z());
+        return new Point(
+                (index & 1) == 0 ? low.x() : high.x(),
+                (index & 2) == 0 ? low.y() : high.y(),
+                (index & 4) == 0 ? low.z() : high.z());
     }
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.render;
 
 import reve.core.file.CameraDescription;
@@ -15,9 +16,12 @@ import reve.core.file.CameraDescription;
 public record Camera(Point eye, Point target, Point up, boolean orthographic, double extent) {
 
     private static final Point UP = new Point(0, 1, 0);
+
     /** From the target to the eye: a little to the right and above, as one looks at a table. */
     private static final Point THREE_QUARTER = new Point(0.48, 0.42, 1).normalized();
+
     private static final double FIT_FOV_RADIANS = Math.toRadians(34);
+
     /** Part of the picture's width and height that a fitted box may take up. */
     private static final double FIT_FILL = 0.82;
 
@@ -31,8 +35,11 @@ public record Camera(Point eye, Point target, Point up, boolean orthographic, do
 
     /** The camera of a world file. */
     public static Camera of(CameraDescription description) {
-        return perspective(point(description.eye()), point(description.target()),
-                point(description.up()), description.verticalFovRadians());
+        return perspective(
+                point(description.eye()),
+                point(description.target()),
+                point(description.up()),
+                description.verticalFovRadians());
     }
 
     /**

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.render;
 
 import reve.core.world.Colour;
@@ -14,6 +15,11 @@ import reve.core.world.Colour;
 public record Environment(Colour top, Colour bottom, Point toLight, double light, double ambient) {
 
     /** Bright and neutral, light from the upper left. */
-    public static final Environment STUDIO = new Environment(Colour.parse("#ffffff"),
-            Colour.parse("#e2e6eb"), new Point(-0.5, 1, 0.4), 0.65, 0.48);
+    public static final Environment STUDIO =
+            new Environment(
+                    Colour.parse("#ffffff"),
+                    Colour.parse("#e2e6eb"),
+                    new Point(-0.5, 1, 0.4),
+                    0.65,
+                    0.48);
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.render;
 
 import java.nio.ByteBuffer;
@@ -36,8 +37,14 @@ final class GrowingColumn {
         for (int i = 0; i < columns.size(); i++) {
             int found = columns.get(i).bytes.position() / 4 / components.get(i);
             if (found != rows) {
-                throw new IllegalStateException("column " + i + " of a scene has " + found
-                        + " rows, the first one has " + rows + "; give every row all its values");
+                throw new IllegalStateException(
+                        "column "
+                                + i
+                                + " of a scene has "
+                                + found
+                                + " rows, the first one has "
+                                + rows
+                                + "; give every row all its values");
             }
         }
         return rows;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.render;
 
 /**
@@ -11,10 +12,17 @@ package reve.worlds.render;
 public record ImageFormat(int width, int height, int samples, boolean shadows) {
 
     public ImageFormat {
-        if (width < 1 || height < 1 || width > 8192 || height > 8192
+        if (width < 1
+                || height < 1
+                || width > 8192
+                || height > 8192
                 || (long) width * height > 1 << 24) {
-            throw new IllegalArgumentException("picture of " + width + " x " + height
-                    + " pixels, expected 1 to 8192 a side and at most 16777216 in all");
+            throw new IllegalArgumentException(
+                    "picture of "
+                            + width
+                            + " x "
+                            + height
+                            + " pixels, expected 1 to 8192 a side and at most 16777216 in all");
         }
         if (samples < 0 || samples > 16) {
             throw new IllegalArgumentException(samples + " samples per pixel, expected 0 to 16");

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.render;
 
 import java.util.List;
@@ -10,8 +11,10 @@ public final class Instances {
 
     /** Shown in its exact colour, casts no shadow. */
     public static final int UNLIT = 1;
+
     /** A plane gets lines at powers of ten of a metre. */
     public static final int GRID = 2;
+
     /** A plane dissolves into the background away from the camera's target. */
     public static final int FADE = 4;
 
@@ -42,25 +45,33 @@ public final class Instances {
         return this;
     }
 
-    /** @param rgba see {@link reve.core.world.Colour#rgba()}; alpha is not shown */
+    /**
+     * @param rgba see {@link reve.core.world.Colour#rgba()}; alpha is not shown
+     */
     public Instances colour(int rgba) {
         colours.add(rgba);
         return this;
     }
 
-    /** @param bits sum of {@link #UNLIT}, {@link #GRID} and {@link #FADE}, or 0 */
+    /**
+     * @param bits sum of {@link #UNLIT}, {@link #GRID} and {@link #FADE}, or 0
+     */
     public Instances flags(int bits) {
         flags.add(bits);
         return this;
     }
 
-    /** @param number of what is shown there, positive; 0 for nothing that has one */
+    /**
+     * @param number of what is shown there, positive; 0 for nothing that has one
+     */
     public Instances item(long number) {
         items.add(Math.toIntExact(number));
         return this;
     }
 
-    /** @throws IllegalStateException if a column has more rows than another */
+    /**
+     * @throws IllegalStateException if a column has more rows than another
+     */
     int count() {
         return GrowingColumn.sharedRowCount(columns(), List.of(3, 4, 3, 1, 1, 1));
     }

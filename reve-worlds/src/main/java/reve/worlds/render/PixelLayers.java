@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.render;
 
 import java.nio.ByteBuffer;
@@ -14,24 +15,33 @@ import java.util.Optional;
  * @param depth of what is at the middle of the pixel, along the view [m], f32; 0 where nothing is
  * @param item number of what is at the middle of the pixel, u32; 0 where nothing is that has one
  */
-public record PixelLayers(int width, int height, Optional<ByteBuffer> colour,
-        Optional<ByteBuffer> depth, Optional<ByteBuffer> item) {
+public record PixelLayers(
+        int width,
+        int height,
+        Optional<ByteBuffer> colour,
+        Optional<ByteBuffer> depth,
+        Optional<ByteBuffer> item) {
 
     public static final int COLOUR = 1;
     public static final int DEPTH = 2;
     public static final int ITEM = 4;
 
-    /** @param bytes the layers asked for, one after the other */
+    /**
+     * @param bytes the layers asked for, one after the other
+     */
     static PixelLayers of(ImageFormat image, int layers, byte[] bytes) {
         var rest = ByteBuffer.wrap(bytes);
         int pixels = image.width() * image.height();
-        var read = new PixelLayers(image.width(), image.height(),
-                take(rest, (layers & COLOUR) != 0, 3 * pixels),
-                take(rest, (layers & DEPTH) != 0, 4 * pixels),
-                take(rest, (layers & ITEM) != 0, 4 * pixels));
+        var read =
+                new PixelLayers(
+                        image.width(),
+                        image.height(),
+                        take(rest, (layers & COLOUR) != 0, 3 * pixels),
+                        take(rest, (layers & DEPTH) != 0, 4 * pixels),
+                        take(rest, (layers & ITEM) != 0, 4 * pixels));
         if (rest.hasRemaining()) {
-            throw new RenderException(bytes.length + " bytes of pixels came, " + rest.remaining()
-                    + " too many");
+            throw new RenderException(
+                    bytes.length + " bytes of pixels came, " + rest.remaining() + " too many");
         }
         return read;
     }

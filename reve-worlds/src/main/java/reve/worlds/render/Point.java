@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.render;
 
 /** A place or a direction in the world [m]; right-handed, +Y up. */
@@ -12,8 +13,8 @@ public record Point(double x, double y, double z) {
     }
 
     Point cross(Point other) {
-        return new Point(y * other.z - z * other.y, z * other.x - x * other.z,
-                x * other.y - y * other.x);
+        return new Point(
+                y * other.z - z * other.y, z * other.x - x * other.z, x * other.y - y * other.x);
     }
 
     Point normalized() {

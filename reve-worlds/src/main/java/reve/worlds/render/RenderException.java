@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.render;
 
 /** A picture could not be made. The message says why and what to do. */

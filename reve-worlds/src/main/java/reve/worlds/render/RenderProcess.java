@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.render;
 
 import java.io.IOException;
@@ -23,8 +24,8 @@ final class RenderProcess {
         process = new ProcessBuilder(List.of(program.toString())).start();
         stream = new SceneStream(process.getOutputStream(), process.getInputStream());
         // No virtual thread: reading a pipe would hold its carrier while the process lives.
-        errorReader = Thread.ofPlatform().daemon().name("vesper-render errors")
-                .start(this::keepErrors);
+        errorReader =
+                Thread.ofPlatform().daemon().name("vesper-render errors").start(this::keepErrors);
     }
 
     SceneStream stream() {
@@ -47,8 +48,10 @@ final class RenderProcess {
     /** How the process ended and what it said, for a message; waits a little for both. */
     String describeEnd() {
         try {
-            String end = process.waitFor(LAST_WORDS.toMillis(), TimeUnit.MILLISECONDS)
-                    ? "ended with exit code " + process.exitValue() : "stopped answering";
+            String end =
+                    process.waitFor(LAST_WORDS.toMillis(), TimeUnit.MILLISECONDS)
+                            ? "ended with exit code " + process.exitValue()
+                            : "stopped answering";
             errorReader.join(LAST_WORDS);
             String said = errors.toString().strip();
             return said.isEmpty() ? end : end + " and said: " + said;

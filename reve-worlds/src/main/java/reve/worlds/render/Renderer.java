@@ -1,4 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.render;
+
+import org.jspecify.annotations.Nullable;
 
 import java.io.IOException;
 import java.nio.file.Files;
@@ -9,7 +12,6 @@ import java.util.concurrent.ThreadPoolExecutor;
 import java.util.concurrent.TimeUnit;
 import java.util.concurrent.atomic.AtomicBoolean;
 import java.util.concurrent.locks.ReentrantLock;
-import org.jspecify.annotations.Nullable;
 
 /**
  * Makes pictures of scenes in a process of its own, so that a crash in a graphics library costs a
@@ -42,9 +44,11 @@ public final class Renderer implements AutoCloseable {
     public Renderer(Path nativeFolder, Duration deadline) {
         this.program = nativeFolder.resolve("vesper-render");
         this.deadline = deadline;
-        this.watch = new ScheduledThreadPoolExecutor(1,
-                Thread.ofPlatform().daemon().name("vesper-render deadline").factory(),
-                new ThreadPoolExecutor.DiscardPolicy());
+        this.watch =
+                new ScheduledThreadPoolExecutor(
+                        1,
+                        Thread.ofPlatform().daemon().name("vesper-render deadline").factory(),
+                        new ThreadPoolExecutor.DiscardPolicy());
         watch.setRemoveOnCancelPolicy(true);
     }
 
@@ -71,8 +75,8 @@ public final class Renderer implements AutoCloseable {
     /**
      * What the pixels of a scene show.
      *
-     * @param layers sum of {@link PixelLayers#COLOUR}, {@link PixelLayers#DEPTH} and
-     *     {@link PixelLayers#ITEM}, at least one of them
+     * @param layers sum of {@link PixelLayers#COLOUR}, {@link PixelLayers#DEPTH} and {@link
+     *     PixelLayers#ITEM}, at least one of them
      * @throws RenderException if there are none; the next ones may succeed
      */
     public PixelLayers pixels(Scene scene, int layers) {
@@ -117,10 +121,14 @@ public final class Renderer implements AutoCloseable {
     }
 
     private byte[] attempt(Question question, AtomicBoolean expired) throws IOException {
-        var alarm = watch.schedule(() -> {
-            expired.set(true);
-            killRunning();
-        }, deadline.toNanos(), TimeUnit.NANOSECONDS);
+        var alarm =
+                watch.schedule(
+                        () -> {
+                            expired.set(true);
+                            killRunning();
+                        },
+                        deadline.toNanos(),
+                        TimeUnit.NANOSECONDS);
         try {
             RenderProcess live = running();
             SceneStream.Answer answer = question.ask(live.stream());
@@ -151,8 +159,10 @@ public final class Renderer implements AutoCloseable {
             return live;
         }
         if (!Files.isExecutable(program)) {
-            throw new RenderException("there is no program " + program
-                    + "; build it, or name its folder in -Dreve.native.path");
+            throw new RenderException(
+                    "there is no program "
+                            + program
+                            + "; build it, or name its folder in -Dreve.native.path");
         }
         process = null;
         RenderProcess started = new RenderProcess(program);
@@ -173,18 +183,21 @@ public final class Renderer implements AutoCloseable {
         process = null;
         try {
             if (closed) {
-                throw new RenderException("the renderer was closed before the picture was done",
-                        cut);
+                throw new RenderException(
+                        "the renderer was closed before the picture was done", cut);
             }
             if (expired) {
-                throw new RenderException("no picture within " + deadline.toMillis()
-                        + " ms, so vesper-render was ended; ask for a smaller picture, fewer "
-                        + "samples, no shadows, or allow it more time", cut);
+                throw new RenderException(
+                        "no picture within "
+                                + deadline.toMillis()
+                                + " ms, so vesper-render was ended; ask for a smaller picture,"
+                                + " fewer samples, no shadows, or allow it more time",
+                        cut);
             }
             if (attempt == ATTEMPTS) {
                 String end = broken == null ? cut.getMessage() : broken.describeEnd();
-                throw new RenderException("no picture in " + ATTEMPTS
-                        + " attempts: vesper-render " + end, cut);
+                throw new RenderException(
+                        "no picture in " + ATTEMPTS + " attempts: vesper-render " + end, cut);
             }
         } finally {
             if (broken != null) {

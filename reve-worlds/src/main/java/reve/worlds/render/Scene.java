@@ -1,13 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.render;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.core.world.Material;
+import reve.core.world.Mesh;
+import reve.core.world.Shape;
 
 import java.util.Collections;
 import java.util.LinkedHashMap;
 import java.util.Map;
 import java.util.TreeMap;
-import org.jspecify.annotations.Nullable;
-import reve.core.world.Material;
-import reve.core.world.Mesh;
-import reve.core.world.Shape;
 
 /**
  * What one picture shows, as the columns of the scene stream. Filled by one thread, then rendered
@@ -29,7 +32,11 @@ public final class Scene {
      * @param mesh for {@link Shape#MESH}
      * @param triangleCount of the mesh from {@code firstTriangle} on; 0: all
      */
-    record Look(int shape, @Nullable Mesh mesh, Material material, int firstTriangle,
+    record Look(
+            int shape,
+            @Nullable Mesh mesh,
+            Material material,
+            int firstTriangle,
             int triangleCount) {}
 
     public Scene(ImageFormat image, Camera camera, Environment environment) {
@@ -63,8 +70,15 @@ public final class Scene {
     /** Spheres, boxes or planes of one material, to be added to. */
     public Instances instances(int shape, Material material) {
         if (shape != Shape.SPHERE && shape != Shape.BOX && shape != Shape.PLANE) {
-            throw new IllegalArgumentException("shape code " + shape + ", expected sphere "
-                    + Shape.SPHERE + ", box " + Shape.BOX + " or plane " + Shape.PLANE);
+            throw new IllegalArgumentException(
+                    "shape code "
+                            + shape
+                            + ", expected sphere "
+                            + Shape.SPHERE
+                            + ", box "
+                            + Shape.BOX
+                            + " or plane "
+                            + Shape.PLANE);
         }
         return of(new Look(shape, null, material, 0, 0));
     }
@@ -76,8 +90,13 @@ public final class Scene {
 
     /** Items that look like a part of a mesh, in its material. */
     public Instances instances(Mesh mesh, Mesh.Part part) {
-        return of(new Look(Shape.MESH, mesh, part.material(), part.firstTriangle(),
-                part.triangleCount()));
+        return of(
+                new Look(
+                        Shape.MESH,
+                        mesh,
+                        part.material(),
+                        part.firstTriangle(),
+                        part.triangleCount()));
     }
 
     private Instances of(Look look) {
@@ -94,7 +113,9 @@ public final class Scene {
         return segments.computeIfAbsent(widthPixels, width -> new Segments());
     }
 
-    /** @throws IllegalStateException if a row lacks a value */
+    /**
+     * @throws IllegalStateException if a row lacks a value
+     */
     void requireComplete() {
         instances.values().forEach(Instances::count);
         segments.values().forEach(Segments::count);

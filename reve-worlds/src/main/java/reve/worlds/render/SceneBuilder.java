@@ -1,9 +1,6 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.render;
 
-import java.lang.foreign.MemorySegment;
-import java.lang.foreign.ValueLayout;
-import java.util.List;
-import java.util.Optional;
 import reve.core.world.ColumnView;
 import reve.core.world.ItemId;
 import reve.core.world.ItemSymbols;
@@ -15,12 +12,17 @@ import reve.core.world.TableSnapshot;
 import reve.core.world.WorldPrototype;
 import reve.core.world.WorldSnapshot;
 
+import java.lang.foreign.MemorySegment;
+import java.lang.foreign.ValueLayout;
+import java.util.List;
+import java.util.Optional;
+
 /**
  * Shows a world as it was at the end of a frame: its bodies by shape and material, its springs as
  * lines, its surfaces as triangles in the colours of the bodies at their corners. The number of
- * what is shown is the value of its {@link ItemId}. A body whose
- * colour has alpha 0 is hidden, and so is a surface between three such bodies. Planes get a grid; a
- * world without planes stands over a faint ground that fades, so that depth and motion can be read.
+ * what is shown is the value of its {@link ItemId}. A body whose colour has alpha 0 is hidden, and
+ * so is a surface between three such bodies. Planes get a grid; a world without planes stands over
+ * a faint ground that fades, so that depth and motion can be read.
  *
  * @param image size and quality
  * @param environment background and light
@@ -28,7 +30,10 @@ import reve.core.world.WorldSnapshot;
  *     which DERIVE computes
  * @param without a body that is not shown, such as the one that carries the camera
  */
-public record SceneBuilder(ImageFormat image, Environment environment, Optional<Camera> camera,
+public record SceneBuilder(
+        ImageFormat image,
+        Environment environment,
+        Optional<Camera> camera,
         Optional<ItemId> without) {
 
     /** Shows all bodies. */
@@ -42,10 +47,13 @@ public record SceneBuilder(ImageFormat image, Environment environment, Optional<
 
     private static final int SPRING_RGBA = 0xff82766e;
     private static final int GROUND_RGBA = 0xfff1eeec;
+
     /** Width of a spring's line in parts of the picture's height. */
     private static final float SPRING_WIDTH = 1 / 200f;
+
     /** Side of the ground in parts of the world's longest side: beyond what fading leaves. */
     private static final double GROUND_SIDE = 60;
+
     private static final double INFINITY = Double.POSITIVE_INFINITY;
     private static final Point ORIGIN = new Point(0, 0, 0);
 
@@ -76,8 +84,10 @@ public record SceneBuilder(ImageFormat image, Environment environment, Optional<
                 throw nonsense;
             }
         }
-        throw new RenderException("the snapshot of frame " + snapshot.frame()
-                + " was overwritten while it was read; take a newer one");
+        throw new RenderException(
+                "the snapshot of frame "
+                        + snapshot.frame()
+                        + " was overwritten while it was read; take a newer one");
     }
 
     /**
@@ -86,8 +96,8 @@ public record SceneBuilder(ImageFormat image, Environment environment, Optional<
      * @param verticalFovRadians see {@link Camera#extent()}
      * @return empty if there is no such body
      */
-    public static Optional<Camera> viewOf(WorldSnapshot snapshot, ItemId body,
-            double verticalFovRadians) {
+    public static Optional<Camera> viewOf(
+            WorldSnapshot snapshot, ItemId body, double verticalFovRadians) {
         TableSnapshot bodies = snapshot.table(WorldPrototype.BODY);
         int row = bodies.rowOf(body);
         if (row < 0) {
@@ -95,8 +105,11 @@ public record SceneBuilder(ImageFormat image, Environment environment, Optional<
         }
         var position = new Reals(bodies, "position");
         var orientation = new Reals(bodies, "orientation");
-        var eye = new Point(position.at(3L * row), position.at(3L * row + 1),
-                position.at(3L * row + 2));
+        var eye =
+                new Point(
+                        position.at(3L * row),
+                        position.at(3L * row + 1),
+                        position.at(3L * row + 2));
         double x = orientation.at(4L * row);
         double y = orientation.at(4L * row + 1);
         double z = orientation.at(4L * row + 2);
@@ -150,7 +163,8 @@ public record SceneBuilder(ImageFormat image, Environment environment, Optional<
         MemorySegment colour = bodies.column("colour").segment();
         for (int row = 0; row < bodies.rowCount(); row++) {
             int code = shape.getAtIndex(INT, row);
-            if (code != Shape.NONE && (code == Shape.PLANE) == planes
+            if (code != Shape.NONE
+                    && (code == Shape.PLANE) == planes
                     && !isHidden(colour.getAtIndex(INT, row))) {
                 box.add(lows, highs, row * 3L);
             }
@@ -159,11 +173,14 @@ public record SceneBuilder(ImageFormat image, Environment environment, Optional<
 
     private static void addSurfaces(Box box, WorldSnapshot snapshot, TableSnapshot bodies) {
         var position = new Reals(bodies, "position");
-        forEachSurface(snapshot, bodies, (surface, corners) -> {
-            for (int row : corners) {
-                box.add(position, position, row * 3L);
-            }
-        });
+        forEachSurface(
+                snapshot,
+                bodies,
+                (surface, corners) -> {
+                    for (int row : corners) {
+                        box.add(position, position, row * 3L);
+                    }
+                });
     }
 
     /** Takes a surface that is seen, and the rows of the bodies at its corners. */
@@ -171,8 +188,8 @@ public record SceneBuilder(ImageFormat image, Environment environment, Optional<
         void visit(ItemId surface, int[] corners);
     }
 
-    private static void forEachSurface(WorldSnapshot snapshot, TableSnapshot bodies,
-            SurfaceVisitor visitor) {
+    private static void forEachSurface(
+            WorldSnapshot snapshot, TableSnapshot bodies, SurfaceVisitor visitor) {
         MemorySegment colour = bodies.column("colour").segment();
         for (TableSnapshot surfaces : snapshot.tables()) {
             if (!surfaces.kind().equals(WorldPrototype.SURFACE)) {
@@ -283,22 +300,33 @@ public record SceneBuilder(ImageFormat image, Environment environment, Optional<
         double step = Math.pow(10, Math.floor(Math.log10(side)));
         double level = low >= 0 && low <= 2 * side ? 0 : Math.floor(low / step) * step;
         Point centre = bounds.centre();
-        scene.instances(Shape.PLANE, Material.DEFAULT).position(centre.x(), level, centre.z())
-                .orientation(0, 0, 0, 1).size(GROUND_SIDE * side, 0, GROUND_SIDE * side)
-                .colour(GROUND_RGBA).flags(Instances.GRID | Instances.FADE).item(0);
+        scene.instances(Shape.PLANE, Material.DEFAULT)
+                .position(centre.x(), level, centre.z())
+                .orientation(0, 0, 0, 1)
+                .size(GROUND_SIDE * side, 0, GROUND_SIDE * side)
+                .colour(GROUND_RGBA)
+                .flags(Instances.GRID | Instances.FADE)
+                .item(0);
     }
 
     private static void addSurfaces(Scene scene, WorldSnapshot snapshot, TableSnapshot bodies) {
         var position = new Reals(bodies, "position");
         MemorySegment colour = bodies.column("colour").segment();
-        forEachSurface(snapshot, bodies, (surface, corners) -> {
-            scene.triangles().item(surface.value());
-            for (int row : corners) {
-                long at = 3L * row;
-                scene.triangles().corner(position.at(at), position.at(at + 1),
-                        position.at(at + 2), colour.getAtIndex(INT, row));
-            }
-        });
+        forEachSurface(
+                snapshot,
+                bodies,
+                (surface, corners) -> {
+                    scene.triangles().item(surface.value());
+                    for (int row : corners) {
+                        long at = 3L * row;
+                        scene.triangles()
+                                .corner(
+                                        position.at(at),
+                                        position.at(at + 1),
+                                        position.at(at + 2),
+                                        colour.getAtIndex(INT, row));
+                    }
+                });
     }
 
     private void addSprings(Scene scene, TableSnapshot springs, TableSnapshot bodies) {
@@ -312,7 +340,9 @@ public record SceneBuilder(ImageFormat image, Environment environment, Optional<
             if (from < 0 || to < 0) {
                 continue;
             }
-            scene.segments(width).colour(SPRING_RGBA).item(springs.idAt(row).value())
+            scene.segments(width)
+                    .colour(SPRING_RGBA)
+                    .item(springs.idAt(row).value())
                     .from(position.at(from), position.at(from + 1), position.at(from + 2))
                     .to(position.at(to), position.at(to + 1), position.at(to + 2));
         }

@@ -1,4 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.render;
+
+import reve.core.world.Material;
+import reve.core.world.Mesh;
+import reve.core.world.Texture;
 
 import java.io.IOException;
 import java.io.InputStream;
@@ -17,14 +22,10 @@ import java.util.LinkedHashSet;
 import java.util.List;
 import java.util.Map;
 import java.util.Set;
-import reve.core.world.Material;
-import reve.core.world.Mesh;
-import reve.core.world.Texture;
 
 /**
  * Our end of the scene stream, version 3 (vesper-native/render/SCENE.md): writes messages, reads
- * answers, and knows which meshes and textures the other
- * end has.
+ * answers, and knows which meshes and textures the other end has.
  */
 final class SceneStream {
 
@@ -121,8 +122,8 @@ final class SceneStream {
         writeMeshes(scene);
         Map<Material, Integer> materials = writeMaterials(scene);
         for (var entry : scene.instances().entrySet()) {
-            writeInstances(entry.getKey(), materials.get(entry.getKey().material()),
-                    entry.getValue());
+            writeInstances(
+                    entry.getKey(), materials.get(entry.getKey().material()), entry.getValue());
         }
         for (var entry : scene.segments().entrySet()) {
             Segments segments = entry.getValue();
@@ -138,7 +139,10 @@ final class SceneStream {
 
     private void writeSettings(Scene scene) throws IOException {
         ImageFormat image = scene.image();
-        begin(IMAGE).putInt(image.width()).putInt(image.height()).putInt(image.samples())
+        begin(IMAGE)
+                .putInt(image.width())
+                .putInt(image.height())
+                .putInt(image.samples())
                 .putInt(image.shadows() ? 1 : 0);
         end(List.of());
 
@@ -180,11 +184,15 @@ final class SceneStream {
     }
 
     private void writeMesh(int id, Mesh mesh) throws IOException {
-        int attributes = (mesh.normals().isPresent() ? NORMALS : 0)
-                | (mesh.textureCoordinates().isPresent() ? COORDINATES : 0)
-                | (mesh.colours().isPresent() ? COLOURS : 0);
-        begin(MESH).putInt(id).putInt(mesh.vertices().remaining() / 3)
-                .putInt(mesh.triangles().remaining() / 3).putInt(attributes);
+        int attributes =
+                (mesh.normals().isPresent() ? NORMALS : 0)
+                        | (mesh.textureCoordinates().isPresent() ? COORDINATES : 0)
+                        | (mesh.colours().isPresent() ? COLOURS : 0);
+        begin(MESH)
+                .putInt(id)
+                .putInt(mesh.vertices().remaining() / 3)
+                .putInt(mesh.triangles().remaining() / 3)
+                .putInt(attributes);
         List<ByteBuffer> numbers = new ArrayList<>();
         numbers.add(bytes(mesh.vertices()));
         mesh.normals().map(SceneStream::bytes).ifPresent(numbers::add);
@@ -233,13 +241,14 @@ final class SceneStream {
     private Map<Material, Integer> writeMaterials(Scene scene) throws IOException {
         Map<Material, Integer> ids = new LinkedHashMap<>();
         ids.put(Material.DEFAULT, 0);
-        scene.instances().keySet().forEach(
-                look -> ids.putIfAbsent(look.material(), ids.size()));
+        scene.instances().keySet().forEach(look -> ids.putIfAbsent(look.material(), ids.size()));
         writeTextures(ids.keySet());
         for (var entry : ids.entrySet()) {
             Material material = entry.getKey();
             if (entry.getValue() > 0) {
-                begin(MATERIAL).putInt(entry.getValue()).putInt(material.colour().rgba())
+                begin(MATERIAL)
+                        .putInt(entry.getValue())
+                        .putInt(material.colour().rgba())
                         .putFloat((float) material.roughness())
                         .putFloat((float) material.metallic())
                         .putInt(material.texture().map(textureIds::get).orElse(0));
@@ -252,8 +261,12 @@ final class SceneStream {
     private void writeInstances(Scene.Look look, int material, Instances instances)
             throws IOException {
         Integer mesh = look.mesh() == null ? null : meshIds.get(look.mesh());
-        begin(INSTANCES).putInt(look.shape()).putInt(mesh == null ? 0 : mesh).putInt(material)
-                .putInt(look.firstTriangle()).putInt(look.triangleCount())
+        begin(INSTANCES)
+                .putInt(look.shape())
+                .putInt(mesh == null ? 0 : mesh)
+                .putInt(material)
+                .putInt(look.firstTriangle())
+                .putInt(look.triangleCount())
                 .putInt(instances.count());
         end(instances.columns());
     }
@@ -293,8 +306,12 @@ final class SceneStream {
         int status = header.getInt();
         int length = header.getInt(8);
         if (length < 0 || length > MAX_ANSWER_BYTES) {
-            throw new IOException("it announced an answer of " + Integer.toUnsignedLong(length)
-                    + " bytes, at most " + MAX_ANSWER_BYTES + " are expected");
+            throw new IOException(
+                    "it announced an answer of "
+                            + Integer.toUnsignedLong(length)
+                            + " bytes, at most "
+                            + MAX_ANSWER_BYTES
+                            + " are expected");
         }
         byte[] payload = in.readNBytes(length);
         if (payload.length < length) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.render;
 
 import java.util.List;
@@ -24,19 +25,25 @@ public final class Segments {
         return this;
     }
 
-    /** @param rgba see {@link reve.core.world.Colour#rgba()}; alpha is not shown */
+    /**
+     * @param rgba see {@link reve.core.world.Colour#rgba()}; alpha is not shown
+     */
     public Segments colour(int rgba) {
         colours.add(rgba);
         return this;
     }
 
-    /** @param number of what is shown there, positive; 0 for nothing that has one */
+    /**
+     * @param number of what is shown there, positive; 0 for nothing that has one
+     */
     public Segments item(long number) {
         items.add(Math.toIntExact(number));
         return this;
     }
 
-    /** @throws IllegalStateException if a column has more rows than another */
+    /**
+     * @throws IllegalStateException if a column has more rows than another
+     */
     int count() {
         return GrowingColumn.sharedRowCount(columns(), List.of(3, 3, 1, 1));
     }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.render;
 
 import java.util.List;
@@ -31,7 +32,9 @@ public final class Triangles {
         return this;
     }
 
-    /** @throws IllegalStateException if the last triangle lacks a corner */
+    /**
+     * @throws IllegalStateException if the last triangle lacks a corner
+     */
     int count() {
         return GrowingColumn.sharedRowCount(columns(), List.of(9, 3, 1));
     }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /**
  * Pictures of worlds. A {@link reve.worlds.render.Scene} is what one picture shows, a {@link
  * reve.worlds.render.SceneBuilder} fills it from a world snapshot, and a {@link

@@ -1,16 +1,6 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.server;
 
-import java.nio.ByteBuffer;
-import java.nio.ByteOrder;
-import java.util.ArrayList;
-import java.util.HashMap;
-import java.util.List;
-import java.util.Map;
-import java.util.Optional;
-import java.util.concurrent.LinkedBlockingQueue;
-import java.util.concurrent.RejectedExecutionException;
-import java.util.concurrent.ThreadPoolExecutor;
-import java.util.concurrent.TimeUnit;
 import reve.core.agent.Cameras;
 import reve.core.world.ItemId;
 import reve.core.world.ItemSymbols;
@@ -26,6 +16,18 @@ import reve.worlds.render.Renderer;
 import reve.worlds.render.Scene;
 import reve.worlds.render.SceneBuilder;
 
+import java.nio.ByteBuffer;
+import java.nio.ByteOrder;
+import java.util.ArrayList;
+import java.util.HashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.concurrent.LinkedBlockingQueue;
+import java.util.concurrent.RejectedExecutionException;
+import java.util.concurrent.ThreadPoolExecutor;
+import java.util.concurrent.TimeUnit;
+
 /**
  * Draws what bodies' cameras see, one picture after the other on a thread of its own. The body that
  * carries the camera is not in its pictures.
@@ -34,17 +36,26 @@ final class BodyCameras implements Cameras, AutoCloseable {
 
     private static final int SAMPLES = 4;
     private static final int MAX_WAITING = 1024;
+
     /** How often a picture is begun anew because its frame was overwritten. */
     private static final int ATTEMPTS = 3;
+
     private static final int MAX_NAMES = 0xffff;
 
     private final SnapshotRing snapshots;
     private final Renderer renderer;
-    private final ThreadPoolExecutor artist = new ThreadPoolExecutor(1, 1, 0, TimeUnit.SECONDS,
-            new LinkedBlockingQueue<>(MAX_WAITING),
-            Thread.ofPlatform().daemon().name("cameras of bodies").factory());
+    private final ThreadPoolExecutor artist =
+            new ThreadPoolExecutor(
+                    1,
+                    1,
+                    0,
+                    TimeUnit.SECONDS,
+                    new LinkedBlockingQueue<>(MAX_WAITING),
+                    Thread.ofPlatform().daemon().name("cameras of bodies").factory());
 
-    /** @param renderer closed by this */
+    /**
+     * @param renderer closed by this
+     */
     BodyCameras(SnapshotRing snapshots, Renderer renderer) {
         this.snapshots = snapshots;
         this.renderer = renderer;
@@ -72,8 +83,11 @@ final class BodyCameras implements Cameras, AutoCloseable {
 
     private Photo photo(ItemId body, Sensor sensor) {
         for (int attempt = 1; ; attempt++) {
-            try (WorldSnapshot snapshot = snapshots.acquireLatest()
-                    .orElseThrow(() -> new RenderException("the world has not begun yet"))) {
+            try (WorldSnapshot snapshot =
+                    snapshots
+                            .acquireLatest()
+                            .orElseThrow(
+                                    () -> new RenderException("the world has not begun yet"))) {
                 return photo(snapshot, body, sensor);
             } catch (RenderException lost) {
                 if (attempt == ATTEMPTS) {
@@ -85,11 +99,16 @@ final class BodyCameras implements Cameras, AutoCloseable {
 
     private Photo photo(WorldSnapshot snapshot, ItemId body, Sensor sensor) {
         Sensor.Camera camera = sensor.camera().orElseThrow();
-        Camera view = SceneBuilder.viewOf(snapshot, body, sensor.fieldOfView())
-                .orElseThrow(() -> new RenderException("the body has left the world"));
-        Scene scene = new SceneBuilder(
-                new ImageFormat(camera.width(), camera.height(), SAMPLES, true),
-                Environment.STUDIO, Optional.of(view), Optional.of(body)).build(snapshot);
+        Camera view =
+                SceneBuilder.viewOf(snapshot, body, sensor.fieldOfView())
+                        .orElseThrow(() -> new RenderException("the body has left the world"));
+        Scene scene =
+                new SceneBuilder(
+                                new ImageFormat(camera.width(), camera.height(), SAMPLES, true),
+                                Environment.STUDIO,
+                                Optional.of(view),
+                                Optional.of(body))
+                        .build(snapshot);
         boolean ranged = Double.isFinite(sensor.range());
         PixelLayers seen = renderer.pixels(scene, layers(camera, ranged));
         Optional<byte[]> colour = seen.colour().map(BodyCameras::bytes);
@@ -100,19 +119,26 @@ final class BodyCameras implements Cameras, AutoCloseable {
         }
         var names = new ArrayList<String>();
         Optional<byte[]> numbers = items.map(ids -> number(ids, snapshot, names));
-        return new Photo(snapshot.frame(), snapshot.timeSeconds(), camera.width(), camera.height(),
-                colour, depth.filter(any -> camera.layers().contains(Sensor.Layer.DEPTH)), numbers,
+        return new Photo(
+                snapshot.frame(),
+                snapshot.timeSeconds(),
+                camera.width(),
+                camera.height(),
+                colour,
+                depth.filter(any -> camera.layers().contains(Sensor.Layer.DEPTH)),
+                numbers,
                 List.copyOf(names));
     }
 
     private static int layers(Sensor.Camera camera, boolean ranged) {
         int layers = ranged ? PixelLayers.DEPTH : 0;
         for (Sensor.Layer layer : camera.layers()) {
-            layers |= switch (layer) {
-                case COLOUR -> PixelLayers.COLOUR;
-                case DEPTH -> PixelLayers.DEPTH;
-                case ITEMS -> PixelLayers.ITEM;
-            };
+            layers |=
+                    switch (layer) {
+                        case COLOUR -> PixelLayers.COLOUR;
+                        case DEPTH -> PixelLayers.DEPTH;
+                        case ITEMS -> PixelLayers.ITEM;
+                    };
         }
         return layers;
     }
@@ -128,8 +154,8 @@ final class BodyCameras implements Cameras, AutoCloseable {
     }
 
     /** What is farther away is black, and no item. */
-    private static void forgetBeyond(float range, byte[] depth, Optional<byte[]> colour,
-            Optional<byte[]> items) {
+    private static void forgetBeyond(
+            float range, byte[] depth, Optional<byte[]> colour, Optional<byte[]> items) {
         ByteBuffer depths = numbers(depth);
         for (int pixel = 0; pixel < depth.length / 4; pixel++) {
             float far = depths.getFloat(4 * pixel);
@@ -138,11 +164,12 @@ final class BodyCameras implements Cameras, AutoCloseable {
             }
             depths.putFloat(4 * pixel, 0);
             int at = pixel;
-            colour.ifPresent(rgb -> {
-                for (int channel = 0; channel < 3; channel++) {
-                    rgb[3 * at + channel] = 0;
-                }
-            });
+            colour.ifPresent(
+                    rgb -> {
+                        for (int channel = 0; channel < 3; channel++) {
+                            rgb[3 * at + channel] = 0;
+                        }
+                    });
             items.ifPresent(ids -> numbers(ids).putInt(4 * at, 0));
         }
     }

@@ -1,15 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.server;
 
-import java.io.IOException;
-import java.net.InetSocketAddress;
-import java.nio.file.Path;
-import java.util.LinkedHashMap;
-import java.util.Locale;
-import java.util.Map;
-import java.util.Optional;
 import org.jspecify.annotations.Nullable;
 import org.slf4j.Logger;
 import org.slf4j.LoggerFactory;
+
 import reve.core.agent.WorldPort;
 import reve.core.file.AgentPolicy;
 import reve.core.frame.FrameEvent;
@@ -21,6 +16,14 @@ import reve.worlds.journal.Journal;
 import reve.worlds.journal.Recording;
 import reve.worlds.journal.SqliteStore;
 import reve.worlds.render.Renderer;
+
+import java.io.IOException;
+import java.net.InetSocketAddress;
+import java.nio.file.Path;
+import java.util.LinkedHashMap;
+import java.util.Locale;
+import java.util.Map;
+import java.util.Optional;
 
 /**
  * A world of a server, with what keeps it and what is dropped into it. Whoever calls a method owns
@@ -56,15 +59,40 @@ final class HostedWorld implements AutoCloseable {
         try {
             stored = openStore(pacing);
             stored.ifPresent(world -> closing.add(world.store()));
-            simulation = closing.add(stored.map(StoredWorld::simulation)
-                    .orElseGet(() -> new Simulation(plan.description(), pacing, plan.laws())));
+            simulation =
+                    closing.add(
+                            stored.map(StoredWorld::simulation)
+                                    .orElseGet(
+                                            () ->
+                                                    new Simulation(
+                                                            plan.description(),
+                                                            pacing,
+                                                            plan.laws())));
             closing.add(plan.pictures());
-            laws = lawsFolder.map(folder -> closing.add(new LawFolder(folder, simulation.engine(),
-                    simulation.physics().laws(), simulation.commands()))).orElse(null);
-            control = closing.add(new ServerControl(simulation, plan.pictures(),
-                    plan.persistence().saves(), events));
-            cameras = closing.add(new BodyCameras(simulation.snapshots(),
-                    new Renderer(Product.nativeFolder(), Renderer.DEFAULT_DEADLINE)));
+            laws =
+                    lawsFolder
+                            .map(
+                                    folder ->
+                                            closing.add(
+                                                    new LawFolder(
+                                                            folder,
+                                                            simulation.engine(),
+                                                            simulation.physics().laws(),
+                                                            simulation.commands())))
+                            .orElse(null);
+            control =
+                    closing.add(
+                            new ServerControl(
+                                    simulation,
+                                    plan.pictures(),
+                                    plan.persistence().saves(),
+                                    events));
+            cameras =
+                    closing.add(
+                            new BodyCameras(
+                                    simulation.snapshots(),
+                                    new Renderer(
+                                            Product.nativeFolder(), Renderer.DEFAULT_DEADLINE)));
             plan.pictures().subscribeTo(simulation, events);
             simulation.onPublish("server events", this::tellEvents);
             keepJournals(pacing == Pacing.FAST);
@@ -76,30 +104,52 @@ final class HostedWorld implements AutoCloseable {
 
     private Optional<StoredWorld> openStore(Pacing pacing) throws IOException {
         Persistence persistence = plan.persistence();
-        return persistence.store().isEmpty() ? Optional.empty()
-                : Optional.of(StoredWorld.open(persistence.store().get(), persistence.durability(),
-                        plan.description(), pacing, plan.laws(),
-                        problem -> tellProblem("store", problem)));
+        return persistence.store().isEmpty()
+                ? Optional.empty()
+                : Optional.of(
+                        StoredWorld.open(
+                                persistence.store().get(),
+                                persistence.durability(),
+                                plan.description(),
+                                pacing,
+                                plan.laws(),
+                                problem -> tellProblem("store", problem)));
     }
 
     /** Last, so that they see what everybody else did in ACT. */
     private void keepJournals(boolean waits) throws IOException {
         Persistence persistence = plan.persistence();
         if (stored.isPresent()) {
-            long frames = Math.max(1, Math.round(persistence.imageSeconds()
-                    * plan.description().timing().framesPerSecond()));
-            storeJournal = closing.add(simulation.journal(persistence.folder(), Map.of(),
-                    new Journal.Plan(frames, waits
-                            || persistence.durability() == SqliteStore.Durability.FULL),
-                    stored.get().store(),
-                    problem -> tellProblem("store", problem)));
+            long frames =
+                    Math.max(
+                            1,
+                            Math.round(
+                                    persistence.imageSeconds()
+                                            * plan.description().timing().framesPerSecond()));
+            storeJournal =
+                    closing.add(
+                            simulation.journal(
+                                    persistence.folder(),
+                                    Map.of(),
+                                    new Journal.Plan(
+                                            frames,
+                                            waits
+                                                    || persistence.durability()
+                                                            == SqliteStore.Durability.FULL),
+                                    stored.get().store(),
+                                    problem -> tellProblem("store", problem)));
         }
         if (persistence.recording().isPresent()) {
             Recording recording = new Recording(persistence.recording().get());
             olderRecording = recording.older();
-            recordingJournal = closing.add(simulation.journal(persistence.folder(), Map.of(),
-                    new Journal.Plan(0, waits), recording,
-                    problem -> tellProblem("recording", problem)));
+            recordingJournal =
+                    closing.add(
+                            simulation.journal(
+                                    persistence.folder(),
+                                    Map.of(),
+                                    new Journal.Plan(0, waits),
+                                    recording,
+                                    problem -> tellProblem("recording", problem)));
         }
     }
 
@@ -115,9 +165,16 @@ final class HostedWorld implements AutoCloseable {
 
     /** What an agent server needs of it. */
     WorldPort port() {
-        return new WorldPort(name(), plan.description().timing().framesPerSecond(),
-                plan.description().agents(), simulation.bus(), simulation.commands(),
-                simulation.snapshots(), simulation.loop(), control, cameras);
+        return new WorldPort(
+                name(),
+                plan.description().timing().framesPerSecond(),
+                plan.description().agents(),
+                simulation.bus(),
+                simulation.commands(),
+                simulation.snapshots(),
+                simulation.loop(),
+                control,
+                cameras);
     }
 
     /** What a watchdog needs of it. */
@@ -139,12 +196,14 @@ final class HostedWorld implements AutoCloseable {
             fields.put("note", "the world file grants agents no body, so none can join");
         }
         lawsFolder.ifPresent(folder -> fields.put("laws", folder.toString()));
-        stored.ifPresent(world -> {
-            fields.put("store", plan.persistence().store().orElseThrow().toString());
-            fields.put("frame", simulation.loop().frame());
-            fields.put("stateHash", String.format(Locale.ROOT, "%016x", world.stateHash()));
-        });
-        plan.persistence().recording()
+        stored.ifPresent(
+                world -> {
+                    fields.put("store", plan.persistence().store().orElseThrow().toString());
+                    fields.put("frame", simulation.loop().frame());
+                    fields.put("stateHash", String.format(Locale.ROOT, "%016x", world.stateHash()));
+                });
+        plan.persistence()
+                .recording()
                 .ifPresent(recording -> fields.put("recording", recording.file().toString()));
         olderRecording.ifPresent(file -> fields.put("olderRecording", file.toString()));
         fields.put("pid", ProcessHandle.current().pid());
@@ -169,8 +228,14 @@ final class HostedWorld implements AutoCloseable {
         simulation.world().guard().claim();
         closing.close();
         if (unkept.isEmpty() && storeJournal != null) {
-            unkept = storeJournal.shortfall().map(shortfall ->
-                    plan.persistence().store().orElseThrow() + ": " + shortfall);
+            unkept =
+                    storeJournal
+                            .shortfall()
+                            .map(
+                                    shortfall ->
+                                            plan.persistence().store().orElseThrow()
+                                                    + ": "
+                                                    + shortfall);
             unkept.ifPresent(problem -> tellProblem("store", problem));
         }
     }
@@ -182,7 +247,8 @@ final class HostedWorld implements AutoCloseable {
 
     /** After close: what the recording lacks, if it lacks something. */
     Optional<String> gap() {
-        return Optional.ofNullable(recordingJournal).flatMap(Journal::gap)
+        return Optional.ofNullable(recordingJournal)
+                .flatMap(Journal::gap)
                 .map(gap -> plan.persistence().recording().orElseThrow().file() + ": " + gap);
     }
 

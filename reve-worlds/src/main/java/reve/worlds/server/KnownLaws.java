@@ -1,4 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.server;
+
+import org.slf4j.Logger;
+import org.slf4j.LoggerFactory;
+
+import reve.pe.adapter.LawLibrary;
 
 import java.io.IOException;
 import java.nio.file.Files;
@@ -7,9 +13,6 @@ import java.nio.file.StandardOpenOption;
 import java.nio.file.attribute.PosixFilePermissions;
 import java.util.ArrayList;
 import java.util.List;
-import org.slf4j.Logger;
-import org.slf4j.LoggerFactory;
-import reve.pe.adapter.LawLibrary;
 
 /**
  * The law libraries that shipped when this account's worlds were stored or recorded, by the SHA-256
@@ -25,8 +28,8 @@ final class KnownLaws {
     /** Returns whether a library with these bytes is known to this account. */
     static boolean contains(String sha256) {
         try {
-            return Files.exists(FILE) && Files.readAllLines(FILE).stream()
-                    .anyMatch(line -> line.startsWith(sha256));
+            return Files.exists(FILE)
+                    && Files.readAllLines(FILE).stream().anyMatch(line -> line.startsWith(sha256));
         } catch (IOException unreadable) {
             LOG.warn("{} cannot be read: {}", FILE, unreadable.toString());
             return false;
@@ -45,12 +48,17 @@ final class KnownLaws {
             return;
         }
         try {
-            Files.createDirectories(FILE.getParent(), PosixFilePermissions.asFileAttribute(
-                    PosixFilePermissions.fromString("rwx------")));
+            Files.createDirectories(
+                    FILE.getParent(),
+                    PosixFilePermissions.asFileAttribute(
+                            PosixFilePermissions.fromString("rwx------")));
             Files.write(FILE, lines, StandardOpenOption.CREATE, StandardOpenOption.APPEND);
         } catch (IOException unwritable) {
-            LOG.info("{} cannot be written, so stores of these laws need --trust after an upgrade:"
-                    + " {}", FILE, unwritable.toString());
+            LOG.info(
+                    "{} cannot be written, so stores of these laws need --trust after an upgrade:"
+                            + " {}",
+                    FILE,
+                    unwritable.toString());
         }
     }
 

@@ -1,4 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.server;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.pe.PreparedLibrary;
+import reve.worlds.journal.JournalRecord;
 
 import java.io.IOException;
 import java.io.UncheckedIOException;
@@ -13,9 +19,6 @@ import java.util.HexFormat;
 import java.util.List;
 import java.util.Map;
 import java.util.function.Consumer;
-import org.jspecify.annotations.Nullable;
-import reve.pe.PreparedLibrary;
-import reve.worlds.journal.JournalRecord;
 
 /**
  * The law libraries on the disk by the SHA-256 of their bytes, in place of those that a store has
@@ -57,8 +60,12 @@ final class LawFiles {
                 return null;
             }
             given.put(sha256, bytes);
-            found.accept("the law library with the SHA-256 " + sha256
-                    + " is damaged or missing; the same bytes are in " + file + ", which is used");
+            found.accept(
+                    "the law library with the SHA-256 "
+                            + sha256
+                            + " is damaged or missing; the same bytes are in "
+                            + file
+                            + ", which is used");
             return bytes;
         } catch (IOException e) {
             throw new UncheckedIOException(file + " could not be read", e);
@@ -68,7 +75,8 @@ final class LawFiles {
     /** The libraries that were found. */
     List<JournalRecord.Library> given() {
         return given.entrySet().stream()
-                .map(each -> new JournalRecord.Library(each.getKey(), each.getValue())).toList();
+                .map(each -> new JournalRecord.Library(each.getKey(), each.getValue()))
+                .toList();
     }
 
     private Map<String, Path> list() {
@@ -79,7 +87,8 @@ final class LawFiles {
             }
             try (DirectoryStream<Path> libraries = Files.newDirectoryStream(folder, "*.so")) {
                 for (Path library : libraries) {
-                    if (Files.isRegularFile(library) && Files.isReadable(library)
+                    if (Files.isRegularFile(library)
+                            && Files.isReadable(library)
                             && Files.size(library) <= PreparedLibrary.MAX_BYTES) {
                         all.putIfAbsent(sha256(Files.readAllBytes(library)), library);
                     }

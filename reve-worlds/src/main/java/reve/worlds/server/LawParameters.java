@@ -1,11 +1,6 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.server;
 
-import java.util.ArrayList;
-import java.util.Arrays;
-import java.util.LinkedHashMap;
-import java.util.List;
-import java.util.Map;
-import java.util.Optional;
 import reve.core.file.LawReference;
 import reve.core.unit.Unit;
 import reve.pe.LawParameter;
@@ -14,6 +9,13 @@ import reve.pe.PhysicsException;
 import reve.pe.PhysicsLaw;
 import reve.pe.PreparedLibrary;
 import reve.pe.SiUnit;
+
+import java.util.ArrayList;
+import java.util.Arrays;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
 
 /** Finds which parameters of a law are wrong, and where the world file says them. */
 final class LawParameters {
@@ -27,35 +29,63 @@ final class LawParameters {
      */
     static Map<String, String> wrongUnits(LawReference law, List<PhysicsLaw> loaded) {
         Map<String, String> wrong = new LinkedHashMap<>();
-        law.mentions().forEach((name, mention) -> {
-            Optional<SiUnit> asked = loaded.stream().flatMap(each -> each.parameters().stream()
-                    .filter(parameter -> isNamed(parameter, each, name))).findFirst()
-                    .map(LawParameter::unit);
-            if (asked.isPresent() && mention.unit().isPresent()
-                    && !sameDimension(mention.unit().get(), asked.get())) {
-                wrong.put(name, mention.place() + ": law " + law.name() + ": parameter " + name
-                        + ": unit " + mention.unit().get() + " does not fit "
-                        + asked.get().symbol());
-            }
-        });
+        law.mentions()
+                .forEach(
+                        (name, mention) -> {
+                            Optional<SiUnit> asked =
+                                    loaded.stream()
+                                            .flatMap(
+                                                    each ->
+                                                            each.parameters().stream()
+                                                                    .filter(
+                                                                            parameter ->
+                                                                                    isNamed(
+                                                                                            parameter,
+                                                                                            each,
+                                                                                            name)))
+                                            .findFirst()
+                                            .map(LawParameter::unit);
+                            if (asked.isPresent()
+                                    && mention.unit().isPresent()
+                                    && !sameDimension(mention.unit().get(), asked.get())) {
+                                wrong.put(
+                                        name,
+                                        mention.place()
+                                                + ": law "
+                                                + law.name()
+                                                + ": parameter "
+                                                + name
+                                                + ": unit "
+                                                + mention.unit().get()
+                                                + " does not fit "
+                                                + asked.get().symbol());
+                            }
+                        });
         return wrong;
     }
 
     /** What a law was refused for: lines with the places of wrong parameters, or of the law. */
-    static List<String> refused(LawReference law, PhysicsException refused, PhysicsEngine engine,
-            LawPath lawPath) {
+    static List<String> refused(
+            LawReference law, PhysicsException refused, PhysicsEngine engine, LawPath lawPath) {
         List<String> wrong = new ArrayList<>();
         if (!law.mentions().isEmpty()) {
             try {
                 Map<String, String> units = load(law, Map.of(), engine, lawPath);
-                law.mentions().forEach((name, mention) -> {
-                    if (units.containsKey(name)) {
-                        wrong.add(units.get(name));
-                    } else {
-                        refusal(law, name, engine, lawPath).ifPresent(
-                                message -> wrong.add(mention.place() + ": " + message));
-                    }
-                });
+                law.mentions()
+                        .forEach(
+                                (name, mention) -> {
+                                    if (units.containsKey(name)) {
+                                        wrong.add(units.get(name));
+                                    } else {
+                                        refusal(law, name, engine, lawPath)
+                                                .ifPresent(
+                                                        message ->
+                                                                wrong.add(
+                                                                        mention.place()
+                                                                                + ": "
+                                                                                + message));
+                                    }
+                                });
             } catch (PhysicsException notForItsParameters) {
                 // then it is the law that is wrong
             }
@@ -67,8 +97,8 @@ final class LawParameters {
     }
 
     /** What the engine has against one parameter by itself. */
-    private static Optional<String> refusal(LawReference law, String name, PhysicsEngine engine,
-            LawPath lawPath) {
+    private static Optional<String> refusal(
+            LawReference law, String name, PhysicsEngine engine, LawPath lawPath) {
         try {
             load(law, Map.of(name, law.parameters().get(name)), engine, lawPath);
             return Optional.empty();
@@ -78,8 +108,11 @@ final class LawParameters {
     }
 
     /** Loads and unloads the law, and says which units do not fit it. */
-    private static Map<String, String> load(LawReference law, Map<String, Double> parameters,
-            PhysicsEngine engine, LawPath lawPath) {
+    private static Map<String, String> load(
+            LawReference law,
+            Map<String, Double> parameters,
+            PhysicsEngine engine,
+            LawPath lawPath) {
         try (PreparedLibrary prepared =
                 lawPath.prepare(engine, law.name(), lawPath.find(law.name()))) {
             int id = engine.loadPhysicsLaw(prepared, parameters);

@@ -1,4 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.server;
+
+import reve.core.mesh.AssetException;
+import reve.core.mesh.WorldFolder;
+import reve.core.text.Suggestion;
+import reve.pe.PhysicsEngine;
+import reve.pe.PhysicsException;
+import reve.pe.PreparedLibrary;
+import reve.pe.Status;
+import reve.pe.adapter.LawLibrary;
+import reve.worlds.Product;
 
 import java.io.IOException;
 import java.io.UncheckedIOException;
@@ -14,15 +25,6 @@ import java.util.SortedSet;
 import java.util.TreeSet;
 import java.util.regex.Pattern;
 import java.util.stream.Stream;
-import reve.core.mesh.AssetException;
-import reve.core.mesh.WorldFolder;
-import reve.core.text.Suggestion;
-import reve.pe.PhysicsEngine;
-import reve.pe.PhysicsException;
-import reve.pe.PreparedLibrary;
-import reve.pe.Status;
-import reve.pe.adapter.LawLibrary;
-import reve.worlds.Product;
 
 /**
  * Finds laws by name, and decides which native code may be opened. A name is looked for among the
@@ -35,23 +37,26 @@ import reve.worlds.Product;
  * @param world folder of the world file
  * @param trusted whether native code that comes with the world may be opened
  */
-public record LawPath(Path shipped, Optional<Path> folder, Optional<Path> world,
-        boolean trusted) {
+public record LawPath(Path shipped, Optional<Path> folder, Optional<Path> world, boolean trusted) {
     private static final Pattern NAME = Pattern.compile("[A-Za-z0-9_-]{1,47}");
     private static final String PREFIX = "libvesper_law_";
     private static final String SUFFIX = ".so";
     private static final String WORLDS_OWN = "laws";
 
     /** Whose word a library is. */
-    public enum Origin { SHIPPED, FOLDER, WORLD }
+    public enum Origin {
+        SHIPPED,
+        FOLDER,
+        WORLD
+    }
 
     /** The file that a name leads to. */
     public record Found(Path file, Origin origin) {}
 
     /** The laws that ship, and no others. */
     public static LawPath ofShipped() {
-        return new LawPath(Product.nativeFolder().resolve("laws"), Optional.empty(),
-                Optional.empty(), false);
+        return new LawPath(
+                Product.nativeFolder().resolve("laws"), Optional.empty(), Optional.empty(), false);
     }
 
     /** The same for a world whose file lies in this folder. */
@@ -73,9 +78,17 @@ public record LawPath(Path shipped, Optional<Path> folder, Optional<Path> world,
                 return new Found(candidate.toAbsolutePath(), place.getValue());
             }
         }
-        return worldsOwn(file).map(own -> new Found(own, Origin.WORLD)).orElseThrow(() ->
-                new PhysicsException(Status.NOT_FOUND, "law library '" + name
-                        + "' was not found among " + places() + suggestion(name)));
+        return worldsOwn(file)
+                .map(own -> new Found(own, Origin.WORLD))
+                .orElseThrow(
+                        () ->
+                                new PhysicsException(
+                                        Status.NOT_FOUND,
+                                        "law library '"
+                                                + name
+                                                + "' was not found among "
+                                                + places()
+                                                + suggestion(name)));
     }
 
     /** Whether the law is found in the world's own folder and may not be opened. */
@@ -89,7 +102,12 @@ public record LawPath(Path shipped, Optional<Path> folder, Optional<Path> world,
 
     /** Says that the law is not opened, and why. */
     public static String untrusted(String name) {
-        return "law '" + name + "' comes with the world, in " + WORLDS_OWN + "/" + fileOf(name)
+        return "law '"
+                + name
+                + "' comes with the world, in "
+                + WORLDS_OWN
+                + "/"
+                + fileOf(name)
                 + ": native code, which runs with all of your rights and is opened only with "
                 + "--trust";
     }
@@ -97,15 +115,20 @@ public record LawPath(Path shipped, Optional<Path> folder, Optional<Path> world,
     /** What a name that leads elsewhere hides in the world's own folder, if other bytes do. */
     Optional<String> hidden(String name, Found found) {
         try {
-            Optional<Path> own = found.origin() == Origin.WORLD ? Optional.empty()
-                    : worldsOwn(fileOf(name));
-            return own.isEmpty() || Files.mismatch(own.get(), found.file()) < 0 ? Optional.empty()
-                    : Optional.of(own.get() + " is not used: the law of that name "
-                            + (found.origin() == Origin.SHIPPED ? "that ships" : "in --laws")
-                            + " comes first; give it a name of its own");
+            Optional<Path> own =
+                    found.origin() == Origin.WORLD ? Optional.empty() : worldsOwn(fileOf(name));
+            return own.isEmpty() || Files.mismatch(own.get(), found.file()) < 0
+                    ? Optional.empty()
+                    : Optional.of(
+                            own.get()
+                                    + " is not used: the law of that name "
+                                    + (found.origin() == Origin.SHIPPED
+                                            ? "that ships"
+                                            : "in --laws")
+                                    + " comes first; give it a name of its own");
         } catch (IOException | PhysicsException unreadable) {
-            return Optional.of(WORLDS_OWN + "/" + fileOf(name) + " is not used: "
-                    + unreadable.getMessage());
+            return Optional.of(
+                    WORLDS_OWN + "/" + fileOf(name) + " is not used: " + unreadable.getMessage());
         }
     }
 
@@ -132,9 +155,14 @@ public record LawPath(Path shipped, Optional<Path> folder, Optional<Path> world,
     void requireOwnName(String name, Path file, byte[] library) {
         Path ships = shipped.resolve(PREFIX + name + SUFFIX);
         if (NAME.matcher(name).matches() && Files.exists(ships) && !holds(shipped, library)) {
-            throw new PhysicsException(Status.ALREADY_EXISTS, file.toAbsolutePath()
-                    + " calls itself '" + name + "', which is the law that ships as "
-                    + ships.toAbsolutePath() + "; give it a name of its own");
+            throw new PhysicsException(
+                    Status.ALREADY_EXISTS,
+                    file.toAbsolutePath()
+                            + " calls itself '"
+                            + name
+                            + "', which is the law that ships as "
+                            + ships.toAbsolutePath()
+                            + "; give it a name of its own");
         }
     }
 
@@ -146,18 +174,23 @@ public record LawPath(Path shipped, Optional<Path> folder, Optional<Path> world,
      */
     void requireKnown(LawLibrary library) {
         if (!trusted && !isOperators(library) && !KnownLaws.contains(library.sha256())) {
-            throw new PhysicsException(Status.LIBRARY_LOAD_FAILED, "the law library '"
-                    + library.name() + "' (SHA-256 " + library.sha256() + ") in it is native code,"
-                    + " which runs with all of your rights, and equals none of the laws that ship"
-                    + folder.map(own -> " or lie in " + own).orElse("")
-                    + ": it is opened only with --trust, or with --laws DIR that has it");
+            throw new PhysicsException(
+                    Status.LIBRARY_LOAD_FAILED,
+                    "the law library '"
+                            + library.name()
+                            + "' (SHA-256 "
+                            + library.sha256()
+                            + ") in it is native code, which runs with all of your rights, and"
+                            + " equals none of the laws that ship"
+                            + folder.map(own -> " or lie in " + own).orElse("")
+                            + ": it is opened only with --trust, or with --laws DIR that has it");
         }
     }
 
     /** Keeps in mind which of these libraries, of a world that is stored, ship. Reads files. */
     void remember(List<LawLibrary> libraries) {
-        KnownLaws.keep(libraries.stream().filter(library -> holds(shipped, library.bytes()))
-                .toList());
+        KnownLaws.keep(
+                libraries.stream().filter(library -> holds(shipped, library.bytes())).toList());
     }
 
     private boolean isOperators(LawLibrary library) {
@@ -172,15 +205,17 @@ public record LawPath(Path shipped, Optional<Path> folder, Optional<Path> world,
     }
 
     private String places() {
-        return "the laws that ship" + folder.map(own -> ", in " + own).orElse("")
+        return "the laws that ship"
+                + folder.map(own -> ", in " + own).orElse("")
                 + world.map(_ -> ", or in the world's own folder " + WORLDS_OWN + "/").orElse("");
     }
 
     /** The name that was probably meant, or else all that there are. */
     private String suggestion(String wrong) {
         SortedSet<String> names = new TreeSet<>();
-        Stream.concat(operatorsPlaces().keySet().stream(),
-                world.map(own -> own.resolve(WORLDS_OWN)).stream())
+        Stream.concat(
+                        operatorsPlaces().keySet().stream(),
+                        world.map(own -> own.resolve(WORLDS_OWN)).stream())
                 .forEach(place -> names.addAll(namesIn(place)));
         String near = Suggestion.of(wrong, names);
         return near.isEmpty() ? "; known are " + String.join(", ", names) : near;
@@ -199,29 +234,35 @@ public record LawPath(Path shipped, Optional<Path> folder, Optional<Path> world,
 
     private static String fileOf(String name) {
         if (!NAME.matcher(name).matches()) {
-            throw new PhysicsException(Status.INVALID_ARGUMENT, "'" + name + "' is no name of a "
-                    + "law: expected letters, digits, _ and -, 47 of them at most");
+            throw new PhysicsException(
+                    Status.INVALID_ARGUMENT,
+                    "'"
+                            + name
+                            + "' is no name of a "
+                            + "law: expected letters, digits, _ and -, 47 of them at most");
         }
         return PREFIX + name + SUFFIX;
     }
 
     /** A regular file in the world's own folder; a link may not lead out of that. */
     private Optional<Path> worldsOwn(String file) {
-        if (world.isEmpty() || !Files.exists(world.get().resolve(WORLDS_OWN).resolve(file),
-                LinkOption.NOFOLLOW_LINKS)) {
+        if (world.isEmpty()
+                || !Files.exists(
+                        world.get().resolve(WORLDS_OWN).resolve(file), LinkOption.NOFOLLOW_LINKS)) {
             return Optional.empty();
         }
         String path = WORLDS_OWN + "/" + file;
         try {
             Path real = new WorldFolder(world.get()).find(path);
             if (!real.startsWith(world.get().toRealPath().resolve(WORLDS_OWN))) {
-                throw new PhysicsException(Status.LIBRARY_LOAD_FAILED, path
-                        + ": a link that leads out of the world's folder " + WORLDS_OWN + "/");
+                throw new PhysicsException(
+                        Status.LIBRARY_LOAD_FAILED,
+                        path + ": a link that leads out of the world's folder " + WORLDS_OWN + "/");
             }
             return Optional.of(real);
         } catch (AssetException | IOException refused) {
-            throw new PhysicsException(Status.LIBRARY_LOAD_FAILED,
-                    String.valueOf(refused.getMessage()));
+            throw new PhysicsException(
+                    Status.LIBRARY_LOAD_FAILED, String.valueOf(refused.getMessage()));
         }
     }
 

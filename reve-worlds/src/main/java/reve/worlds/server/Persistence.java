@@ -1,9 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.server;
+
+import reve.worlds.journal.RecordingPlan;
+import reve.worlds.journal.SqliteStore;
 
 import java.nio.file.Path;
 import java.util.Optional;
-import reve.worlds.journal.RecordingPlan;
-import reve.worlds.journal.SqliteStore;
 
 /**
  * What is kept of a world while it runs.
@@ -15,5 +17,10 @@ import reve.worlds.journal.SqliteStore;
  * @param imageSeconds an image goes to the store every so much world time [s]
  * @param durability of the store
  */
-public record Persistence(Path folder, Optional<RecordingPlan> recording, Optional<Path> store,
-        Optional<Path> saves, double imageSeconds, SqliteStore.Durability durability) {}
+public record Persistence(
+        Path folder,
+        Optional<RecordingPlan> recording,
+        Optional<Path> store,
+        Optional<Path> saves,
+        double imageSeconds,
+        SqliteStore.Durability durability) {}

@@ -1,13 +1,6 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.server;
 
-import java.nio.file.Path;
-import java.util.LinkedHashMap;
-import java.util.List;
-import java.util.Locale;
-import java.util.Map;
-import java.util.concurrent.ExecutorService;
-import java.util.concurrent.Executors;
-import java.util.concurrent.TimeUnit;
 import reve.core.frame.FrameEvent;
 import reve.core.world.WorldSnapshot;
 import reve.worlds.Product;
@@ -17,6 +10,15 @@ import reve.worlds.render.ImageFormat;
 import reve.worlds.render.Renderer;
 import reve.worlds.render.Scene;
 import reve.worlds.render.SceneBuilder;
+
+import java.nio.file.Path;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Locale;
+import java.util.Map;
+import java.util.concurrent.ExecutorService;
+import java.util.concurrent.Executors;
+import java.util.concurrent.TimeUnit;
 
 /**
  * Takes pictures of a world at given frames while it runs. The world's thread only notes what is to
@@ -32,8 +34,9 @@ public final class Pictures implements AutoCloseable {
     private final long[] frames;
     private final Renderer renderer =
             new Renderer(Product.nativeFolder(), Renderer.DEFAULT_DEADLINE);
-    private final ExecutorService artist = Executors.newSingleThreadExecutor(
-            Thread.ofPlatform().daemon().name("pictures").factory());
+    private final ExecutorService artist =
+            Executors.newSingleThreadExecutor(
+                    Thread.ofPlatform().daemon().name("pictures").factory());
     private int next;
     private boolean wanted;
 
@@ -58,8 +61,8 @@ public final class Pictures implements AutoCloseable {
 
     /** What a simulation's pictures show, from its camera if it has one. */
     public static SceneBuilder sceneBuilder(Simulation simulation, ImageFormat format) {
-        return new SceneBuilder(format, Environment.STUDIO,
-                simulation.description().camera().map(Camera::of));
+        return new SceneBuilder(
+                format, Environment.STUDIO, simulation.description().camera().map(Camera::of));
     }
 
     private void onFrame(FrameEvent frame, Simulation simulation, ServerEvents events) {
@@ -69,8 +72,13 @@ public final class Pictures implements AutoCloseable {
         }
         next += listed ? 1 : 0;
         wanted = false;
-        Path file = folder.resolve(String.format(Locale.ROOT, "%s-%06d.png",
-                simulation.world().name(), frame.frame()));
+        Path file =
+                folder.resolve(
+                        String.format(
+                                Locale.ROOT,
+                                "%s-%06d.png",
+                                simulation.world().name(),
+                                frame.frame()));
         Map<String, Object> fields = new LinkedHashMap<>();
         fields.put("frame", frame.frame());
         fields.put("time", frame.timeSeconds());
@@ -92,8 +100,8 @@ public final class Pictures implements AutoCloseable {
         }
     }
 
-    private static void tellFailure(RuntimeException failed, Map<String, Object> fields,
-            ServerEvents events) {
+    private static void tellFailure(
+            RuntimeException failed, Map<String, Object> fields, ServerEvents events) {
         fields.put("message", String.valueOf(failed.getMessage()));
         events.happened("snapshot-failed", fields);
     }

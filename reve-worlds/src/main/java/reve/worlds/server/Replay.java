@@ -1,15 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.server;
 
-import java.util.ArrayList;
-import java.util.HashMap;
-import java.util.LinkedHashMap;
-import java.util.List;
-import java.util.Map;
-import java.util.Objects;
-import java.util.Optional;
-import java.util.function.Consumer;
-import java.util.function.Function;
 import org.jspecify.annotations.Nullable;
+
 import reve.core.file.WorldDescription;
 import reve.core.frame.FrameEvent;
 import reve.core.frame.FramePhase;
@@ -27,7 +20,18 @@ import reve.worlds.journal.ImageCodec;
 import reve.worlds.journal.JournalRecord;
 import reve.worlds.journal.SimulationImage;
 import reve.worlds.journal.WorldHeader;
+
 import tools.jackson.databind.JsonNode;
+
+import java.util.ArrayList;
+import java.util.HashMap;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Objects;
+import java.util.Optional;
+import java.util.function.Consumer;
+import java.util.function.Function;
 
 /**
  * Makes the frames of a journal again: from its image, with what came in then, comparing the digest
@@ -59,8 +63,8 @@ public final class Replay implements AutoCloseable {
      * @param property that differs, or {@link WorldDigest#ROWS}, or "laws"
      * @param message one line that says it all
      */
-    public record Divergence(long frame, String kind, Optional<String> item, String property,
-                             String message) {
+    public record Divergence(
+            long frame, String kind, Optional<String> item, String property, String message) {
         /** For JSON, in order. */
         public Map<String, Object> fields() {
             Map<String, Object> fields = new LinkedHashMap<>();
@@ -91,7 +95,10 @@ public final class Replay implements AutoCloseable {
      *
      * @param elsewhere the bytes of law libraries by SHA-256 that the journal has damaged
      */
-    Replay(Optional<WorldDescription> description, Pacing pacing, LawPath laws,
+    Replay(
+            Optional<WorldDescription> description,
+            Pacing pacing,
+            LawPath laws,
             Function<String, byte @Nullable []> elsewhere) {
         this.wanted = description;
         this.pacing = pacing;
@@ -219,21 +226,30 @@ public final class Replay implements AutoCloseable {
     private static void requireSame(WorldHeader header, WorldDescription description) {
         requireSame("is called", header.name(), description.name());
         requireSame("makes", text(header.timing()), text(description.timing()));
-        requireSame("has the prototype", header.prototype().name(),
-                description.prototype().name());
-        requireSame("has the properties", header.prototype().properties(),
+        requireSame("has the prototype", header.prototype().name(), description.prototype().name());
+        requireSame(
+                "has the properties",
+                header.prototype().properties(),
                 description.prototype().properties());
     }
 
     private static String text(Timing timing) {
-        return timing.framesPerSecond() + " frames a second of " + timing.stepsPerFrame()
+        return timing.framesPerSecond()
+                + " frames a second of "
+                + timing.stepsPerFrame()
                 + " steps each";
     }
 
     private static void requireSame(String what, Object stored, Object wanted) {
         if (!stored.equals(wanted)) {
-            throw new CorruptException("the stored world " + what + " " + stored
-                    + ", the world file's " + wanted + ": use the file that it was stored with");
+            throw new CorruptException(
+                    "the stored world "
+                            + what
+                            + " "
+                            + stored
+                            + ", the world file's "
+                            + wanted
+                            + ": use the file that it was stored with");
         }
     }
 
@@ -241,8 +257,8 @@ public final class Replay implements AutoCloseable {
         try {
             make(Trees.read(record.json()));
         } catch (CorruptException e) {
-            throw new CorruptException("the record of frame " + record.frame() + ": "
-                    + e.getMessage(), e);
+            throw new CorruptException(
+                    "the record of frame " + record.frame() + ": " + e.getMessage(), e);
         }
     }
 
@@ -253,8 +269,12 @@ public final class Replay implements AutoCloseable {
         }
         long number = Trees.integer(frame, "frame");
         if (number != made.loop().frame() + 1) {
-            throw new CorruptException("frame " + number + " follows frame "
-                    + made.loop().frame() + ": records are missing");
+            throw new CorruptException(
+                    "frame "
+                            + number
+                            + " follows frame "
+                            + made.loop().frame()
+                            + ": records are missing");
         }
         inputs = frame;
         made.loop().step();
@@ -273,27 +293,32 @@ public final class Replay implements AutoCloseable {
         if (codec != null && digest != null) {
             long[] recorded = codec.readDigest(frame, name);
             if (divergence == null) {
-                digest.firstDifference(recorded).ifPresent(found -> divergence =
-                        divergence(Trees.integer(frame, "frame"), found));
+                digest.firstDifference(recorded)
+                        .ifPresent(
+                                found ->
+                                        divergence =
+                                                divergence(Trees.integer(frame, "frame"), found));
             }
         }
     }
 
     /** Last in ACT, as the inputs were noted then. */
     private void comeIn(FrameEvent event) {
-        apply(event, () -> {
-            apply("changes");
-            if (input().has("before")) {
-                compare(input(), "before");
-            }
-            for (LawChange change : FrameCodec.laws(input(), this::library)) {
-                if (change instanceof LawChange.Loaded loaded) {
-                    laws.requireKnown(loaded.library());
-                }
-                made().physics().laws().apply(event.frame(), change);
-            }
-            lawChanges.clear();
-        });
+        apply(
+                event,
+                () -> {
+                    apply("changes");
+                    if (input().has("before")) {
+                        compare(input(), "before");
+                    }
+                    for (LawChange change : FrameCodec.laws(input(), this::library)) {
+                        if (change instanceof LawChange.Loaded loaded) {
+                            laws.requireKnown(loaded.library());
+                        }
+                        made().physics().laws().apply(event.frame(), change);
+                    }
+                    lawChanges.clear();
+                });
     }
 
     private void comeLate(FrameEvent event) {
@@ -307,8 +332,7 @@ public final class Replay implements AutoCloseable {
             } catch (CorruptException | PhysicsException e) {
                 failure = e;
             } catch (RuntimeException e) {
-                failure = new CorruptException("it does not fit this world: "
-                        + e.getMessage(), e);
+                failure = new CorruptException("it does not fit this world: " + e.getMessage(), e);
             }
         }
     }
@@ -334,10 +358,18 @@ public final class Replay implements AutoCloseable {
         for (LawChange change : lawChanges) {
             if (change instanceof LawChange.Failed failed) {
                 long number = Trees.integer(frame, "frame");
-                divergence = new Divergence(number, "law", Optional.empty(), "laws",
-                        "frame " + number + ": law library " + failed.reason().library()
-                                + " failed, which it did not in the recording: "
-                                + failed.reason().message());
+                divergence =
+                        new Divergence(
+                                number,
+                                "law",
+                                Optional.empty(),
+                                "laws",
+                                "frame "
+                                        + number
+                                        + ": law library "
+                                        + failed.reason().library()
+                                        + " failed, which it did not in the recording: "
+                                        + failed.reason().message());
             }
         }
     }
@@ -351,7 +383,8 @@ public final class Replay implements AutoCloseable {
                 String agent = Trees.text(fields, "agent");
                 changed.remove(agent);
                 if (type.equals("joined")) {
-                    made().world().find(Trees.text(fields, "body"))
+                    made().world()
+                            .find(Trees.text(fields, "body"))
                             .ifPresent(body -> changed.put(agent, body.id().value()));
                 }
                 members = changed;
@@ -361,12 +394,15 @@ public final class Replay implements AutoCloseable {
 
     private Divergence divergence(long frame, WorldDigest.Difference found) {
         Optional<String> item = found.item().map(this::name);
-        String what = found.property().equals(WorldDigest.ROWS)
-                ? "the items of kind " + found.kind() + " differ"
-                : item.orElse("several items of kind " + found.kind()) + ": " + found.property()
-                        + " differs";
-        return new Divergence(frame, found.kind(), item, found.property(),
-                "frame " + frame + ": " + what);
+        String what =
+                found.property().equals(WorldDigest.ROWS)
+                        ? "the items of kind " + found.kind() + " differ"
+                        : item.orElse("several items of kind " + found.kind())
+                                + ": "
+                                + found.property()
+                                + " differs";
+        return new Divergence(
+                frame, found.kind(), item, found.property(), "frame " + frame + ": " + what);
     }
 
     private String name(ItemId id) {

@@ -1,4 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.server;
+
+import reve.core.frame.FrameEvent;
+import reve.core.frame.FrameListener;
+import reve.core.world.WorldEvent;
 
 import java.util.ArrayList;
 import java.util.LinkedHashMap;
@@ -6,9 +11,6 @@ import java.util.LinkedHashSet;
 import java.util.List;
 import java.util.Map;
 import java.util.Set;
-import reve.core.frame.FrameEvent;
-import reve.core.frame.FrameListener;
-import reve.core.world.WorldEvent;
 
 /** Counts the events of a run and keeps its faults, for the report. World's thread. */
 public final class RunEvents implements FrameListener {

@@ -1,10 +1,6 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.server;
 
-import java.io.PrintWriter;
-import java.util.LinkedHashMap;
-import java.util.List;
-import java.util.Locale;
-import java.util.Map;
 import reve.core.frame.FramePhase;
 import reve.core.frame.FrameProfile;
 import reve.core.frame.Timing;
@@ -13,6 +9,12 @@ import reve.core.world.WorldEvent;
 import reve.core.world.WorldPrototype;
 import reve.pe.PhysicsLaw;
 import reve.pe.adapter.AdapterProfile;
+
+import java.io.PrintWriter;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Locale;
+import java.util.Map;
 
 /**
  * What a run came to.
@@ -27,9 +29,19 @@ import reve.pe.adapter.AdapterProfile;
  * @param libraries every law library that was ever loaded, in that order
  * @param snapshotNanoseconds spent on copying the world into snapshots [ns]
  */
-public record RunReport(String world, long frames, double worldSeconds, double wallSeconds,
-        long stateHash, int items, int bodies, List<PhysicsLaw> laws, List<String> libraries,
-        List<WorldEvent> faults, FrameProfile profile, AdapterProfile physics,
+public record RunReport(
+        String world,
+        long frames,
+        double worldSeconds,
+        double wallSeconds,
+        long stateHash,
+        int items,
+        int bodies,
+        List<PhysicsLaw> laws,
+        List<String> libraries,
+        List<WorldEvent> faults,
+        FrameProfile profile,
+        AdapterProfile physics,
         long snapshotNanoseconds) {
 
     public RunReport {
@@ -43,11 +55,19 @@ public record RunReport(String world, long frames, double worldSeconds, double w
         World world = simulation.world();
         FrameProfile profile = simulation.loop().profile();
         Timing timing = simulation.description().timing();
-        return new RunReport(world.name(), profile.frames(), timing.timeSeconds(profile.frames()),
-                wallSeconds, simulation.physics().stateHash(), world.items().size() - 1,
+        return new RunReport(
+                world.name(),
+                profile.frames(),
+                timing.timeSeconds(profile.frames()),
+                wallSeconds,
+                simulation.physics().stateHash(),
+                world.items().size() - 1,
                 world.table(WorldPrototype.BODY).physicsRowCount(),
-                simulation.physics().laws().loaded(), simulation.events().libraries(),
-                simulation.events().faults(), profile, simulation.physics().profile(),
+                simulation.physics().laws().loaded(),
+                simulation.events().libraries(),
+                simulation.events().faults(),
+                profile,
+                simulation.physics().profile(),
                 simulation.snapshotNanoseconds());
     }
 
@@ -76,18 +96,33 @@ public record RunReport(String world, long frames, double worldSeconds, double w
 
     /** A few lines for people. */
     public void print(PrintWriter out) {
-        out.printf(Locale.ROOT,
-                "%s: %d frames, %.2f s of world time in %.2f s (%.1f x real time)%n", world, frames,
-                worldSeconds, wallSeconds, realTimeFactor());
+        out.printf(
+                Locale.ROOT,
+                "%s: %d frames, %.2f s of world time in %.2f s (%.1f x real time)%n",
+                world,
+                frames,
+                worldSeconds,
+                wallSeconds,
+                realTimeFactor());
         out.printf(Locale.ROOT, "items: %d, of which laws move %d%n", items, bodies);
         for (PhysicsLaw law : laws) {
-            out.printf(Locale.ROOT, "law %s %s (%s): %d calls, %.2f ms%n", law.name(),
-                    law.version(), law.library(), law.calls(), law.nanoseconds() * 1e-6);
+            out.printf(
+                    Locale.ROOT,
+                    "law %s %s (%s): %d calls, %.2f ms%n",
+                    law.name(),
+                    law.version(),
+                    law.library(),
+                    law.calls(),
+                    law.nanoseconds() * 1e-6);
         }
         for (WorldEvent fault : faults) {
             Object file = fault.fields().getOrDefault("file", "");
-            out.printf(Locale.ROOT, "fault in frame %d: %s%s%n", fault.frame(),
-                    file.equals("") ? "" : file + ": ", fault.fields().get("message"));
+            out.printf(
+                    Locale.ROOT,
+                    "fault in frame %d: %s%s%n",
+                    fault.frame(),
+                    file.equals("") ? "" : file + ": ",
+                    fault.fields().get("message"));
         }
         out.printf(Locale.ROOT, "state hash: %s%n", hash());
     }
@@ -98,8 +133,13 @@ public record RunReport(String world, long frames, double worldSeconds, double w
         out.printf(Locale.ROOT, "%-24s %12s %12s %8s%n", "profile", "ns/frame", "ns/body", "share");
         for (Map.Entry<String, Long> part : parts().entrySet()) {
             double perFrame = part.getValue() / (double) Math.max(1, frames);
-            out.printf(Locale.ROOT, "%-24s %12.0f %12.2f %7.1f%%%n", part.getKey(), perFrame,
-                    perFrame / Math.max(1, bodies), 100 * part.getValue() / Math.max(1, busy));
+            out.printf(
+                    Locale.ROOT,
+                    "%-24s %12.0f %12.2f %7.1f%%%n",
+                    part.getKey(),
+                    perFrame,
+                    perFrame / Math.max(1, bodies),
+                    100 * part.getValue() / Math.max(1, busy));
         }
     }
 

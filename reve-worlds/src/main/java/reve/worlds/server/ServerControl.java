@@ -1,18 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.server;
 
-import java.io.IOException;
-import java.nio.file.Path;
-import java.util.ArrayList;
-import java.util.Collection;
-import java.util.LinkedHashMap;
-import java.util.List;
-import java.util.Map;
-import java.util.Optional;
-import java.util.function.Consumer;
-import java.util.regex.Pattern;
 import org.jspecify.annotations.Nullable;
 import org.slf4j.Logger;
 import org.slf4j.LoggerFactory;
+
 import reve.core.agent.WorldControl;
 import reve.core.disk.Reason;
 import reve.core.file.WorldFile;
@@ -26,12 +18,24 @@ import reve.pe.PhysicsLaw;
 import reve.pe.PreparedLibrary;
 import reve.worlds.journal.SimulationImage;
 
+import java.io.IOException;
+import java.nio.file.Path;
+import java.util.ArrayList;
+import java.util.Collection;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.function.Consumer;
+import java.util.regex.Pattern;
+
 /**
  * What a server lets operators do over the network: laws by name, pictures, going back, saving,
  * looking ahead.
  */
 final class ServerControl implements WorldControl, AutoCloseable {
     private static final Logger LOG = LoggerFactory.getLogger("reve.control");
+
     /**
      * What names files of the server is for who runs it, not for who controls a world from afar.
      */
@@ -42,6 +46,7 @@ final class ServerControl implements WorldControl, AutoCloseable {
 
     /** As little a path. */
     private static final Pattern FILE = Pattern.compile("[A-Za-z0-9][A-Za-z0-9_-]{0,63}");
+
     private static final long FORESEE_NANOSECONDS = 10_000_000_000L;
 
     private final Simulation simulation;
@@ -50,9 +55,11 @@ final class ServerControl implements WorldControl, AutoCloseable {
     private final ServerEvents events;
     private @Nullable SimulationImage beginning;
 
-    /** @param saves folder for world files, if any may be written */
-    ServerControl(Simulation simulation, Pictures pictures, Optional<Path> saves,
-            ServerEvents events) {
+    /**
+     * @param saves folder for world files, if any may be written
+     */
+    ServerControl(
+            Simulation simulation, Pictures pictures, Optional<Path> saves, ServerEvents events) {
         this.simulation = simulation;
         this.pictures = pictures;
         this.saves = saves;
@@ -62,28 +69,38 @@ final class ServerControl implements WorldControl, AutoCloseable {
     @Override
     public Change loadLaw(String library, Map<String, Double> parameters) throws ActionRefused {
         if (!LIBRARY.matcher(library).matches()) {
-            throw new ActionRefused("law-refused",
+            throw new ActionRefused(
+                    "law-refused",
                     "\"" + library + "\" is no name of a library: letters, digits and _ only");
         }
         try {
-            return new Load(simulation.prepare(library), parameters,
-                    simulation.fileOf(library));
+            return new Load(simulation.prepare(library), parameters, simulation.fileOf(library));
         } catch (PhysicsException failed) {
-            LOG.warn("the law library {} was asked for and refused: {}", library,
+            LOG.warn(
+                    "the law library {} was asked for and refused: {}",
+                    library,
                     failed.getMessage());
             LOG.debug("the law library {}", library, failed);
-            throw new ActionRefused("law-refused", "the library \"" + library + "\" is refused: "
-                    + failed.status() + SEE_LOG, failed);
+            throw new ActionRefused(
+                    "law-refused",
+                    "the library \"" + library + "\" is refused: " + failed.status() + SEE_LOG,
+                    failed);
         }
     }
 
     @Override
     public Change unloadLaw(String library) {
         return (world, frame) -> {
-            int id = simulation.physics().laws().loaded().stream()
-                    .filter(law -> law.library().equals(library)).mapToInt(PhysicsLaw::libraryId)
-                    .findFirst().orElseThrow(() -> new ActionRefused("law-refused",
-                            "no library \"" + library + "\" is loaded"));
+            int id =
+                    simulation.physics().laws().loaded().stream()
+                            .filter(law -> law.library().equals(library))
+                            .mapToInt(PhysicsLaw::libraryId)
+                            .findFirst()
+                            .orElseThrow(
+                                    () ->
+                                            new ActionRefused(
+                                                    "law-refused",
+                                                    "no library \"" + library + "\" is loaded"));
             simulation.physics().laws().unload(frame, id);
         };
     }
@@ -107,9 +124,11 @@ final class ServerControl implements WorldControl, AutoCloseable {
             return new Kept(simulation.keep());
         } catch (IllegalStateException full) {
             LOG.warn("no image of the world is kept: {}", full.getMessage());
-            throw new ActionRefused("too-many-images",
+            throw new ActionRefused(
+                    "too-many-images",
                     "the images that are kept take all the memory there is for them;"
-                            + " a snapshot under one of their names replaces it", full);
+                            + " a snapshot under one of their names replaces it",
+                    full);
         }
     }
 
@@ -135,11 +154,20 @@ final class ServerControl implements WorldControl, AutoCloseable {
 
         @Override
         public void save(String file, Collection<ItemId> without) throws ActionRefused {
-            Path folder = saves.orElseThrow(() -> new ActionRefused("unsupported",
-                    "this server saves no worlds; start it with --saves DIR"));
+            Path folder =
+                    saves.orElseThrow(
+                            () ->
+                                    new ActionRefused(
+                                            "unsupported",
+                                            "this server saves no worlds; start it with --saves"
+                                                    + " DIR"));
             if (!FILE.matcher(file).matches()) {
-                throw new ActionRefused("save-refused", "\"" + file + "\" is no name of a file: "
-                        + "expected letters, digits, _ and - only, without .yaml");
+                throw new ActionRefused(
+                        "save-refused",
+                        "\""
+                                + file
+                                + "\" is no name of a file: "
+                                + "expected letters, digits, _ and - only, without .yaml");
             }
             Path target = folder.resolve(file + ".yaml");
             try (Simulation fork = simulation.fork(image)) {
@@ -153,11 +181,10 @@ final class ServerControl implements WorldControl, AutoCloseable {
                 fields.put("without", lost);
                 events.happened("saved", fields);
             } catch (IOException | IllegalArgumentException | PhysicsException failed) {
-                LOG.warn("the world cannot be saved as {}: {}", target,
-                        Reason.of(failed));
+                LOG.warn("the world cannot be saved as {}: {}", target, Reason.of(failed));
                 LOG.debug("the file {}", target, failed);
-                throw new ActionRefused("save-refused", "the world cannot be saved as " + file
-                        + SEE_LOG, failed);
+                throw new ActionRefused(
+                        "save-refused", "the world cannot be saved as " + file + SEE_LOG, failed);
             }
         }
 
@@ -168,9 +195,15 @@ final class ServerControl implements WorldControl, AutoCloseable {
                 fork.loop().run(0);
                 for (int made = 0; made < frames; made++) {
                     if (System.nanoTime() > deadline) {
-                        throw new ActionRefused("fork-refused", "the copy has made " + made + " of "
-                                + frames + " frames in " + FORESEE_NANOSECONDS / 1_000_000_000
-                                + " s, which is the most it may take");
+                        throw new ActionRefused(
+                                "fork-refused",
+                                "the copy has made "
+                                        + made
+                                        + " of "
+                                        + frames
+                                        + " frames in "
+                                        + FORESEE_NANOSECONDS / 1_000_000_000
+                                        + " s, which is the most it may take");
                     }
                     fork.loop().step();
                 }
@@ -192,7 +225,8 @@ final class ServerControl implements WorldControl, AutoCloseable {
     private static List<String> removed(World world, ItemId body) {
         String name = world.item(body).name();
         return Departure.of(world, body).removed().stream()
-                .map(item -> "the item " + item + ", which refers to " + name).toList();
+                .map(item -> "the item " + item + ", which refers to " + name)
+                .toList();
     }
 
     private static ActionRefused refusal(PhysicsException refused) {

@@ -1,11 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.server;
+
+import reve.core.agent.AgentStats;
 
 import java.io.PrintWriter;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Locale;
 import java.util.Map;
-import reve.core.agent.AgentStats;
 
 /**
  * What a server's run came to: the worlds' part and the agents'.
@@ -15,8 +17,12 @@ import reve.core.agent.AgentStats;
  * @param unkept what their stores lack
  * @param gaps what their recordings lack
  */
-public record ServerReport(List<RunReport> runs, int worlds, AgentStats agents,
-        List<String> unkept, List<String> gaps) {
+public record ServerReport(
+        List<RunReport> runs,
+        int worlds,
+        AgentStats agents,
+        List<String> unkept,
+        List<String> gaps) {
     public ServerReport {
         runs = List.copyOf(runs);
         unkept = List.copyOf(unkept);
@@ -33,7 +39,9 @@ public record ServerReport(List<RunReport> runs, int worlds, AgentStats agents,
      * of the run, or a recording lacks frames. A fault event has reported it when it happened.
      */
     public boolean failed() {
-        return runs.size() < worlds || agents.unrecorded() > 0 || !unkept.isEmpty()
+        return runs.size() < worlds
+                || agents.unrecorded() > 0
+                || !unkept.isEmpty()
                 || !gaps.isEmpty();
     }
 
@@ -66,9 +74,13 @@ public record ServerReport(List<RunReport> runs, int worlds, AgentStats agents,
     /** A few lines for people. */
     public void print(PrintWriter out) {
         runs.forEach(run -> run.print(out));
-        out.printf(Locale.ROOT,
+        out.printf(
+                Locale.ROOT,
                 "agents: %d joined, %d perceptions, %d acts accepted, %d refused, %d cut%n",
-                agents.joined(), agents.perceptions(), agents.actsAccepted(), agents.actsRefused(),
+                agents.joined(),
+                agents.perceptions(),
+                agents.actsAccepted(),
+                agents.actsRefused(),
                 agents.cut());
         if (agents.unrecorded() > 0) {
             out.printf(Locale.ROOT, "audit: %d messages have no record%n", agents.unrecorded());

@@ -1,16 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.server;
 
-import java.nio.file.Path;
-import java.util.ArrayList;
-import java.util.List;
-import java.util.Map;
-import java.util.Optional;
-import java.util.Set;
-import java.util.concurrent.ConcurrentHashMap;
-import java.util.function.Consumer;
-import java.util.stream.Collectors;
 import org.slf4j.Logger;
 import org.slf4j.LoggerFactory;
+
 import reve.core.derive.DerivedColumns;
 import reve.core.file.LawReference;
 import reve.core.file.WorldDescription;
@@ -40,6 +33,16 @@ import reve.worlds.journal.Journal;
 import reve.worlds.journal.JournalSink;
 import reve.worlds.journal.SimulationImage;
 import reve.worlds.journal.WorldHeader;
+
+import java.nio.file.Path;
+import java.util.ArrayList;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.Set;
+import java.util.concurrent.ConcurrentHashMap;
+import java.util.function.Consumer;
+import java.util.stream.Collectors;
 
 /**
  * A world with everything that moves it: commands, laws, derived properties, snapshots. The thread
@@ -93,22 +96,33 @@ public final class Simulation implements AutoCloseable {
      * @throws IllegalArgumentException if the image is of a world with another prototype
      * @throws PhysicsException if a law of the image does not load
      */
-    public Simulation(WorldDescription description, Pacing pacing, LawPath lawPath,
-            SimulationImage image) {
+    public Simulation(
+            WorldDescription description, Pacing pacing, LawPath lawPath, SimulationImage image) {
         this(description, pacing, lawPath, Optional.of(image));
     }
 
-    private Simulation(WorldDescription description, Pacing pacing, LawPath lawPath,
+    private Simulation(
+            WorldDescription description,
+            Pacing pacing,
+            LawPath lawPath,
             Optional<SimulationImage> image) {
         this.description = description;
         this.lawPath = lawPath;
         closing.add(() -> Set.copyOf(kept).forEach(SimulationImage::close));
         try {
             SharedArena arena = closing.add(new SharedArena());
-            world = image.isEmpty() ? description.build(arena)
-                    : new World(description.name(), description.prototype(), arena);
-            engine = closing.add(new VesperEngine(config(), PropertyNames.prototype(
-                    world.prototype(), VesperEngine.standardPrototype(world.prototype().name()))));
+            world =
+                    image.isEmpty()
+                            ? description.build(arena)
+                            : new World(description.name(), description.prototype(), arena);
+            engine =
+                    closing.add(
+                            new VesperEngine(
+                                    config(),
+                                    PropertyNames.prototype(
+                                            world.prototype(),
+                                            VesperEngine.standardPrototype(
+                                                    world.prototype().name()))));
             physics = closing.add(new PhysicsAdapter(world, engine, arena));
             physics.laws().guardNames(lawPath::requireOwnName);
             snapshots = new SnapshotRing(world, SNAPSHOT_SLOTS);
@@ -128,8 +142,7 @@ public final class Simulation implements AutoCloseable {
     }
 
     private static VesperConfig config() {
-        return new VesperConfig(1, false, List.of(LawPath.ofShipped().shipped()),
-                Simulation::log);
+        return new VesperConfig(1, false, List.of(LawPath.ofShipped().shipped()), Simulation::log);
     }
 
     /** What engine and laws have to say; the log drops lines rather than keep the world waiting. */
@@ -145,7 +158,8 @@ public final class Simulation implements AutoCloseable {
     /** As old as it is: laws see the time that the world's age stands for. */
     private void begin() {
         loadAll(description.laws());
-        engine.setStepCount(description.age() * description.timing().stepsPerFrame(),
+        engine.setStepCount(
+                description.age() * description.timing().stepsPerFrame(),
                 description.timing().dtSeconds());
     }
 
@@ -160,8 +174,11 @@ public final class Simulation implements AutoCloseable {
             }
         }
         if (!refusals.isEmpty()) {
-            throw new PhysicsException(refusals.getFirst().status(), refusals.stream()
-                    .map(PhysicsException::getMessage).collect(Collectors.joining("\n")));
+            throw new PhysicsException(
+                    refusals.getFirst().status(),
+                    refusals.stream()
+                            .map(PhysicsException::getMessage)
+                            .collect(Collectors.joining("\n")));
         }
     }
 
@@ -176,8 +193,10 @@ public final class Simulation implements AutoCloseable {
                 if (found.origin() == LawPath.Origin.FOLDER) {
                     physics.laws().leaveToFolder(id);
                 }
-                problems = List.copyOf(
-                        LawParameters.wrongUnits(law, LawParameters.lawsOf(id, engine)).values());
+                problems =
+                        List.copyOf(
+                                LawParameters.wrongUnits(law, LawParameters.lawsOf(id, engine))
+                                        .values());
             }
         } catch (PhysicsException refused) {
             status = refused.status();
@@ -219,8 +238,16 @@ public final class Simulation implements AutoCloseable {
 
     /** The world as it has become, with the laws that act on it now. World's thread. */
     public WorldDescription descriptionNow() {
-        return description.of(world, physics.laws().libraries().stream().map(library ->
-                new LawReference(library.name(), library.parameters(), library.name())).toList());
+        return description.of(
+                world,
+                physics.laws().libraries().stream()
+                        .map(
+                                library ->
+                                        new LawReference(
+                                                library.name(),
+                                                library.parameters(),
+                                                library.name()))
+                        .toList());
     }
 
     /**
@@ -282,9 +309,16 @@ public final class Simulation implements AutoCloseable {
     public SimulationImage keep() {
         long bytes = kept.stream().mapToLong(SimulationImage::bytes).sum();
         if (kept.size() >= MAX_IMAGES || bytes >= MAX_IMAGE_BYTES) {
-            throw new IllegalStateException(kept.size() + " images of " + bytes + " bytes in all "
-                    + "are kept, at most " + MAX_IMAGES + " and " + MAX_IMAGE_BYTES
-                    + " bytes may be: close one first");
+            throw new IllegalStateException(
+                    kept.size()
+                            + " images of "
+                            + bytes
+                            + " bytes in all "
+                            + "are kept, at most "
+                            + MAX_IMAGES
+                            + " and "
+                            + MAX_IMAGE_BYTES
+                            + " bytes may be: close one first");
         }
         SimulationImage image = new SimulationImage(world, kept::remove);
         kept.add(image);
@@ -337,16 +371,26 @@ public final class Simulation implements AutoCloseable {
      * @param folder of the world file
      * @param members ids of the bodies of agents that are in the world, by agent
      */
-    public Journal journal(Path folder, Map<String, Long> members, Journal.Plan plan,
-            JournalSink sink, Consumer<String> problems) {
-        WorldHeader header = new WorldHeader(description.name(), description.prototype(),
-                description.timing(), folder);
+    public Journal journal(
+            Path folder,
+            Map<String, Long> members,
+            Journal.Plan plan,
+            JournalSink sink,
+            Consumer<String> problems) {
+        WorldHeader header =
+                new WorldHeader(
+                        description.name(), description.prototype(), description.timing(), folder);
         lawPath.remember(physics.laws().libraries());
-        physics.laws().addListener(change -> {
-            if (change instanceof LawChange.Loaded added) { // the world waits for no disk
-                Thread.ofVirtual().start(() -> lawPath.remember(List.of(added.library())));
-            }
-        });
+        physics.laws()
+                .addListener(
+                        change -> {
+                            if (change
+                                    instanceof
+                                    LawChange.Loaded added) { // the world waits for no disk
+                                Thread.ofVirtual()
+                                        .start(() -> lawPath.remember(List.of(added.library())));
+                            }
+                        });
         return new Journal(header, world, physics, bus, members, plan, sink, problems);
     }
 

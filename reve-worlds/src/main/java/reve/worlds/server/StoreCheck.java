@@ -1,4 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.server;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.core.disk.Reason;
+import reve.core.frame.Pacing;
+import reve.core.store.CorruptException;
+import reve.pe.PhysicsException;
+import reve.worlds.journal.JournalRecord;
+import reve.worlds.journal.JournalSink;
+import reve.worlds.journal.SqliteStore;
+import reve.worlds.journal.StoreContents;
 
 import java.io.IOException;
 import java.nio.file.FileAlreadyExistsException;
@@ -11,15 +23,6 @@ import java.util.Map;
 import java.util.Objects;
 import java.util.Optional;
 import java.util.stream.Stream;
-import org.jspecify.annotations.Nullable;
-import reve.core.disk.Reason;
-import reve.core.frame.Pacing;
-import reve.core.store.CorruptException;
-import reve.pe.PhysicsException;
-import reve.worlds.journal.JournalRecord;
-import reve.worlds.journal.JournalSink;
-import reve.worlds.journal.SqliteStore;
-import reve.worlds.journal.StoreContents;
 
 /**
  * Finds out what of a store can be recovered, by making its frames again, and recovers it. One
@@ -32,8 +35,13 @@ import reve.worlds.journal.StoreContents;
  * @param stateHash of the world at that frame
  * @param problems what is damaged or missing, a line each
  */
-public record StoreCheck(Path store, boolean isWhole, long frame, long knownFrame, long stateHash,
-                         List<String> problems) {
+public record StoreCheck(
+        Path store,
+        boolean isWhole,
+        long frame,
+        long knownFrame,
+        long stateHash,
+        List<String> problems) {
     /** Where a replay ended before the journal, and why. */
     record End(long frame, String reason) {}
 
@@ -67,15 +75,19 @@ public record StoreCheck(Path store, boolean isWhole, long frame, long knownFram
             return Map.entry(made.check(), Optional.empty());
         }
         if (made.check().frame() < 0) {
-            throw new CorruptException(store + ": nothing can be recovered: "
-                    + String.join("; ", made.check().problems()) + " (nothing was changed)");
+            throw new CorruptException(
+                    store
+                            + ": nothing can be recovered: "
+                            + String.join("; ", made.check().problems())
+                            + " (nothing was changed)");
         }
         int number = StoreContents.setAside(store).size() + 1;
         while (Files.exists(store.resolveSibling(store.getFileName() + ".damaged-" + number))) {
             number++;
         }
-        Path aside = Files.createDirectory(
-                store.resolveSibling(store.getFileName() + ".damaged-" + number));
+        Path aside =
+                Files.createDirectory(
+                        store.resolveSibling(store.getFileName() + ".damaged-" + number));
         Path place = Files.createDirectory(aside.resolve("repaired"));
         Path repaired = place.resolve(store.getFileName());
         try {
@@ -109,10 +121,16 @@ public record StoreCheck(Path store, boolean isWhole, long frame, long knownFram
                 for (Path file : done.reversed()) {
                     Files.move(moves.get(file), file);
                 }
-                throw new IOException(move.getKey() + " could not be moved to " + move.getValue()
-                        + ": " + (e instanceof FileAlreadyExistsException
-                        ? "there is a file already" : Reason.of(e))
-                        + " (everything was put back)", e);
+                throw new IOException(
+                        move.getKey()
+                                + " could not be moved to "
+                                + move.getValue()
+                                + ": "
+                                + (e instanceof FileAlreadyExistsException
+                                        ? "there is a file already"
+                                        : Reason.of(e))
+                                + " (everything was put back)",
+                        e);
             }
         }
     }
@@ -150,17 +168,26 @@ public record StoreCheck(Path store, boolean isWhole, long frame, long knownFram
             long before = replay.frame();
             try {
                 if (!replay.take(record)) {
-                    return Optional.of(new End(before, replay.divergence().orElseThrow().message()
-                            + " from what was journalled (damage, or another processor or version "
-                            + "of REVE)"));
+                    return Optional.of(
+                            new End(
+                                    before,
+                                    replay.divergence().orElseThrow().message()
+                                            + " from what was journalled (damage, or another"
+                                            + " processor or version of REVE)"));
                 }
             } catch (PhysicsException refused) {
-                throw new PhysicsException(refused.status(),
-                        contents.file() + ": " + refused.getMessage());
+                throw new PhysicsException(
+                        refused.status(), contents.file() + ": " + refused.getMessage());
             } catch (CorruptException e) {
                 boolean laws = before < 0 && !contents.damagedLibraries().isEmpty();
-                return Optional.of(new End(before, e.getMessage() + (laws ? "; put the same "
-                        + "library into a folder, and name that with --laws" : "")));
+                return Optional.of(
+                        new End(
+                                before,
+                                e.getMessage()
+                                        + (laws
+                                                ? "; put the same library into a folder, and name"
+                                                        + " that with --laws"
+                                                : "")));
             }
         }
         return Optional.empty();
@@ -169,8 +196,10 @@ public record StoreCheck(Path store, boolean isWhole, long frame, long knownFram
     private static Made made(Path store, LawPath laws) throws IOException {
         StoreContents contents = StoreContents.read(store);
         if (contents.isEmpty()) {
-            throw new CorruptException(store + (Files.exists(store) ? " is an empty store"
-                    : " is not there") + ": there is nothing to check");
+            throw new CorruptException(
+                    store
+                            + (Files.exists(store) ? " is an empty store" : " is not there")
+                            + ": there is nothing to check");
         }
         List<String> problems = new ArrayList<>(contents.problems());
         LawFiles found = new LawFiles(laws, problems::add);
@@ -186,13 +215,19 @@ public record StoreCheck(Path store, boolean isWhole, long frame, long knownFram
         if (end.isPresent() && frame >= 0) {
             hash = hashAt(contents, laws, found, frame);
         }
-        return new Made(contents, found, new StoreCheck(store,
-                contents.isWhole() && end.isEmpty(), frame,
-                Math.max(frame, contents.knownFrame()), hash, List.copyOf(problems)));
+        return new Made(
+                contents,
+                found,
+                new StoreCheck(
+                        store,
+                        contents.isWhole() && end.isEmpty(),
+                        frame,
+                        Math.max(frame, contents.knownFrame()),
+                        hash,
+                        List.copyOf(problems)));
     }
 
-    private static long hashAt(StoreContents contents, LawPath laws, LawFiles found,
-            long frame) {
+    private static long hashAt(StoreContents contents, LawPath laws, LawFiles found, long frame) {
         try (Replay replay = new Replay(Optional.empty(), Pacing.FAST, laws, found::find)) {
             for (JournalRecord record : contents.records()) {
                 if (!replay.take(record, frame) && replay.frame() == frame) {
@@ -216,12 +251,12 @@ public record StoreCheck(Path store, boolean isWhole, long frame, long knownFram
             switch (record) {
                 case JournalRecord.Library library -> libraries.add(library);
                 case JournalRecord.Image first -> image = first;
-                case JournalRecord.Frame frame -> { }
+                case JournalRecord.Frame frame -> {}
             }
         }
         libraries.addAll(made.laws().given());
-        try (SqliteStore store = new SqliteStore(StoreContents.read(repaired),
-                SqliteStore.Durability.FULL)) {
+        try (SqliteStore store =
+                new SqliteStore(StoreContents.read(repaired), SqliteStore.Durability.FULL)) {
             JournalSink.Place place = store.place();
             place.write(libraries, Objects.requireNonNull(image));
             for (JournalRecord record : made.contents().records()) {

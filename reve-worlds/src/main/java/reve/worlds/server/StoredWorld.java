@@ -1,11 +1,6 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.server;
 
-import java.io.IOException;
-import java.nio.file.Path;
-import java.util.LinkedHashMap;
-import java.util.Map;
-import java.util.Optional;
-import java.util.function.Consumer;
 import reve.core.file.WorldDescription;
 import reve.core.frame.Pacing;
 import reve.core.store.CorruptException;
@@ -17,6 +12,13 @@ import reve.core.world.WorldEvent;
 import reve.pe.PhysicsException;
 import reve.worlds.journal.SqliteStore;
 import reve.worlds.journal.StoreContents;
+
+import java.io.IOException;
+import java.nio.file.Path;
+import java.util.LinkedHashMap;
+import java.util.Map;
+import java.util.Optional;
+import java.util.function.Consumer;
 
 /**
  * A world as its store has it last, or a new one if the store is empty. The caller closes the
@@ -33,8 +35,13 @@ record StoredWorld(Simulation simulation, SqliteStore store, long stateHash) {
      * @throws PhysicsException if a law of the store may not be opened, or does not load
      * @throws CorruptException if it is no store, or of another world, or not whole
      */
-    static StoredWorld open(Path file, SqliteStore.Durability durability,
-            WorldDescription description, Pacing pacing, LawPath laws, Consumer<String> problems)
+    static StoredWorld open(
+            Path file,
+            SqliteStore.Durability durability,
+            WorldDescription description,
+            Pacing pacing,
+            LawPath laws,
+            Consumer<String> problems)
             throws IOException {
         StoreContents contents = StoreContents.read(file);
         contents.requireWhole();
@@ -47,15 +54,18 @@ record StoredWorld(Simulation simulation, SqliteStore store, long stateHash) {
         try (Replay replay = new Replay(Optional.of(description), pacing, laws, found::find)) {
             make(replay, contents);
             Simulation resumed = replay.release();
-            StoredWorld world = kept(resumed, contents, durability,
-                    resumed.physics().stateHash());
+            StoredWorld world = kept(resumed, contents, durability, resumed.physics().stateHash());
             replay.members().forEach((agent, body) -> leave(resumed, agent, body));
             return world;
         }
     }
 
-    private static StoredWorld kept(Simulation simulation, StoreContents contents,
-            SqliteStore.Durability durability, long stateHash) throws IOException {
+    private static StoredWorld kept(
+            Simulation simulation,
+            StoreContents contents,
+            SqliteStore.Durability durability,
+            long stateHash)
+            throws IOException {
         try {
             return new StoredWorld(simulation, new SqliteStore(contents, durability), stateHash);
         } catch (IOException | RuntimeException e) {
@@ -70,9 +80,10 @@ record StoredWorld(Simulation simulation, SqliteStore store, long stateHash) {
         if (end.isPresent() && replay.frame() < 0) {
             throw new CorruptException(contents.file() + ": " + end.get().reason());
         }
-        end.ifPresent(early -> {
-            throw contents.refusal(early.reason(), early.frame());
-        });
+        end.ifPresent(
+                early -> {
+                    throw contents.refusal(early.reason(), early.frame());
+                });
     }
 
     /** The agents' connections ended with the process that had them. */
@@ -85,8 +96,10 @@ record StoredWorld(Simulation simulation, SqliteStore store, long stateHash) {
         fields.put("body", item.map(Item::name).orElse(""));
         fields.put("reason", "server-restarted");
         item.filter(own -> !resumed.description().agents().bodies().contains(own.name()))
-                .ifPresent(own -> Departure.of(world, own.id())
-                        .raise(world, frame, agent, own.name()));
+                .ifPresent(
+                        own ->
+                                Departure.of(world, own.id())
+                                        .raise(world, frame, agent, own.name()));
         world.raise(new WorldEvent(frame, "left", fields));
     }
 }

@@ -1,4 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.server;
+
+import org.slf4j.Logger;
+import org.slf4j.LoggerFactory;
+
+import reve.core.frame.FrameLoop;
 
 import java.util.LinkedHashMap;
 import java.util.List;
@@ -8,9 +14,6 @@ import java.util.Optional;
 import java.util.concurrent.locks.LockSupport;
 import java.util.regex.Pattern;
 import java.util.stream.Stream;
-import org.slf4j.Logger;
-import org.slf4j.LoggerFactory;
-import reve.core.frame.FrameLoop;
 
 /**
  * Reports worlds that stand still: a world that is to make frames and has made none for a time. Its
@@ -100,10 +103,14 @@ final class Watchdog implements AutoCloseable {
 
         private void stalled(Thread thread) {
             Map<String, Object> fields = new LinkedHashMap<>();
-            String phase = Optional.ofNullable(subject.loop.phase()).map(Enum::name)
-                    .orElse("between phases");
-            String doing = Optional.ofNullable(subject.loop.activity().current())
-                    .map(Object::toString).orElse("");
+            String phase =
+                    Optional.ofNullable(subject.loop.phase())
+                            .map(Enum::name)
+                            .orElse("between phases");
+            String doing =
+                    Optional.ofNullable(subject.loop.activity().current())
+                            .map(Object::toString)
+                            .orElse("");
             List<String> stack = stackOf(thread);
             fields.put("world", subject.world);
             fields.put("frame", frame + 1);
@@ -114,8 +121,12 @@ final class Watchdog implements AutoCloseable {
             }
             fields.put("stack", stack);
             subject.events.happened("stalled", fields);
-            LOG.error("the world {} stands still: frame {} takes {} s by now, in {}, {}, at {}",
-                    subject.world, frame + 1, seconds(), phase,
+            LOG.error(
+                    "the world {} stands still: frame {} takes {} s by now, in {}, {}, at {}",
+                    subject.world,
+                    frame + 1,
+                    seconds(),
+                    phase,
                     doing.isEmpty() ? "thread " + thread.getState() : doing,
                     stack.isEmpty() ? "no Java method" : stack.getFirst());
             plan.onStall().ifPresent(Runnable::run);
@@ -127,7 +138,9 @@ final class Watchdog implements AutoCloseable {
             fields.put("frame", now);
             fields.put("seconds", seconds());
             subject.events.happened("recovered", fields);
-            LOG.warn("the world {} makes frames again: it stood still for {} s", subject.world,
+            LOG.warn(
+                    "the world {} makes frames again: it stood still for {} s",
+                    subject.world,
                     seconds());
         }
 
@@ -139,12 +152,20 @@ final class Watchdog implements AutoCloseable {
         private static List<String> stackOf(Thread thread) {
             return Stream.of(thread.getStackTrace())
                     .dropWhile(call -> JDK.matcher(call.getClassName()).lookingAt())
-                    .limit(STACK_DEPTH).map(Watched::place).toList();
+                    .limit(STACK_DEPTH)
+                    .map(Watched::place)
+                    .toList();
         }
 
         private static String place(StackTraceElement call) {
-            return call.getClassName() + "." + call.getMethodName() + "("
-                    + call.getFileName() + ":" + call.getLineNumber() + ")";
+            return call.getClassName()
+                    + "."
+                    + call.getMethodName()
+                    + "("
+                    + call.getFileName()
+                    + ":"
+                    + call.getLineNumber()
+                    + ")";
         }
     }
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.server;
 
 import reve.core.file.WorldDescription;
@@ -10,12 +11,16 @@ import reve.core.file.WorldDescription;
  * @param pictures to be taken of it; closed by the server
  * @param laws where its laws are found
  */
-public record WorldPlan(WorldDescription description, long frames, Persistence persistence,
-                        Pictures pictures, LawPath laws) {
+public record WorldPlan(
+        WorldDescription description,
+        long frames,
+        Persistence persistence,
+        Pictures pictures,
+        LawPath laws) {
 
     /** A world of laws that ship. */
-    public WorldPlan(WorldDescription description, long frames, Persistence persistence,
-            Pictures pictures) {
+    public WorldPlan(
+            WorldDescription description, long frames, Persistence persistence, Pictures pictures) {
         this(description, frames, persistence, pictures, LawPath.ofShipped());
     }
 }

@@ -1,4 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.server;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.core.agent.AgentServer;
+import reve.core.agent.AgentServerConfig;
+import reve.core.frame.Pacing;
 
 import java.io.IOException;
 import java.nio.file.Path;
@@ -7,10 +14,6 @@ import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
-import org.jspecify.annotations.Nullable;
-import reve.core.agent.AgentServer;
-import reve.core.agent.AgentServerConfig;
-import reve.core.frame.Pacing;
 
 /**
  * Running worlds that agents join over TCP and law libraries are dropped into. Each world has a
@@ -26,8 +29,13 @@ public final class WorldServer implements AutoCloseable {
     private final Watchdog watchdog;
 
     /** The same, without a watchdog. */
-    public WorldServer(List<WorldPlan> plans, Pacing pacing, AgentServerConfig config,
-            Optional<Path> lawsFolder, ServerEvents events) throws IOException {
+    public WorldServer(
+            List<WorldPlan> plans,
+            Pacing pacing,
+            AgentServerConfig config,
+            Optional<Path> lawsFolder,
+            ServerEvents events)
+            throws IOException {
         this(plans, pacing, config, lawsFolder, WatchdogPlan.OFF, events);
     }
 
@@ -40,8 +48,13 @@ public final class WorldServer implements AutoCloseable {
      * @throws reve.core.store.CorruptException if a store is damaged, or no store of its world
      * @throws reve.pe.PhysicsException if a law of a world file does not load
      */
-    public WorldServer(List<WorldPlan> plans, Pacing pacing, AgentServerConfig config,
-            Optional<Path> lawsFolder, WatchdogPlan watch, ServerEvents events)
+    public WorldServer(
+            List<WorldPlan> plans,
+            Pacing pacing,
+            AgentServerConfig config,
+            Optional<Path> lawsFolder,
+            WatchdogPlan watch,
+            ServerEvents events)
             throws IOException {
         this.events = events;
         try {
@@ -49,11 +62,17 @@ public final class WorldServer implements AutoCloseable {
                 ServerEvents own = plans.size() == 1 ? events : eventsOf(plan.description().name());
                 worlds.add(closing.add(new HostedWorld(plan, pacing, lawsFolder, own)));
             }
-            agents = closing.add(AgentServer.start(config,
-                    worlds.stream().map(HostedWorld::port).toList(),
-                    (source, message) -> events.happened("fault", fault(source, message))));
-            watchdog = closing.add(new Watchdog(watch, worlds.stream()
-                    .map(HostedWorld::watched).toList()));
+            agents =
+                    closing.add(
+                            AgentServer.start(
+                                    config,
+                                    worlds.stream().map(HostedWorld::port).toList(),
+                                    (source, message) ->
+                                            events.happened("fault", fault(source, message))));
+            watchdog =
+                    closing.add(
+                            new Watchdog(
+                                    watch, worlds.stream().map(HostedWorld::watched).toList()));
         } catch (IOException | RuntimeException refused) {
             closing.closeAfter(refused);
             throw refused;
@@ -102,9 +121,12 @@ public final class WorldServer implements AutoCloseable {
         List<Run> runs = worlds.stream().map(Run::new).toList();
         runs.forEach(run -> run.thread.start());
         runs.forEach(Run::join);
-        return new ServerReport(runs.stream().flatMap(run -> Optional.ofNullable(run.report)
-                .stream())
-                .toList(), worlds.size(), agents.stats(), List.of(), List.of());
+        return new ServerReport(
+                runs.stream().flatMap(run -> Optional.ofNullable(run.report).stream()).toList(),
+                worlds.size(),
+                agents.stats(),
+                List.of(),
+                List.of());
     }
 
     /** One world on a thread of its own. */

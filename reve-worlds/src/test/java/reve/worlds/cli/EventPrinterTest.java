@@ -1,6 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.cli;
 
 import static org.assertj.core.api.Assertions.assertThat;
+
+import org.junit.jupiter.api.Test;
 
 import java.io.ByteArrayOutputStream;
 import java.io.IOException;
@@ -12,20 +15,38 @@ import java.nio.charset.StandardCharsets;
 import java.util.List;
 import java.util.Map;
 import java.util.concurrent.atomic.AtomicBoolean;
-import org.junit.jupiter.api.Test;
 
 class EventPrinterTest {
-    private static final List<String> EVENTS = List.of("ready", "joined", "acted", "rang", "late",
-            "away", "back", "law-loaded", "fault", "detached", "removed", "left");
+    private static final List<String> EVENTS =
+            List.of(
+                    "ready",
+                    "joined",
+                    "acted",
+                    "rang",
+                    "late",
+                    "away",
+                    "back",
+                    "law-loaded",
+                    "fault",
+                    "detached",
+                    "removed",
+                    "left");
 
     /** The names of the events that are printed. */
     private static List<String> printed(Printed printed) {
         var out = new StringWriter();
-        try (var printer = new EventPrinter(new LinePrinter(out),
-                new PrintWriter(Writer.nullWriter()), false, printed)) {
+        try (var printer =
+                new EventPrinter(
+                        new LinePrinter(out),
+                        new PrintWriter(Writer.nullWriter()),
+                        false,
+                        printed)) {
             EVENTS.forEach(event -> printer.happened(event, Map.of("frame", 1L)));
-            EVENTS.forEach(event -> assertThat(printer.wants(event)).as(event)
-                    .isEqualTo(printed.includes(event)));
+            EVENTS.forEach(
+                    event ->
+                            assertThat(printer.wants(event))
+                                    .as(event)
+                                    .isEqualTo(printed.includes(event)));
         }
         return out.toString().lines().map(line -> line.split(" ")[0]).toList();
     }
@@ -33,8 +54,16 @@ class EventPrinterTest {
     @Test
     void nothingThatAgentsDoInEveryFrameIsPrintedUnlessAskedFor() {
         assertThat(printed(Printed.NORMAL))
-                .containsExactly("ready", "joined", "late", "away", "back", "law-loaded", "fault",
-                        "removed", "left");
+                .containsExactly(
+                        "ready",
+                        "joined",
+                        "late",
+                        "away",
+                        "back",
+                        "law-loaded",
+                        "fault",
+                        "removed",
+                        "left");
         assertThat(printed(Printed.ACTIONS)).isEqualTo(EVENTS);
     }
 
@@ -42,15 +71,16 @@ class EventPrinterTest {
     void eventsThatTheOutputDoesNotTakeAreCountedAndReportedOnce() {
         var file = new ByteArrayOutputStream();
         var full = new AtomicBoolean();
-        var disk = new OutputStream() {
-            @Override
-            public void write(int one) throws IOException {
-                if (full.get()) {
-                    throw new IOException("No space left on device");
-                }
-                file.write(one);
-            }
-        };
+        var disk =
+                new OutputStream() {
+                    @Override
+                    public void write(int one) throws IOException {
+                        if (full.get()) {
+                            throw new IOException("No space left on device");
+                        }
+                        file.write(one);
+                    }
+                };
         var messages = new StringWriter();
         var out = new LinePrinter(disk);
         var err = new PrintWriter(messages);
@@ -62,9 +92,10 @@ class EventPrinterTest {
 
         assertThat(file.toString(StandardCharsets.UTF_8).lines())
                 .containsExactly("ready frame=1", "", "fault frame=1");
-        assertThat(messages.toString().lines()).containsExactly("reve: standard output cannot be "
-                + "written: No space left on device; the worlds go on, and events are lost until "
-                + "it can");
+        assertThat(messages.toString().lines())
+                .containsExactly(
+                        "reve: standard output cannot be written: No space left on device; the"
+                                + " worlds go on, and events are lost until it can");
         assertThat(out.codeAfter(ExitCode.OK, err)).isEqualTo(ExitCode.FAILURE);
         assertThat(messages.toString()).contains("results are lost");
     }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.cli;
 
 import static org.assertj.core.api.Assertions.assertThat;
@@ -10,6 +11,11 @@ import ch.qos.logback.classic.spi.LoggingEvent;
 import ch.qos.logback.core.AsyncAppenderBase;
 import ch.qos.logback.core.ConsoleAppender;
 import ch.qos.logback.core.encoder.Encoder;
+
+import org.junit.jupiter.api.Test;
+
+import tools.jackson.databind.json.JsonMapper;
+
 import java.io.PrintWriter;
 import java.io.StringWriter;
 import java.io.Writer;
@@ -18,18 +24,45 @@ import java.util.ArrayList;
 import java.util.List;
 import java.util.Map;
 import java.util.Random;
-import org.junit.jupiter.api.Test;
-import tools.jackson.databind.json.JsonMapper;
 
 /** Foreign text in what people read: events, results, log lines. */
 class HostileOutputTest {
     private static final int TEXTS = 100_000;
     private static final int LOGGED = 10_000;
-    private static final List<String> PIECES = List.of("\n", "\r\n", "\rfault source=world ",
-            "\nfault source=world message=gone\n", "\u001b[2J", "\u001b]0;title\u0007", "\0", "\b",
-            "\u007f", "\u0085", "\u009b31m", "\u2028", "\u2029", "\u202e", "\u2066", "\u200b",
-            "\ufeff", "\ud83e", "\udd86", "\udb40\udc41", "\ue000", "\t", "%s", "{}", "\\", "\"",
-            " ERROR reve.world -- ", "ada", "Ö", "名前", "می\u200cخواهم", "\ud83e\udd86");
+    private static final List<String> PIECES =
+            List.of(
+                    "\n",
+                    "\r\n",
+                    "\rfault source=world ",
+                    "\nfault source=world message=gone\n",
+                    "\u001b[2J",
+                    "\u001b]0;title\u0007",
+                    "\0",
+                    "\b",
+                    "\u007f",
+                    "\u0085",
+                    "\u009b31m",
+                    "\u2028",
+                    "\u2029",
+                    "\u202e",
+                    "\u2066",
+                    "\u200b",
+                    "\ufeff",
+                    "\ud83e",
+                    "\udd86",
+                    "\udb40\udc41",
+                    "\ue000",
+                    "\t",
+                    "%s",
+                    "{}",
+                    "\\",
+                    "\"",
+                    " ERROR reve.world -- ",
+                    "ada",
+                    "Ö",
+                    "名前",
+                    "می\u200cخواهم",
+                    "\ud83e\udd86");
 
     private final Random random = new Random(16);
 
@@ -53,17 +86,27 @@ class HostileOutputTest {
         return texts;
     }
 
-    /** @return the lines, each of which shows all that it holds */
+    /**
+     * @return the lines, each of which shows all that it holds
+     */
     private static List<String> lines(String output) {
         assertThat(output).endsWith("\n");
         List<String> lines = List.of(output.substring(0, output.length() - 1).split("\n", -1));
         for (String line : lines) {
-            boolean safe = line.codePoints().allMatch(c -> switch (Character.getType(c)) {
-                case Character.CONTROL, Character.SURROGATE, Character.LINE_SEPARATOR,
-                        Character.PARAGRAPH_SEPARATOR, Character.PRIVATE_USE -> false;
-                case Character.FORMAT -> c == 0x200c || c == 0x200d;
-                default -> true;
-            });
+            boolean safe =
+                    line.codePoints()
+                            .allMatch(
+                                    c ->
+                                            switch (Character.getType(c)) {
+                                                case Character.CONTROL,
+                                                        Character.SURROGATE,
+                                                        Character.LINE_SEPARATOR,
+                                                        Character.PARAGRAPH_SEPARATOR,
+                                                        Character.PRIVATE_USE ->
+                                                        false;
+                                                case Character.FORMAT -> c == 0x200c || c == 0x200d;
+                                                default -> true;
+                                            });
             if (!safe) {
                 throw new AssertionError("unsafe: " + line);
             }
@@ -74,10 +117,14 @@ class HostileOutputTest {
     private static List<String> printed(boolean json, List<String> texts) {
         var out = new StringWriter();
         for (int from = 0; from < texts.size(); from += 5000) {
-            try (var printer = new EventPrinter(new LinePrinter(out),
-                    new PrintWriter(Writer.nullWriter()), json, Printed.ACTIONS)) {
-                texts.subList(from, Math.min(texts.size(), from + 5000)).forEach(text ->
-                        printer.happened("rewound", Map.of("image", text)));
+            try (var printer =
+                    new EventPrinter(
+                            new LinePrinter(out),
+                            new PrintWriter(Writer.nullWriter()),
+                            json,
+                            Printed.ACTIONS)) {
+                texts.subList(from, Math.min(texts.size(), from + 5000))
+                        .forEach(text -> printer.happened("rewound", Map.of("image", text)));
             }
         }
         return lines(out.toString());
@@ -112,8 +159,14 @@ class HostileOutputTest {
         out.println((Object) "a\nb");
         out.printf("%s: %d of %.1f%n", "a\u001b[31m\r\nb", 3, 0.5);
         LinePrinter.message(out, "first\nsecond\r\nthird\u2028");
-        assertThat(text.toString().lines()).containsExactly(honest, "a\\u{a}b",
-                "a\\u{1b}[31m\\u{d}\\u{a}b: 3 of 0.5", "first", "  second", "  third\\u{2028}");
+        assertThat(text.toString().lines())
+                .containsExactly(
+                        honest,
+                        "a\\u{a}b",
+                        "a\\u{1b}[31m\\u{d}\\u{a}b: 3 of 0.5",
+                        "first",
+                        "  second",
+                        "  third\\u{2028}");
     }
 
     @Test
@@ -127,14 +180,19 @@ class HostileOutputTest {
         Encoder<ILoggingEvent> encoder = encoder(async);
         try {
             for (String text : texts(LOGGED)) {
-                Throwable thrown = random.nextInt(4) > 0 ? null : new IllegalStateException(text,
-                        new Exception(text));
-                var event = new LoggingEvent("here", logger, Level.WARN, "{} left", thrown,
-                        new Object[] {text});
+                Throwable thrown =
+                        random.nextInt(4) > 0
+                                ? null
+                                : new IllegalStateException(text, new Exception(text));
+                var event =
+                        new LoggingEvent(
+                                "here", logger, Level.WARN, "{} left", thrown, new Object[] {text});
                 String line = new String(encoder.encode(event), StandardCharsets.UTF_8);
                 assertThat(lines(line)).hasSize(1);
-                assertThat(line).matches("(?s)20\\d\\d-\\d\\d-\\d\\dT\\d\\d:\\d\\d:\\d\\d\\.\\d{3}"
-                        + "(Z|[+-]\\d\\d:\\d\\d) WARN  agents: .*")
+                assertThat(line)
+                        .matches(
+                                "(?s)20\\d\\d-\\d\\d-\\d\\dT\\d\\d:\\d\\d:\\d\\d\\.\\d{3}"
+                                        + "(Z|[+-]\\d\\d:\\d\\d) WARN  agents: .*")
                         .contains(thrown == null ? "" : "caused by java.lang.Exception");
             }
         } finally {

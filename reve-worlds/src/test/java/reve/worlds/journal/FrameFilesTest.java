@@ -1,22 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.journal;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatExceptionOfType;
+
+import org.junit.jupiter.api.BeforeEach;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
 
 import java.io.IOException;
 import java.nio.charset.StandardCharsets;
 import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.UUID;
-import org.junit.jupiter.api.BeforeEach;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.api.io.TempDir;
 
 class FrameFilesTest {
     private static final UUID ID = UUID.randomUUID();
 
-    @TempDir
-    private Path folder;
+    @TempDir private Path folder;
     private Path store;
 
     @BeforeEach
@@ -69,7 +70,8 @@ class FrameFilesTest {
     @Test
     void whatCannotBeWrittenIsToldByNameAndReason() throws IOException {
         Files.createDirectory(folder.resolve("my.db-frames-1"));
-        assertThatExceptionOfType(IOException.class).isThrownBy(() -> files(0).next())
+        assertThatExceptionOfType(IOException.class)
+                .isThrownBy(() -> files(0).next())
                 .withMessageContaining("my.db-frames-1 could not be written: Is a directory");
     }
 
@@ -96,7 +98,7 @@ class FrameFilesTest {
     }
 
     private static JournalRecord.Frame frame(long number) {
-        return new JournalRecord.Frame(number,
-                "{\"frame\":%d}".formatted(number).getBytes(StandardCharsets.UTF_8));
+        return new JournalRecord.Frame(
+                number, "{\"frame\":%d}".formatted(number).getBytes(StandardCharsets.UTF_8));
     }
 }

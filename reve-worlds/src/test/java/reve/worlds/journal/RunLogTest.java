@@ -1,7 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.journal;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatExceptionOfType;
+
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+
+import reve.core.store.CorruptException;
 
 import java.io.IOException;
 import java.lang.management.ManagementFactory;
@@ -15,15 +21,11 @@ import java.util.ArrayList;
 import java.util.List;
 import java.util.Random;
 import java.util.zip.CRC32C;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.api.io.TempDir;
-import reve.core.store.CorruptException;
 
 class RunLogTest {
     private static final int MEBIBYTE = 1 << 20;
 
-    @TempDir
-    private Path folder;
+    @TempDir private Path folder;
 
     /** Its holes have no place on the disk: anyone can make one of any size. */
     @Test
@@ -34,8 +36,10 @@ class RunLogTest {
                 long before = allocated();
                 assertThatExceptionOfType(CorruptException.class)
                         .isThrownBy(() -> RunLog.open(file).next())
-                        .withMessage(file + " is damaged in the record at byte 15; nothing after "
-                                + "it can be trusted");
+                        .withMessage(
+                                file
+                                        + " is damaged in the record at byte 15; nothing after "
+                                        + "it can be trusted");
                 assertThat(allocated() - before).isLessThan(4 * MEBIBYTE);
             }
         }
@@ -57,7 +61,8 @@ class RunLogTest {
         assertThat(read).hasSize(2);
         assertThat(((JournalRecord.Frame) read.getFirst()).json()).isEqualTo(large);
         try (FileChannel channel = FileChannel.open(file, StandardOpenOption.WRITE)) {
-            channel.write(ByteBuffer.wrap(new byte[] {(byte) ~large[MEBIBYTE]}),
+            channel.write(
+                    ByteBuffer.wrap(new byte[] {(byte) ~large[MEBIBYTE]}),
                     RunLog.EMPTY_BYTES + 17 + MEBIBYTE);
         }
         assertThatExceptionOfType(CorruptException.class)
@@ -67,13 +72,21 @@ class RunLogTest {
 
     private Path sparse(char letter, int length) throws IOException {
         Path file = folder.resolve(letter + "-" + length + ".log");
-        ByteBuffer head = ByteBuffer.allocate(13).order(ByteOrder.LITTLE_ENDIAN)
-                .putInt(length).put((byte) letter).putLong(0).flip();
+        ByteBuffer head =
+                ByteBuffer.allocate(13)
+                        .order(ByteOrder.LITTLE_ENDIAN)
+                        .putInt(length)
+                        .put((byte) letter)
+                        .putLong(0)
+                        .flip();
         var crc = new CRC32C();
         crc.update(head.duplicate());
-        ByteBuffer start = ByteBuffer.allocate(RunLog.EMPTY_BYTES + 17)
-                .order(ByteOrder.LITTLE_ENDIAN).put("REVE run log 2\n".getBytes())
-                .put(head).putInt((int) crc.getValue());
+        ByteBuffer start =
+                ByteBuffer.allocate(RunLog.EMPTY_BYTES + 17)
+                        .order(ByteOrder.LITTLE_ENDIAN)
+                        .put("REVE run log 2\n".getBytes())
+                        .put(head)
+                        .putInt((int) crc.getValue());
         Files.write(file, start.array());
         try (FileChannel channel = FileChannel.open(file, StandardOpenOption.WRITE)) {
             channel.write(ByteBuffer.allocate(1), 4L + start.capacity() + length);

@@ -1,8 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.journal;
 
 import static org.assertj.core.api.Assertions.assertThat;
-import static org.assertj.core.api.Assertions.assertThatThrownBy;
 import static org.assertj.core.api.Assertions.assertThatExceptionOfType;
+import static org.assertj.core.api.Assertions.assertThatThrownBy;
+
+import org.junit.jupiter.api.BeforeEach;
+import org.junit.jupiter.api.Tag;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+
+import reve.core.store.CorruptException;
+import reve.worlds.journal.SqliteStore.Durability;
 
 import java.io.IOException;
 import java.nio.ByteBuffer;
@@ -21,12 +30,6 @@ import java.util.List;
 import java.util.Map;
 import java.util.Random;
 import java.util.UUID;
-import org.junit.jupiter.api.BeforeEach;
-import org.junit.jupiter.api.Tag;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.api.io.TempDir;
-import reve.core.store.CorruptException;
-import reve.worlds.journal.SqliteStore.Durability;
 
 @Tag("slow")
 class SqliteStoreTest {
@@ -36,8 +39,7 @@ class SqliteStoreTest {
     private static final byte[] LIBRARY = bytes(new Random(SEED), 3000);
     private static final String SHA = StoreDatabase.sha256(LIBRARY);
 
-    @TempDir
-    private Path folder;
+    @TempDir private Path folder;
     private Path file;
     private final List<String> problems = new ArrayList<>();
 
@@ -57,7 +59,8 @@ class SqliteStoreTest {
     void threeGenerationsAreKept() throws Exception {
         fill();
         assertThat(query("SELECT group_concat(frame) FROM image")).isEqualTo("16,19,22");
-        assertThat(folder).isDirectoryContaining("glob:**/my.db-frames-3")
+        assertThat(folder)
+                .isDirectoryContaining("glob:**/my.db-frames-3")
                 .isDirectoryNotContaining("glob:**/my.db-frames-[12]");
     }
 
@@ -65,8 +68,15 @@ class SqliteStoreTest {
     void aDamagedImageIsToldAndTheOneBeforeItTakenWithAllThatFollowed() throws Exception {
         fill();
         update("UPDATE image SET bytes = zeroblob(length(bytes)) WHERE frame = 22");
-        assertThat(read()).containsExactly("library " + SHA, "image 19", "frame 20", "frame 21",
-                "frame 22", "frame 23", "frame 24");
+        assertThat(read())
+                .containsExactly(
+                        "library " + SHA,
+                        "image 19",
+                        "frame 20",
+                        "frame 21",
+                        "frame 22",
+                        "frame 23",
+                        "frame 24");
         assertThat(problems).singleElement().asString().contains("my.db", "frame 22");
     }
 
@@ -77,7 +87,8 @@ class SqliteStoreTest {
             Path pipe = folder.resolve(name);
             Files.delete(pipe);
             assertThat(new ProcessBuilder("mkfifo", pipe.toString()).start().waitFor()).isZero();
-            assertThatThrownBy(this::read).isInstanceOf(IOException.class)
+            assertThatThrownBy(this::read)
+                    .isInstanceOf(IOException.class)
                     .hasMessageContaining(pipe + " is a device or a pipe");
             Files.delete(pipe);
         }
@@ -141,7 +152,9 @@ class SqliteStoreTest {
                     assertThat(read()).as(which).isEqualTo(expected);
                     assertThat(problems).as(which).isNotEmpty();
                 } catch (CorruptException refused) {
-                    assertThat(refused).as(which).hasMessageContaining(damaged.toString())
+                    assertThat(refused)
+                            .as(which)
+                            .hasMessageContaining(damaged.toString())
                             .hasMessageContaining("nothing was changed");
                 }
                 assertThat(Files.readAllBytes(damaged)).as(which).isEqualTo(flipped);
@@ -168,8 +181,7 @@ class SqliteStoreTest {
         for (String name : List.of("-frames-5", "-frames-4", "-manifest", "")) {
             Path own = folder.resolve("my.db" + name);
             byte[] whole = Files.readAllBytes(own);
-            Files.copy(folder.resolve("other.db" + name), own,
-                    StandardCopyOption.REPLACE_EXISTING);
+            Files.copy(folder.resolve("other.db" + name), own, StandardCopyOption.REPLACE_EXISTING);
             refused("another store than");
             Files.write(own, whole);
         }
@@ -276,10 +288,22 @@ class SqliteStoreTest {
         Files.write(last, Arrays.copyOf(whole, whole.length - 3));
         refused("my.db-frames-5");
         Manifest.Claim now = Manifest.read(file).orElseThrow();
-        new Manifest(file, new Manifest.Claim(now.store(), new UUID(1, 2), now.file(),
-                now.fileId(), now.frame(), now.image(), now.imageFrame(), now.imageSum())).close();
+        new Manifest(
+                        file,
+                        new Manifest.Claim(
+                                now.store(),
+                                new UUID(1, 2),
+                                now.file(),
+                                now.fileId(),
+                                now.frame(),
+                                now.image(),
+                                now.imageFrame(),
+                                now.imageSum()))
+                .close();
         assertThat(read()).endsWith("frame 23");
-        assertThat(problems).singleElement().asString()
+        assertThat(problems)
+                .singleElement()
+                .asString()
                 .contains("my.db-frames-5 ends at frame 23 of 24", "started again");
     }
 
@@ -292,9 +316,13 @@ class SqliteStoreTest {
         Files.delete(Manifest.path(file));
         for (Path each : FrameFiles.present(file).values()) {
             byte[] linked = Files.readAllBytes(each);
-            byte[] old = Arrays.copyOf(linked, linked.length - RunLog.LINKED_BYTES
-                    + RunLog.EMPTY_BYTES);
-            System.arraycopy(linked, RunLog.LINKED_BYTES, old, RunLog.EMPTY_BYTES,
+            byte[] old =
+                    Arrays.copyOf(linked, linked.length - RunLog.LINKED_BYTES + RunLog.EMPTY_BYTES);
+            System.arraycopy(
+                    linked,
+                    RunLog.LINKED_BYTES,
+                    old,
+                    RunLog.EMPTY_BYTES,
                     linked.length - RunLog.LINKED_BYTES);
             Files.write(each, old);
         }
@@ -331,9 +359,16 @@ class SqliteStoreTest {
         }
         Map<String, Act> acts = new LinkedHashMap<>();
         acts.put("was removed", Files::delete);
-        acts.put("was replaced by another file", path -> Files.move(
-                Files.copy(path, folder.resolve("copy"), StandardCopyOption.REPLACE_EXISTING),
-                path, StandardCopyOption.REPLACE_EXISTING));
+        acts.put(
+                "was replaced by another file",
+                path ->
+                        Files.move(
+                                Files.copy(
+                                        path,
+                                        folder.resolve("copy"),
+                                        StandardCopyOption.REPLACE_EXISTING),
+                                path,
+                                StandardCopyOption.REPLACE_EXISTING));
         acts.put("was cut to ", path -> Files.write(path, new byte[3]));
         int run = 0;
         for (Map.Entry<String, Act> act : acts.entrySet()) {
@@ -349,7 +384,9 @@ class SqliteStoreTest {
                     if (name.startsWith("-frames")) { // a cut file must not get a hole
                         store.write(new JournalRecord.Frame(27, new byte[20]));
                     }
-                    assertThat(store.troubles()).singleElement().asString()
+                    assertThat(store.troubles())
+                            .singleElement()
+                            .asString()
                             .startsWith(path + " " + act.getKey())
                             .contains("The next image makes the store whole again");
                     assertThat(store.troubles()).isEmpty();
@@ -359,8 +396,7 @@ class SqliteStoreTest {
                 }
                 assertThat(read()).as(path + " " + act.getKey()).endsWith("image 27", "frame 28");
                 boolean isKept = name.isEmpty() && !act.getKey().equals("was removed");
-                assertThat(Files.exists(file.resolveSibling("my.db.replaced-1")))
-                        .isEqualTo(isKept);
+                assertThat(Files.exists(file.resolveSibling("my.db.replaced-1"))).isEqualTo(isKept);
             }
         }
     }
@@ -415,7 +451,8 @@ class SqliteStoreTest {
             Files.write(file, Arrays.copyOf(whole, length));
             try {
                 assertThat(read().equals(expected) || !problems.isEmpty())
-                        .as("cut at byte %d, seed %d", length, SEED).isTrue();
+                        .as("cut at byte %d, seed %d", length, SEED)
+                        .isTrue();
             } catch (CorruptException | IOException refused) {
                 assertThat(refused).hasMessageContaining("my.db");
             }
@@ -441,28 +478,41 @@ class SqliteStoreTest {
         String endless = "WITH RECURSIVE c(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM c) SELECT ";
         Map<String, List<String>> changes = new LinkedHashMap<>();
         for (String table : List.of("identity", "image", "library")) {
-            changes.put("has a table old", List.of("ALTER TABLE " + table + " RENAME TO old",
-                    "CREATE VIEW " + table + " AS " + endless + "old.* FROM old, c WHERE c.x < 0"));
+            changes.put(
+                    "has a table old",
+                    List.of(
+                            "ALTER TABLE " + table + " RENAME TO old",
+                            "CREATE VIEW "
+                                    + table
+                                    + " AS "
+                                    + endless
+                                    + "old.* FROM old, c WHERE c.x < 0"));
             changesRefused(changes, whole);
         }
         changes.put("has a view v", List.of("CREATE VIEW v AS " + endless + "x FROM c"));
-        changes.put("has a trigger t", List.of(
-                "CREATE TRIGGER t AFTER INSERT ON image BEGIN DELETE FROM library; END"));
+        changes.put(
+                "has a trigger t",
+                List.of("CREATE TRIGGER t AFTER INSERT ON image BEGIN DELETE FROM library; END"));
         changes.put("has a index i", List.of("CREATE INDEX i ON image (frame)"));
         changes.put("has a table w", List.of("CREATE VIRTUAL TABLE w USING fts5(x)"));
-        changes.put("has a table image of another form",
+        changes.put(
+                "has a table image of another form",
                 List.of("ALTER TABLE image ADD COLUMN more AS (zeroblob(1000000000))"));
-        changes.put("has a table library of another form", List.of("DROP TABLE library",
-                "CREATE TABLE library (sha256 TEXT PRIMARY KEY, bytes BLOB CHECK (bytes > 0))"));
+        changes.put(
+                "has a table library of another form",
+                List.of(
+                        "DROP TABLE library",
+                        "CREATE TABLE library (sha256 TEXT PRIMARY KEY, bytes BLOB CHECK (bytes >"
+                                + " 0))"));
         changes.put("lacks the table identity", List.of("DROP TABLE identity"));
         changes.put("has a table identity", List.of("PRAGMA user_version = 2"));
-        changes.put("is damaged so that nothing of it can be read", List.of("CREATE VIEW long AS "
-                + "SELECT '" + "a".repeat(100_000) + "'"));
+        changes.put(
+                "is damaged so that nothing of it can be read",
+                List.of("CREATE VIEW long AS " + "SELECT '" + "a".repeat(100_000) + "'"));
         changesRefused(changes, whole);
     }
 
-    private void changesRefused(Map<String, List<String>> changes, byte[] whole)
-            throws Exception {
+    private void changesRefused(Map<String, List<String>> changes, byte[] whole) throws Exception {
         for (Map.Entry<String, List<String>> change : changes.entrySet()) {
             Files.write(file, whole);
             for (String sql : change.getValue()) {
@@ -497,8 +547,8 @@ class SqliteStoreTest {
         try (SqliteStore _ = open(file)) {
             assertThatExceptionOfType(IOException.class)
                     .isThrownBy(() -> StoreContents.read(file))
-                    .withMessageContainingAll("my.db", "locked", "in use by another process",
-                            "name another file");
+                    .withMessageContainingAll(
+                            "my.db", "locked", "in use by another process", "name another file");
         }
     }
 
@@ -508,11 +558,14 @@ class SqliteStoreTest {
         Path log = folder.resolve("my.db-wal");
         Files.deleteIfExists(log);
         Files.createDirectory(log);
-        assertThatExceptionOfType(IOException.class).isThrownBy(() -> StoreContents.read(file))
-                .withMessageStartingWith(file + " could not be opened: SQLite could not open a "
-                        + "file beside it; raise the limit of open files (ulimit -n)");
-        assertThatExceptionOfType(IOException.class).isThrownBy(() ->
-                StoreDatabase.open(folder.resolve("none/my.db")))
+        assertThatExceptionOfType(IOException.class)
+                .isThrownBy(() -> StoreContents.read(file))
+                .withMessageStartingWith(
+                        file
+                                + " could not be opened: SQLite could not open a "
+                                + "file beside it; raise the limit of open files (ulimit -n)");
+        assertThatExceptionOfType(IOException.class)
+                .isThrownBy(() -> StoreDatabase.open(folder.resolve("none/my.db")))
                 .withMessageContaining("there is no folder " + folder.resolve("none"));
     }
 
@@ -561,8 +614,10 @@ class SqliteStoreTest {
                     store.write(new JournalRecord.Frame(frame, bytes(random, 200)));
                 }
                 if (frame % 3 == 1) {
-                    store.place().write(List.of(new JournalRecord.Library(SHA, LIBRARY)),
-                            new JournalRecord.Image(frame, bytes(random, 6000)));
+                    store.place()
+                            .write(
+                                    List.of(new JournalRecord.Library(SHA, LIBRARY)),
+                                    new JournalRecord.Image(frame, bytes(random, 6000)));
                 }
             }
         }
@@ -586,23 +641,32 @@ class SqliteStoreTest {
     }
 
     private static List<String> describe(List<JournalRecord> records) {
-        return records.stream().map(record -> switch (record) {
-            case JournalRecord.Library library -> "library " + library.sha256();
-            case JournalRecord.Image image -> "image " + image.frame();
-            case JournalRecord.Frame frame -> "frame " + frame.frame();
-        }).toList();
+        return records.stream()
+                .map(
+                        record ->
+                                switch (record) {
+                                    case JournalRecord.Library library ->
+                                            "library " + library.sha256();
+                                    case JournalRecord.Image image -> "image " + image.frame();
+                                    case JournalRecord.Frame frame -> "frame " + frame.frame();
+                                })
+                .toList();
     }
 
     /** Libraries are checked by their SHA-256 when they are loaded. */
     private static List<String> contents(List<JournalRecord> records) {
-        return records.stream().filter(record -> !(record instanceof JournalRecord.Library))
-                .map(record -> switch (record) {
-                    case JournalRecord.Library library -> "";
-                    case JournalRecord.Image image ->
-                            image.frame() + " " + Arrays.hashCode(image.bytes());
-                    case JournalRecord.Frame frame ->
-                            frame.frame() + " " + Arrays.hashCode(frame.json());
-                }).toList();
+        return records.stream()
+                .filter(record -> !(record instanceof JournalRecord.Library))
+                .map(
+                        record ->
+                                switch (record) {
+                                    case JournalRecord.Library library -> "";
+                                    case JournalRecord.Image image ->
+                                            image.frame() + " " + Arrays.hashCode(image.bytes());
+                                    case JournalRecord.Frame frame ->
+                                            frame.frame() + " " + Arrays.hashCode(frame.json());
+                                })
+                .toList();
     }
 
     private void update(String sql) throws SQLException {

@@ -1,12 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.render;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatIllegalArgumentException;
 import static org.assertj.core.api.Assertions.within;
 
-import java.util.Random;
 import org.junit.jupiter.api.Test;
+
 import reve.core.file.CameraDescription;
+
+import java.util.Random;
 
 class CameraTest {
 
@@ -34,8 +37,15 @@ class CameraTest {
         for (int i = 0; i < 1000; i++) {
             var low = new Point(random.nextGaussian() * 100, random.nextGaussian(), 0);
             double scale = Math.pow(10, random.nextInt(-3, 6));
-            var bounds = new Bounds(low, low.plus(scale,
-                    new Point(random.nextDouble(), random.nextDouble(), random.nextDouble())));
+            var bounds =
+                    new Bounds(
+                            low,
+                            low.plus(
+                                    scale,
+                                    new Point(
+                                            random.nextDouble(),
+                                            random.nextDouble(),
+                                            random.nextDouble())));
             double aspect = 0.3 + 3 * random.nextDouble();
             assertThat(fill(Camera.fit(bounds, aspect), bounds, aspect))
                     .as("seed %d, case %d: %s, aspect %f", seed, i, bounds, aspect)
@@ -63,10 +73,10 @@ class CameraTest {
 
     @Test
     void boundsAreNotInsideOut() {
-        assertThatIllegalArgumentException().isThrownBy(
-                () -> new Bounds(new Point(0, 1, 0), new Point(1, 0, 1)));
-        assertThatIllegalArgumentException().isThrownBy(
-                () -> new Bounds(new Point(0, Double.NaN, 0), new Point(1, 0, 1)));
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> new Bounds(new Point(0, 1, 0), new Point(1, 0, 1)));
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> new Bounds(new Point(0, Double.NaN, 0), new Point(1, 0, 1)));
         var flat = new Bounds(new Point(0, 0, 0), new Point(1, 0, 3));
         assertThatIllegalArgumentException().isThrownBy(() -> Camera.fit(flat, 0));
         assertThat(flat.longestSide()).isEqualTo(3);
@@ -74,18 +84,27 @@ class CameraTest {
 
     @Test
     void theCameraOfAWorldFileIsTakenAsItIs() {
-        Camera camera = Camera.of(new CameraDescription(new double[] {1, 2, 3},
-                new double[] {4, 5, 6}, new double[] {0, 0, 1}, 0.7));
-        assertThat(camera).isEqualTo(Camera.perspective(new Point(1, 2, 3), new Point(4, 5, 6),
-                new Point(0, 0, 1), 0.7));
+        Camera camera =
+                Camera.of(
+                        new CameraDescription(
+                                new double[] {1, 2, 3},
+                                new double[] {4, 5, 6},
+                                new double[] {0, 0, 1},
+                                0.7));
+        assertThat(camera)
+                .isEqualTo(
+                        Camera.perspective(
+                                new Point(1, 2, 3), new Point(4, 5, 6), new Point(0, 0, 1), 0.7));
     }
 
     @Test
     void picturesHaveALimitedSize() {
         assertThatIllegalArgumentException().isThrownBy(() -> ImageFormat.of(0, 10));
-        assertThatIllegalArgumentException().isThrownBy(() -> ImageFormat.of(8192, 8192))
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> ImageFormat.of(8192, 8192))
                 .withMessageContaining("16777216");
-        assertThatIllegalArgumentException().isThrownBy(
-                () -> new ImageFormat(10, 10, 17, true)).withMessageContaining("17 samples");
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> new ImageFormat(10, 10, 17, true))
+                .withMessageContaining("17 samples");
     }
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.render;
 
 import java.awt.image.BufferedImage;
@@ -5,6 +6,7 @@ import java.io.ByteArrayInputStream;
 import java.io.IOException;
 import java.io.UncheckedIOException;
 import java.util.function.IntPredicate;
+
 import javax.imageio.ImageIO;
 
 /** A decoded PNG. */
@@ -25,6 +27,8 @@ record Picture(BufferedImage image) {
 
     long count(IntPredicate colour) {
         return java.util.stream.IntStream.range(0, image.getWidth() * image.getHeight())
-                .map(i -> at(i % image.getWidth(), i / image.getWidth())).filter(colour).count();
+                .map(i -> at(i % image.getWidth(), i / image.getWidth()))
+                .filter(colour)
+                .count();
     }
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.render;
 
 import static org.assertj.core.api.Assertions.assertThat;
@@ -6,34 +7,37 @@ import static org.assertj.core.api.Assertions.assertThatIllegalStateException;
 import static org.assertj.core.api.Assertions.assertThatThrownBy;
 import static org.assertj.core.api.Assertions.within;
 
+import org.junit.jupiter.api.AfterEach;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.Timeout;
+import org.junit.jupiter.api.io.TempDir;
+
+import reve.core.world.Colour;
+import reve.core.world.Mesh;
+import reve.core.world.Shape;
+
 import java.io.IOException;
 import java.nio.file.Files;
 import java.nio.file.Path;
 import java.nio.file.attribute.PosixFilePermissions;
 import java.time.Duration;
 import java.util.concurrent.CompletableFuture;
-import org.junit.jupiter.api.AfterEach;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.api.Timeout;
-import org.junit.jupiter.api.io.TempDir;
-import reve.core.world.Colour;
-import reve.core.world.Mesh;
-import reve.core.world.Shape;
 
 @Timeout(120) // a hang is a failure
 class RendererIT {
 
     private static final int RED = Colour.parse("#ff0000").rgba();
     private static final int BLUE = Colour.parse("#0000ff").rgba();
-    private static final Environment BLACK = new Environment(Colour.parse("#000000"),
-            Colour.parse("#000000"), new Point(0, 1, 0), 0.5, 0.3);
+    private static final Environment BLACK =
+            new Environment(
+                    Colour.parse("#000000"), Colour.parse("#000000"), new Point(0, 1, 0), 0.5, 0.3);
 
     private final Renderer renderer = renderer(Renderer.DEFAULT_DEADLINE);
     @TempDir private Path folder;
 
     private static Renderer renderer(Duration deadline) {
-        return new Renderer(Path.of(System.getProperty("reve.native.path", "build/native")),
-                deadline);
+        return new Renderer(
+                Path.of(System.getProperty("reve.native.path", "build/native")), deadline);
     }
 
     @AfterEach
@@ -43,13 +47,20 @@ class RendererIT {
 
     /** 40 pixels per metre, looking along -z, on black. */
     private static Scene scene() {
-        return new Scene(new ImageFormat(160, 120, 0, false), Camera.orthographic(
-                new Point(0, 0, 9), new Point(0, 0, 0), new Point(0, 1, 0), 3), BLACK);
+        return new Scene(
+                new ImageFormat(160, 120, 0, false),
+                Camera.orthographic(new Point(0, 0, 9), new Point(0, 0, 0), new Point(0, 1, 0), 3),
+                BLACK);
     }
 
     private static void add(Instances instances, double x, int rgba) {
-        instances.position(x, 0, 0).orientation(0, 0, 0, 1).size(1, 0.5, 1).colour(rgba)
-                .flags(Instances.UNLIT).item(0);
+        instances
+                .position(x, 0, 0)
+                .orientation(0, 0, 0, 1)
+                .size(1, 0.5, 1)
+                .colour(rgba)
+                .flags(Instances.UNLIT)
+                .item(0);
     }
 
     private static Scene redBox() {
@@ -85,12 +96,20 @@ class RendererIT {
 
     @Test
     void moreItemsThanTheFirstRoomAreAllShown() {
-        Scene scene = new Scene(new ImageFormat(400, 120, 0, false), Camera.orthographic(
-                new Point(0, 0, 9), new Point(0, 0, 0), new Point(0, 1, 0), 3), BLACK);
+        Scene scene =
+                new Scene(
+                        new ImageFormat(400, 120, 0, false),
+                        Camera.orthographic(
+                                new Point(0, 0, 9), new Point(0, 0, 0), new Point(0, 1, 0), 3),
+                        BLACK);
         for (int i = 0; i < 5000; i++) {
-            scene.instances(Shape.BOX).position((i % 100 - 49.5) * 0.1, (i / 100 - 24.5) * 0.05, 0)
-                    .orientation(0, 0, 0, 1).size(0.1, 0.05, 0.1).colour(RED)
-                    .flags(Instances.UNLIT).item(0);
+            scene.instances(Shape.BOX)
+                    .position((i % 100 - 49.5) * 0.1, (i / 100 - 24.5) * 0.05, 0)
+                    .orientation(0, 0, 0, 1)
+                    .size(0.1, 0.05, 0.1)
+                    .colour(RED)
+                    .flags(Instances.UNLIT)
+                    .item(0);
         }
         Picture picture = Picture.decode(renderer.render(scene));
         assertThat(picture.count(colour -> colour == 0xff0000)).isEqualTo(400 * 100);
@@ -98,17 +117,34 @@ class RendererIT {
 
     @Test
     void meshesComeAndGoFromPictureToPicture() {
-        var square = new Mesh(new float[] {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0},
-                new int[] {0, 1, 2, 0, 2, 3});
+        var square =
+                new Mesh(
+                        new float[] {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0},
+                        new int[] {0, 1, 2, 0, 2, 3});
         var half = new Mesh(new float[] {-1, -1, 0, 1, -1, 0, 1, 1, 0}, new int[] {0, 1, 2});
         Scene squares = scene();
-        squares.instances(square).position(0, 0, 0).orientation(0, 0, 0, 1).size(1, 1, 1)
-                .colour(RED).flags(Instances.UNLIT).item(0);
+        squares.instances(square)
+                .position(0, 0, 0)
+                .orientation(0, 0, 0, 1)
+                .size(1, 1, 1)
+                .colour(RED)
+                .flags(Instances.UNLIT)
+                .item(0);
         Scene both = scene();
-        both.instances(half).position(-1, 0, 0).orientation(0, 0, 0, 1).size(0.5, 0.5, 1)
-                .colour(BLUE).flags(Instances.UNLIT).item(0);
-        both.instances(square).position(1, 0, 0).orientation(0, 0, 0, 1).size(0.5, 0.5, 1)
-                .colour(RED).flags(Instances.UNLIT).item(0);
+        both.instances(half)
+                .position(-1, 0, 0)
+                .orientation(0, 0, 0, 1)
+                .size(0.5, 0.5, 1)
+                .colour(BLUE)
+                .flags(Instances.UNLIT)
+                .item(0);
+        both.instances(square)
+                .position(1, 0, 0)
+                .orientation(0, 0, 0, 1)
+                .size(0.5, 0.5, 1)
+                .colour(RED)
+                .flags(Instances.UNLIT)
+                .item(0);
         byte[] first = renderer.render(squares);
         assertThat(Picture.decode(first).count(colour -> colour == 0xff0000)).isEqualTo(80 * 80);
         Picture two = Picture.decode(renderer.render(both));
@@ -132,7 +168,8 @@ class RendererIT {
         long pid = renderer.pid();
         assertThatExceptionOfType(RenderException.class)
                 .isThrownBy(() -> renderer.render(redBox(), folder.resolve("no/such/x.png")))
-                .withMessageContaining("no/such/x.png").withMessageContaining("No such file");
+                .withMessageContaining("no/such/x.png")
+                .withMessageContaining("No such file");
         renderer.render(redBox());
         assertThat(renderer.pid()).isEqualTo(pid);
     }
@@ -163,7 +200,8 @@ class RendererIT {
     void aRowThatLacksAValueIsNotSent() {
         Scene incomplete = redBox();
         incomplete.instances(Shape.BOX).position(0, 0, 0);
-        assertThatIllegalStateException().isThrownBy(() -> renderer.render(incomplete))
+        assertThatIllegalStateException()
+                .isThrownBy(() -> renderer.render(incomplete))
                 .withMessageContaining("has 1 rows, the first one has 2");
         assertThat(renderer.pid()).isEqualTo(-1);
     }
@@ -181,8 +219,9 @@ class RendererIT {
 
     @Test
     void aProgramThatKeepsDyingIsReportedWithItsLastWords() throws IOException {
-        try (var broken = new Renderer(script("echo no driver here >&2; exit 4"),
-                Renderer.DEFAULT_DEADLINE)) {
+        try (var broken =
+                new Renderer(
+                        script("echo no driver here >&2; exit 4"), Renderer.DEFAULT_DEADLINE)) {
             assertThatExceptionOfType(RenderException.class)
                     .isThrownBy(() -> broken.render(redBox()))
                     .withMessageContaining("ended with exit code 4 and said: no driver here");
@@ -191,8 +230,12 @@ class RendererIT {
 
     @Test
     void aProgramThatStopsAnsweringIsEnded() throws IOException {
-        try (var mute = new Renderer(script("echo $$ >> pids; exec >&-; read line"
-                .replace("pids", folder.resolve("pids").toString())), Renderer.DEFAULT_DEADLINE)) {
+        try (var mute =
+                new Renderer(
+                        script(
+                                "echo $$ >> pids; exec >&-; read line"
+                                        .replace("pids", folder.resolve("pids").toString())),
+                        Renderer.DEFAULT_DEADLINE)) {
             assertThatExceptionOfType(RenderException.class)
                     .isThrownBy(() -> mute.render(redBox()))
                     .withMessageContaining("in 2 attempts: vesper-render stopped answering");
@@ -220,10 +263,12 @@ class RendererIT {
             Thread.onSpinWait();
         }
         hung.close();
-        assertThatThrownBy(picture::join).hasCauseInstanceOf(RenderException.class)
+        assertThatThrownBy(picture::join)
+                .hasCauseInstanceOf(RenderException.class)
                 .hasMessageContaining("was closed");
         assertThatExceptionOfType(RenderException.class)
-                .isThrownBy(() -> hung.render(redBox())).withMessageContaining("was closed");
+                .isThrownBy(() -> hung.render(redBox()))
+                .withMessageContaining("was closed");
     }
 
     @Test

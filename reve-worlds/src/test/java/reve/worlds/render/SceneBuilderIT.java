@@ -1,15 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.render;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatExceptionOfType;
 import static org.assertj.core.api.Assertions.within;
 
-import java.nio.ByteBuffer;
-import java.nio.file.Path;
-import java.util.Optional;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.params.ParameterizedTest;
 import org.junit.jupiter.params.provider.ValueSource;
+
 import reve.core.derive.BoundingBoxes;
 import reve.core.world.Colour;
 import reve.core.world.ItemDefinition;
@@ -23,14 +22,20 @@ import reve.core.world.World;
 import reve.core.world.WorldPrototype;
 import reve.core.world.WorldSnapshot;
 
+import java.nio.ByteBuffer;
+import java.nio.file.Path;
+import java.util.Optional;
+
 class SceneBuilderIT {
 
-    private static final Environment FLAT = new Environment(Colour.parse("#000000"),
-            Colour.parse("#000000"), new Point(0, 0, 1), 0, 1);
+    private static final Environment FLAT =
+            new Environment(
+                    Colour.parse("#000000"), Colour.parse("#000000"), new Point(0, 0, 1), 0, 1);
     private static final ImageFormat SMALL = new ImageFormat(200, 200, 0, false);
+
     /** Looks along -z at 20 x 20 m, 10 pixels per metre. */
-    private static final Camera FRONT = Camera.orthographic(new Point(0, 0, 50),
-            new Point(0, 0, 0), new Point(0, 1, 0), 20);
+    private static final Camera FRONT =
+            Camera.orthographic(new Point(0, 0, 50), new Point(0, 0, 0), new Point(0, 1, 0), 20);
 
     private static World world(String prototype) {
         return new World("test", WorldPrototype.standard(prototype), new OffHeapArena());
@@ -54,9 +59,10 @@ class SceneBuilderIT {
     }
 
     private static Picture draw(World world, Optional<Camera> camera) {
-        try (var renderer = new Renderer(
-                Path.of(System.getProperty("reve.native.path", "build/native")),
-                Renderer.DEFAULT_DEADLINE)) {
+        try (var renderer =
+                new Renderer(
+                        Path.of(System.getProperty("reve.native.path", "build/native")),
+                        Renderer.DEFAULT_DEADLINE)) {
             return Picture.decode(renderer.render(build(world, camera)));
         }
     }
@@ -70,22 +76,50 @@ class SceneBuilderIT {
     @Test
     void everyPixelKnowsItsItemAndItsDepth() {
         World world = world("si-f64");
-        long ball = world.add(ball("ball", "#ff0000").at(-5, 5, 0).physics("mass", 1).build())
-                .id().value();
-        long box = world.add(ItemDefinition.named("box").shape(Shape.box(4, 2, 2)).at(5, 5, 0)
-                .physics("mass", 1).build()).id().value();
-        long spring = world.add(ItemDefinition.named("spring").kind("spring")
-                .physics("springConstant", 1).physics("length", 1).reference("end1", "ball")
-                .reference("end2", "box").build()).id().value();
-        world.add(ItemDefinition.named("glass").shape(Shape.box(20, 20, 1)).colour("#00000000")
-                .at(0, 0, 9).build());
-        var front = Camera.perspective(new Point(0, 0, 50), new Point(0, 0, 0),
-                new Point(0, 1, 0), 2 * Math.atan(0.2));
-        try (var renderer = new Renderer(
-                Path.of(System.getProperty("reve.native.path", "build/native")),
-                Renderer.DEFAULT_DEADLINE)) {
-            PixelLayers seen = renderer.pixels(build(world, Optional.of(front)),
-                    PixelLayers.COLOUR | PixelLayers.DEPTH | PixelLayers.ITEM);
+        long ball =
+                world.add(ball("ball", "#ff0000").at(-5, 5, 0).physics("mass", 1).build())
+                        .id()
+                        .value();
+        long box =
+                world.add(
+                                ItemDefinition.named("box")
+                                        .shape(Shape.box(4, 2, 2))
+                                        .at(5, 5, 0)
+                                        .physics("mass", 1)
+                                        .build())
+                        .id()
+                        .value();
+        long spring =
+                world.add(
+                                ItemDefinition.named("spring")
+                                        .kind("spring")
+                                        .physics("springConstant", 1)
+                                        .physics("length", 1)
+                                        .reference("end1", "ball")
+                                        .reference("end2", "box")
+                                        .build())
+                        .id()
+                        .value();
+        world.add(
+                ItemDefinition.named("glass")
+                        .shape(Shape.box(20, 20, 1))
+                        .colour("#00000000")
+                        .at(0, 0, 9)
+                        .build());
+        var front =
+                Camera.perspective(
+                        new Point(0, 0, 50),
+                        new Point(0, 0, 0),
+                        new Point(0, 1, 0),
+                        2 * Math.atan(0.2));
+        try (var renderer =
+                new Renderer(
+                        Path.of(System.getProperty("reve.native.path", "build/native")),
+                        Renderer.DEFAULT_DEADLINE)) {
+            PixelLayers seen =
+                    renderer.pixels(
+                            build(world, Optional.of(front)),
+                            PixelLayers.COLOUR | PixelLayers.DEPTH | PixelLayers.ITEM);
             ByteBuffer item = seen.item().orElseThrow();
             ByteBuffer depth = seen.depth().orElseThrow();
             int row = 50 * 200; // 10 pixels per metre at the target: y = 5
@@ -97,8 +131,9 @@ class SceneBuilderIT {
             assertThat(depth.getFloat(4 * (row + 100))).isCloseTo(50, within(0.05f));
             assertThat(seen.colour().orElseThrow().get(3 * (row + 50))).isNotZero();
             assertThat(renderer.pixels(build(world, Optional.of(front)), PixelLayers.ITEM))
-                    .isEqualTo(new PixelLayers(200, 200, Optional.empty(), Optional.empty(),
-                            seen.item()));
+                    .isEqualTo(
+                            new PixelLayers(
+                                    200, 200, Optional.empty(), Optional.empty(), seen.item()));
         }
     }
 
@@ -107,13 +142,30 @@ class SceneBuilderIT {
     void bodiesAndSpringsShowWhereTheyAre(String prototype) {
         World world = world(prototype);
         world.add(ball("red", "#ff0000").at(-5, 5, 0).physics("mass", 1).build());
-        world.add(ItemDefinition.named("blue").shape(Shape.box(4, 2, 2)).colour("#0000ff")
-                .at(5, 5, 0).physics("mass", 1).build());
-        world.add(ItemDefinition.named("green").colour("#00ff00").at(0, -5, 0)
-                .shape(Shape.mesh(new float[] {-2, -1, 0, 2, -1, 0, 0, 2, 0},
-                        new int[] {0, 1, 2})).build());
-        world.add(ItemDefinition.named("spring").kind("spring").physics("springConstant", 1)
-                .physics("length", 1).reference("end1", "red").reference("end2", "blue").build());
+        world.add(
+                ItemDefinition.named("blue")
+                        .shape(Shape.box(4, 2, 2))
+                        .colour("#0000ff")
+                        .at(5, 5, 0)
+                        .physics("mass", 1)
+                        .build());
+        world.add(
+                ItemDefinition.named("green")
+                        .colour("#00ff00")
+                        .at(0, -5, 0)
+                        .shape(
+                                Shape.mesh(
+                                        new float[] {-2, -1, 0, 2, -1, 0, 0, 2, 0},
+                                        new int[] {0, 1, 2}))
+                        .build());
+        world.add(
+                ItemDefinition.named("spring")
+                        .kind("spring")
+                        .physics("springConstant", 1)
+                        .physics("length", 1)
+                        .reference("end1", "red")
+                        .reference("end2", "blue")
+                        .build());
         Picture picture = draw(world, Optional.of(FRONT));
         assertThat(isMostly(picture.at(50, 50), 16)).isTrue();
         assertThat(isMostly(picture.at(150, 50), 0)).isTrue();
@@ -129,8 +181,11 @@ class SceneBuilderIT {
     }
 
     private static ItemDefinition surface(String name, String... corners) {
-        return ItemDefinition.named(name).kind("surface").physics("hardness", 1)
-                .reference("vertices", corners).build();
+        return ItemDefinition.named(name)
+                .kind("surface")
+                .physics("hardness", 1)
+                .reference("vertices", corners)
+                .build();
     }
 
     @Test
@@ -146,8 +201,8 @@ class SceneBuilderIT {
         assertThat(isMostly(picture.at(100, 57), 0)).isTrue();
         assertThat(picture.at(100, 155)).as("below").isZero();
         try (WorldSnapshot snapshot = snapshot(world)) {
-            assertThat(SceneBuilder.bounds(snapshot)).contains(
-                    new Bounds(new Point(-5, -5, 0), new Point(5, 5, 0)));
+            assertThat(SceneBuilder.bounds(snapshot))
+                    .contains(new Bounds(new Point(-5, -5, 0), new Point(5, 5, 0)));
         }
     }
 
@@ -170,22 +225,38 @@ class SceneBuilderIT {
         for (int pixel : rgba) {
             pixels.putInt(pixel);
         }
-        return new Material(Colour.WHITE, 1, 0, Optional.of(
-                new Texture(rgba.length, 1, pixels.array(), Optional.empty())));
+        return new Material(
+                Colour.WHITE,
+                1,
+                0,
+                Optional.of(new Texture(rgba.length, 1, pixels.array(), Optional.empty())));
     }
 
     @Test
     void bodiesWearTheirMaterialAndMeshesThatOfTheirParts() {
         World world = world("si-f64");
-        world.add(ItemDefinition.named("box").shape(Shape.box(4, 4, 4)).at(-5, 0, 0)
-                .material(painted(0xff0000ff, 0x0000ffff)).build());
-        Mesh square = Mesh.builder(new float[] {-2, -2, 0, 2, -2, 0, 2, 2, 0, -2, 2, 0},
-                new int[] {0, 1, 2, 0, 2, 3}).part(1, painted(0x00ff00ff))
-                .part(1, new Material(Colour.parse("#0000ff"), 1, 0, Optional.empty()))
-                .textureCoordinates(new float[8]).build();
+        world.add(
+                ItemDefinition.named("box")
+                        .shape(Shape.box(4, 4, 4))
+                        .at(-5, 0, 0)
+                        .material(painted(0xff0000ff, 0x0000ffff))
+                        .build());
+        Mesh square =
+                Mesh.builder(
+                                new float[] {-2, -2, 0, 2, -2, 0, 2, 2, 0, -2, 2, 0},
+                                new int[] {0, 1, 2, 0, 2, 3})
+                        .part(1, painted(0x00ff00ff))
+                        .part(1, new Material(Colour.parse("#0000ff"), 1, 0, Optional.empty()))
+                        .textureCoordinates(new float[8])
+                        .build();
         world.add(ItemDefinition.named("own").shape(square).at(5, 5, 0).build());
-        world.add(ItemDefinition.named("given").shape(square).at(5, -5, 0).colour("#ff0000")
-                .material(Material.DEFAULT).build());
+        world.add(
+                ItemDefinition.named("given")
+                        .shape(square)
+                        .at(5, -5, 0)
+                        .colour("#ff0000")
+                        .material(Material.DEFAULT)
+                        .build());
         Picture picture = draw(world, Optional.of(FRONT));
         assertThat(isMostly(picture.at(40, 100), 16)).as("left of the texture").isTrue();
         assertThat(isMostly(picture.at(60, 100), 0)).as("right of the texture").isTrue();
@@ -199,8 +270,12 @@ class SceneBuilderIT {
     void aTurnedBodyIsShownTurned() {
         World world = world("si-f64");
         double half = Math.sqrt(0.5);
-        world.add(ItemDefinition.named("bar").shape(Shape.box(8, 1, 1)).colour("#ff0000")
-                .orientation(0, 0, half, half).build());
+        world.add(
+                ItemDefinition.named("bar")
+                        .shape(Shape.box(8, 1, 1))
+                        .colour("#ff0000")
+                        .orientation(0, 0, half, half)
+                        .build());
         Picture picture = draw(world, Optional.of(FRONT));
         assertThat(isMostly(picture.at(100, 65), 16)).isTrue();
         assertThat(isMostly(picture.at(65, 100), 16)).isFalse();
@@ -211,8 +286,11 @@ class SceneBuilderIT {
         World world = world("si-f64");
         world.add(ball("red", "#ff0000").at(-300, 40, 0).build());
         world.add(ball("blue", "#0000ff").at(-280, 55, 8).build());
-        world.add(ItemDefinition.named("ground").shape(Shape.plane(2000, 2000))
-                .colour("#808080").build());
+        world.add(
+                ItemDefinition.named("ground")
+                        .shape(Shape.plane(2000, 2000))
+                        .colour("#808080")
+                        .build());
         Picture picture = draw(world, Optional.empty());
         assertThat(picture.count(rgb -> isMostly(rgb, 16))).isGreaterThan(50);
         assertThat(picture.count(rgb -> isMostly(rgb, 0))).isGreaterThan(50);
@@ -224,13 +302,13 @@ class SceneBuilderIT {
         world.add(ItemDefinition.named("ground").shape(Shape.plane(60, 40)).build());
         world.add(ItemDefinition.named("place").at(1000, 0, 0).build());
         try (WorldSnapshot snapshot = snapshot(world)) {
-            assertThat(SceneBuilder.bounds(snapshot)).contains(
-                    new Bounds(new Point(-30, 0, -20), new Point(30, 0, 20)));
+            assertThat(SceneBuilder.bounds(snapshot))
+                    .contains(new Bounds(new Point(-30, 0, -20), new Point(30, 0, 20)));
         }
         world.add(ball("red", "#ff0000").at(3, 4, 5).build());
         try (WorldSnapshot snapshot = snapshot(world)) {
-            assertThat(SceneBuilder.bounds(snapshot)).contains(
-                    new Bounds(new Point(2, 3, 4), new Point(4, 5, 6)));
+            assertThat(SceneBuilder.bounds(snapshot))
+                    .contains(new Bounds(new Point(2, 3, 4), new Point(4, 5, 6)));
         }
     }
 

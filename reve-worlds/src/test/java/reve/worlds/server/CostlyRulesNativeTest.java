@@ -1,51 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.server;
 
 import static org.assertj.core.api.Assertions.assertThat;
 
-import java.nio.charset.StandardCharsets;
-import java.util.List;
-import java.util.stream.IntStream;
 import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.Timeout;
+
 import reve.core.file.WorldFile;
 import reve.core.frame.Pacing;
 import reve.core.world.WorldEvent;
 import reve.worlds.journal.SimulationImage;
 
+import java.nio.charset.StandardCharsets;
+import java.util.List;
+import java.util.stream.IntStream;
+
 /** Worlds whose rules take more steps than a frame has. */
 @Timeout(300)
 @Tag("slow")
 class CostlyRulesNativeTest {
-    private static final String NEAR = world("""
-            items: [{name: 'a{i}', repeat: 20000, physical: {shape: sphere, radius: 1},
-              physics: {mass: 1}}]
-            rules: {dear: 'semantic.near', cheap: 'physics.mass'}
-            """);
-    private static final String NESTED = world("""
-            items: [{name: 'a{i}', repeat: 100000, physics: {mass: 1}}]
-            rules: {dear: '[0,1,2,3,4,5,6,7,8,9].all(a,[0,1,2,3,4,5,6,7,8,9].all(b,
-              [0,1,2,3,4,5,6,7,8].all(c,physics.mass>=0.0)))', cheap: 'physics.mass'}
-            """);
-    private static final String HONEST = world("""
-            items: [{name: 'a{i}', repeat: 100000, physics: {mass: 1}}]
-            rules: {%s}
-            """.formatted("r0: 'physics.mass * 2.0 + 1.0 > 2.0'" + String.join("",
-                    IntStream.range(1, 10).mapToObj(i -> ", r" + i
-                            + ": 'physics.mass * 2.0 + 1.0 > 2.0'").toList())));
+    private static final String NEAR =
+            world(
+                    """
+                    items: [{name: 'a{i}', repeat: 20000, physical: {shape: sphere, radius: 1},
+                      physics: {mass: 1}}]
+                    rules: {dear: 'semantic.near', cheap: 'physics.mass'}
+                    """);
+    private static final String NESTED =
+            world(
+                    """
+                    items: [{name: 'a{i}', repeat: 100000, physics: {mass: 1}}]
+                    rules: {dear: '[0,1,2,3,4,5,6,7,8,9].all(a,[0,1,2,3,4,5,6,7,8,9].all(b,
+                      [0,1,2,3,4,5,6,7,8].all(c,physics.mass>=0.0)))', cheap: 'physics.mass'}
+                    """);
+    private static final String HONEST =
+            world(
+                    """
+                    items: [{name: 'a{i}', repeat: 100000, physics: {mass: 1}}]
+                    rules: {%s}
+                    """
+                            .formatted(
+                                    "r0: 'physics.mass * 2.0 + 1.0 > 2.0'"
+                                            + String.join(
+                                                    "",
+                                                    IntStream.range(1, 10)
+                                                            .mapToObj(
+                                                                    i ->
+                                                                            ", r"
+                                                                                    + i
+                                                                                    + ": 'physics.mass"
+                                                                                    + " * 2.0 + 1.0"
+                                                                                    + " > 2.0'")
+                                                            .toList())));
 
     private static String world(String text) {
         return "reve: 1\nname: w\nlaws: [newton_motion]\n" + text;
     }
 
     private static Simulation simulation(String text) throws Exception {
-        return new Simulation(WorldFile.parse("w", text.getBytes(StandardCharsets.UTF_8)),
-                Pacing.FAST);
+        return new Simulation(
+                WorldFile.parse("w", text.getBytes(StandardCharsets.UTF_8)), Pacing.FAST);
     }
 
     private static List<WorldEvent> disabled(Simulation simulation) {
-        return simulation.events().faults().stream().filter(event ->
-                "TooManySteps".equals(event.fields().get("error"))).toList();
+        return simulation.events().faults().stream()
+                .filter(event -> "TooManySteps".equals(event.fields().get("error")))
+                .toList();
     }
 
     private static void losesItsCostlyRule(String text) throws Exception {
@@ -53,9 +74,12 @@ class CostlyRulesNativeTest {
             simulation.loop().run(5);
 
             assertThat(simulation.loop().frame()).isEqualTo(5);
-            assertThat(disabled(simulation)).singleElement().satisfies(event ->
-                    assertThat(event.fields().get("message").toString())
-                            .contains("rule dear took", "at most 40,000,000"));
+            assertThat(disabled(simulation))
+                    .singleElement()
+                    .satisfies(
+                            event ->
+                                    assertThat(event.fields().get("message").toString())
+                                            .contains("rule dear took", "at most 40,000,000"));
             var last = simulation.world().find("a19999").orElseThrow().semantic();
             assertThat(last.get("dear")).isEmpty();
             assertThat(last.get("cheap")).contains(1.0);

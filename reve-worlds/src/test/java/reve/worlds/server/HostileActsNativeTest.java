@@ -1,18 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.server;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.catchThrowableOfType;
 
-import java.nio.charset.StandardCharsets;
-import java.nio.file.Path;
-import java.util.ArrayList;
-import java.util.List;
-import java.util.Map;
-import java.util.Optional;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 import org.junit.jupiter.params.ParameterizedTest;
 import org.junit.jupiter.params.provider.ValueSource;
+
 import reve.core.file.WorldDescription;
 import reve.core.file.WorldFile;
 import reve.core.file.WorldFileException;
@@ -30,69 +26,111 @@ import reve.worlds.journal.Recording;
 import reve.worlds.journal.RecordingPlan;
 import reve.worlds.journal.RunLog;
 
+import java.nio.charset.StandardCharsets;
+import java.nio.file.Path;
+import java.util.ArrayList;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+
 /** No value that an action lets an agent choose takes a law away from the others. */
 class HostileActsNativeTest {
     private static final int FRAMES = 60;
     private static final int WHEN = 2;
+
     /** Numbers of an item that actions set to their argument, with their units. */
-    private static final Map<String, String> SCALARS = Map.of("mass", "kg", "charge", "C",
-            "radius", "m", "dragCoefficient", "kg/m", "linearDragCoefficient", "kg/s");
-    private static final Map<String, String> VECTORS = Map.of("velocity", "m/s",
-            "angularVelocity", "rad/s", "inertia", "kg*m^2", "appliedForce", "N", "torque", "N*m");
+    private static final Map<String, String> SCALARS =
+            Map.of(
+                    "mass",
+                    "kg",
+                    "charge",
+                    "C",
+                    "radius",
+                    "m",
+                    "dragCoefficient",
+                    "kg/m",
+                    "linearDragCoefficient",
+                    "kg/s");
+
+    private static final Map<String, String> VECTORS =
+            Map.of(
+                    "velocity",
+                    "m/s",
+                    "angularVelocity",
+                    "rad/s",
+                    "inertia",
+                    "kg*m^2",
+                    "appliedForce",
+                    "N",
+                    "torque",
+                    "N*m");
     private static final Map<String, String> OTHERS =
             Map.of("place", "m", "push", "N", "kick", "N*s");
     private static final double[] TAKEN = {1e-100, 1e-50, 1e30, 1e50, 1e100, -1e100, 0};
     private static final double[] REFUSED = {1e-320, 5e-324, 1e-160, -1e-101, 1.1e100};
 
-    @TempDir
-    private Path folder;
+    @TempDir private Path folder;
 
     /** A law's bodies; before and behind them one that is called evil for each action. */
-    private static WorldDescription world(String laws, String... evil)
-            throws WorldFileException {
-        var text = new StringBuilder("""
-                reve: 1
-                name: w
-                frame: {rate: 60, steps: 4}
-                laws: [%s]
-                constants: {gravity: [0, -9.81, 0], gravitationalConstant: 6.7e-11,
-                  coulombConstant: 9e9, electricField: [0, 1, 0], magneticField: [0, 0, 1]}
-                prefabs:
-                  ball:
-                    physical: {shape: sphere, radius: 0.5}
-                    physics: {mass: 1, charge: 1e-6, radius: 0.5, inertia: [0.1, 0.1, 0.1],
-                      dragCoefficient: 0.1, linearDragCoefficient: 0.1}
-                items:
-                  - {name: first, like: ball, physical: {location: [0, 0, 0]}}
-                """.formatted(laws));
+    private static WorldDescription world(String laws, String... evil) throws WorldFileException {
+        var text =
+                new StringBuilder(
+                        """
+                        reve: 1
+                        name: w
+                        frame: {rate: 60, steps: 4}
+                        laws: [%s]
+                        constants: {gravity: [0, -9.81, 0], gravitationalConstant: 6.7e-11,
+                          coulombConstant: 9e9, electricField: [0, 1, 0], magneticField: [0, 0, 1]}
+                        prefabs:
+                          ball:
+                            physical: {shape: sphere, radius: 0.5}
+                            physics: {mass: 1, charge: 1e-6, radius: 0.5, inertia: [0.1, 0.1, 0.1],
+                              dragCoefficient: 0.1, linearDragCoefficient: 0.1}
+                        items:
+                          - {name: first, like: ball, physical: {location: [0, 0, 0]}}
+                        """
+                                .formatted(laws));
         for (int i = 0; i < evil.length; i++) {
             String name = "evil-" + evil[i];
-            text.append("""
-                  - name: %s
-                    like: ball
-                    physical: {location: [%s, 0, 0]}
-                    access: {%s: %s}
-                """.formatted(name, 0.9 * (i + 1), evil[i], action(evil[i])));
-            text.append("  - {name: spring-").append(name).append(", kind: spring, physics: {")
-                    .append("springConstant: 10, length: 1, end1: first, end2: ").append(name)
+            text.append(
+                    """
+                      - name: %s
+                        like: ball
+                        physical: {location: [%s, 0, 0]}
+                        access: {%s: %s}
+                    """
+                            .formatted(name, 0.9 * (i + 1), evil[i], action(evil[i])));
+            text.append("  - {name: spring-")
+                    .append(name)
+                    .append(", kind: spring, physics: {")
+                    .append("springConstant: 10, length: 1, end1: first, end2: ")
+                    .append(name)
                     .append("}}\n");
         }
-        text.append("  - {name: last, like: ball, physical: {location: [0, 5, 3]},"
-                + " physics: {velocity: [1, 0, 0]}}\n");
+        text.append(
+                "  - {name: last, like: ball, physical: {location: [0, 5, 3]},"
+                        + " physics: {velocity: [1, 0, 0]}}\n");
         return WorldFile.parse("w", text.toString().getBytes(StandardCharsets.UTF_8));
     }
 
     private static String action(String name) {
         boolean scalar = SCALARS.containsKey(name);
         String unit = scalar ? SCALARS.get(name) : VECTORS.getOrDefault(name, OTHERS.get(name));
-        String effect = switch (name) {
-            case "push" -> "force: $to, for: 1 s";
-            case "kick" -> "impulse: $to";
-            case "place" -> "set: physical.location, to: $to";
-            default -> "set: physics." + name + ", to: $to";
-        };
-        return "{parameters: {to: {" + (scalar ? "" : "components: 3, ") + "unit: " + unit
-                + "}}, effects: [{" + effect + "}]}";
+        String effect =
+                switch (name) {
+                    case "push" -> "force: $to, for: 1 s";
+                    case "kick" -> "impulse: $to";
+                    case "place" -> "set: physical.location, to: $to";
+                    default -> "set: physics." + name + ", to: $to";
+                };
+        return "{parameters: {to: {"
+                + (scalar ? "" : "components: 3, ")
+                + "unit: "
+                + unit
+                + "}}, effects: [{"
+                + effect
+                + "}]}";
     }
 
     private static String[] all() {
@@ -106,16 +144,27 @@ class HostileActsNativeTest {
         Item evil = world.find("evil-" + name).orElseThrow();
         Action action = evil.access().find(name).orElseThrow();
         Object given = SCALARS.containsKey(name) ? value : List.of(value, value, value);
-        action.perform(new ActionCall(world, WHEN, evil, Optional.of(evil),
-                Arguments.check(action, Map.of("to", given))));
+        action.perform(
+                new ActionCall(
+                        world,
+                        WHEN,
+                        evil,
+                        Optional.of(evil),
+                        Arguments.check(action, Map.of("to", given))));
     }
 
     /** What happened in a run in which agents act with a value in one frame. */
     private static List<WorldEvent> run(Simulation simulation, double value, String... actions) {
         var faults = new ArrayList<WorldEvent>();
-        simulation.bus().subscribe(FramePhase.PUBLISH, "faults", event -> event.world().events()
-                .stream().filter(happened -> happened.type().equals("fault"))
-                .forEach(faults::add));
+        simulation
+                .bus()
+                .subscribe(
+                        FramePhase.PUBLISH,
+                        "faults",
+                        event ->
+                                event.world().events().stream()
+                                        .filter(happened -> happened.type().equals("fault"))
+                                        .forEach(faults::add));
         simulation.loop().run(WHEN - 1);
         for (String action : actions) {
             try {
@@ -129,19 +178,33 @@ class HostileActsNativeTest {
     }
 
     @ParameterizedTest
-    @ValueSource(strings = {"newton_motion", "velocity_verlet", "runge_kutta4", "angular_motion",
-        "drag, newton_motion", "gravity_field, newton_motion", "hooke_spring, newton_motion",
-        "hooke_spring, runge_kutta4", "coulomb, newton_motion", "lorentz_field, newton_motion",
-        "newton_gravitation, velocity_verlet", "barnes_hut_gravitation, newton_motion",
-        "sphere_contact, newton_motion, angular_motion"})
+    @ValueSource(
+            strings = {
+                "newton_motion",
+                "velocity_verlet",
+                "runge_kutta4",
+                "angular_motion",
+                "drag, newton_motion",
+                "gravity_field, newton_motion",
+                "hooke_spring, newton_motion",
+                "hooke_spring, runge_kutta4",
+                "coulomb, newton_motion",
+                "lorentz_field, newton_motion",
+                "newton_gravitation, velocity_verlet",
+                "barnes_hut_gravitation, newton_motion",
+                "sphere_contact, newton_motion, angular_motion"
+            })
     void noShippedLawIsLostWhateverAgentsSet(String laws) throws WorldFileException {
         for (double value : TAKEN) {
             try (var simulation = new Simulation(world(laws, all()), Pacing.FAST)) {
                 List<WorldEvent> faults = run(simulation, value, all());
                 assertThat(simulation.physics().laws().quarantined())
-                        .as("%s with %s: %s", laws, value, faults).isEmpty();
-                assertThat(faults).allSatisfy(fault ->
-                        assertThat(fault.fields()).containsEntry("arrested", true));
+                        .as("%s with %s: %s", laws, value, faults)
+                        .isEmpty();
+                assertThat(faults)
+                        .allSatisfy(
+                                fault ->
+                                        assertThat(fault.fields()).containsEntry("arrested", true));
             }
         }
     }
@@ -151,9 +214,13 @@ class HostileActsNativeTest {
         try (var simulation = new Simulation(world("newton_motion", all()), Pacing.FAST)) {
             for (String name : all()) {
                 for (double value : REFUSED) {
-                    assertThat(catchThrowableOfType(ActionRefused.class,
-                            () -> act(simulation.world(), name, value)).code())
-                            .as("%s of %s", name, value).isEqualTo("out-of-range");
+                    assertThat(
+                                    catchThrowableOfType(
+                                                    ActionRefused.class,
+                                                    () -> act(simulation.world(), name, value))
+                                            .code())
+                            .as("%s of %s", name, value)
+                            .isEqualTo("out-of-range");
                 }
             }
         }
@@ -161,19 +228,31 @@ class HostileActsNativeTest {
 
     @Test
     void theItemThatALawFailsAtIsArrestedAndNamedAndTheOthersGoOn() throws WorldFileException {
-        try (var simulation = new Simulation(world("drag, newton_motion", "velocity"),
-                Pacing.FAST)) {
+        try (var simulation =
+                new Simulation(world("drag, newton_motion", "velocity"), Pacing.FAST)) {
             List<WorldEvent> faults = run(simulation, 1e100, "velocity");
-            assertThat(faults).singleElement().satisfies(fault -> {
-                assertThat(fault.fields()).containsEntry("library", "drag")
-                        .containsEntry("item", "evil-velocity").containsEntry("arrested", true);
-                assertThat(fault.frame()).isEqualTo(WHEN);
-            });
+            assertThat(faults)
+                    .singleElement()
+                    .satisfies(
+                            fault -> {
+                                assertThat(fault.fields())
+                                        .containsEntry("library", "drag")
+                                        .containsEntry("item", "evil-velocity")
+                                        .containsEntry("arrested", true);
+                                assertThat(fault.frame()).isEqualTo(WHEN);
+                            });
             Item evil = simulation.world().find("evil-velocity").orElseThrow();
             assertThat(evil.physics().scalar("mass")).isZero();
             assertThat(evil.physics().vector("velocity")).containsOnly(0);
-            assertThat(simulation.world().find("last").orElseThrow().physics()
-                    .vector("velocity")[0]).as("slowed by drag").isBetween(0.5, 0.95);
+            assertThat(
+                            simulation
+                                    .world()
+                                    .find("last")
+                                    .orElseThrow()
+                                    .physics()
+                                    .vector("velocity")[0])
+                    .as("slowed by drag")
+                    .isBetween(0.5, 0.95);
         }
     }
 
@@ -183,11 +262,15 @@ class HostileActsNativeTest {
         WorldDescription description = world("drag, newton_motion", "velocity", "mass");
         long hash;
         try (var simulation = new Simulation(description, Pacing.FAST);
-                Journal _ = simulation.journal(folder, Map.of(),
-                        new Journal.Plan(0, true),
-                        new Recording(RecordingPlan.of(log)), problem -> {
-                            throw new AssertionError(problem);
-                        })) {
+                Journal _ =
+                        simulation.journal(
+                                folder,
+                                Map.of(),
+                                new Journal.Plan(0, true),
+                                new Recording(RecordingPlan.of(log)),
+                                problem -> {
+                                    throw new AssertionError(problem);
+                                })) {
             run(simulation, 1e100, "velocity", "mass");
             hash = simulation.physics().stateHash();
         }

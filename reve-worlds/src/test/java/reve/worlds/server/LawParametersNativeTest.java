@@ -1,68 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.server;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.catchThrowableOfType;
 
-import java.nio.charset.StandardCharsets;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.params.ParameterizedTest;
 import org.junit.jupiter.params.provider.CsvSource;
+
 import reve.core.file.WorldDescription;
 import reve.core.file.WorldFile;
 import reve.core.file.WorldFileException;
 import reve.core.frame.Pacing;
 import reve.pe.PhysicsException;
 
+import java.nio.charset.StandardCharsets;
+
 /** Laws and parameters that are wrong are named where the world file says them. */
 class LawParametersNativeTest {
     private static WorldDescription world(String laws) throws WorldFileException {
-        return WorldFile.parse("w", ("reve: 1\nname: w\nlaws:\n" + laws + "\n")
-                .getBytes(StandardCharsets.UTF_8));
+        return WorldFile.parse(
+                "w", ("reve: 1\nname: w\nlaws:\n" + laws + "\n").getBytes(StandardCharsets.UTF_8));
     }
 
     private static String refusal(String laws) throws WorldFileException {
         WorldDescription world = world(laws);
-        PhysicsException refused = catchThrowableOfType(PhysicsException.class,
-                () -> new Simulation(world, Pacing.FAST).close());
+        PhysicsException refused =
+                catchThrowableOfType(
+                        PhysicsException.class, () -> new Simulation(world, Pacing.FAST).close());
         assertThat(refused).as(laws).isNotNull();
-        assertThat(refused.getMessage()).doesNotContain("libvesper").doesNotContain(".so")
+        assertThat(refused.getMessage())
+                .doesNotContain("libvesper")
+                .doesNotContain(".so")
                 .doesNotContain("build");
         return refused.getMessage();
     }
 
     @ParameterizedTest(name = "{0}")
-    @CsvSource(delimiter = '!', textBlock = """
-            - sphere_contcat ! w:4:3: law library 'sphere_contcat' was not found among the laws that ship; did you mean `sphere_contact`?
-            - Drag           ! w:4:3: law library 'Drag' was not found among the laws that ship; did you mean `drag`?
-            - {name: sphere_contact, parameters: {stifness: 1}} ! w:4:39: law sphere_contact has no parameter 'stifness'; did you mean 'stiffness'?
-            - {name: sphere_contact, parameters: {stiffness: -1}} ! w:4:39: law sphere_contact: parameter stiffness is -1, expected
-            - {name: sphere_contact, parameters: {stiffness: 1e4, dampingRatio: 7}} ! w:4:55: law sphere_contact: parameter dampingRatio is 7, expected
-            """)
+    @CsvSource(
+            delimiter = '!',
+            textBlock =
+                    """
+                    - sphere_contcat ! w:4:3: law library 'sphere_contcat' was not found among the laws that ship; did you mean `sphere_contact`?
+                    - Drag           ! w:4:3: law library 'Drag' was not found among the laws that ship; did you mean `drag`?
+                    - {name: sphere_contact, parameters: {stifness: 1}} ! w:4:39: law sphere_contact has no parameter 'stifness'; did you mean 'stiffness'?
+                    - {name: sphere_contact, parameters: {stiffness: -1}} ! w:4:39: law sphere_contact: parameter stiffness is -1, expected
+                    - {name: sphere_contact, parameters: {stiffness: 1e4, dampingRatio: 7}} ! w:4:55: law sphere_contact: parameter dampingRatio is 7, expected
+                    """)
     void eachIsNamedAtItsPlace(String laws, String message) throws WorldFileException {
         assertThat(refusal(laws)).startsWith(message).doesNotContain("\n");
     }
 
     @Test
     void aLawThatIsLikeNoOtherIsToldWhichThereAre() throws WorldFileException {
-        assertThat(refusal("- telekinesis")).startsWith("w:4:3: law library 'telekinesis' was not "
-                + "found among the laws that ship; known are ").contains("drag, ", "hooke_spring");
+        assertThat(refusal("- telekinesis"))
+                .startsWith(
+                        "w:4:3: law library 'telekinesis' was not "
+                                + "found among the laws that ship; known are ")
+                .contains("drag, ", "hooke_spring");
     }
 
     @Test
     void aParameterInAWrongUnitIsRefused() throws WorldFileException {
-        assertThat(refusal("- name: sphere_contact\n  parameters:\n    friction: 0.5\n"
-                + "    stiffness: 1 kg*K\n    dampingRatio: 3 s")).isEqualTo(
-                "w:7:5: law sphere_contact: parameter stiffness: unit kg*K does not fit N/m\n"
-                        + "w:8:5: law sphere_contact: parameter dampingRatio: unit s does not fit "
-                        + "1");
+        assertThat(
+                        refusal(
+                                "- name: sphere_contact\n  parameters:\n    friction: 0.5\n"
+                                        + "    stiffness: 1 kg*K\n    dampingRatio: 3 s"))
+                .isEqualTo(
+                        "w:7:5: law sphere_contact: parameter stiffness: unit kg*K does not fit"
+                                + " N/m\n"
+                                + "w:8:5: law sphere_contact: parameter dampingRatio: unit s does not"
+                                + " fit 1");
     }
 
     @Test
     void aParameterInAnotherUnitOfTheSameIsTaken() throws WorldFileException {
-        try (var simulation = new Simulation(world("- {name: sphere_contact, "
-                + "parameters: {stiffness: 1 N/mm, dampingRatio: 30 %}}"), Pacing.FAST)) {
+        try (var simulation =
+                new Simulation(
+                        world(
+                                "- {name: sphere_contact, "
+                                        + "parameters: {stiffness: 1 N/mm, dampingRatio: 30 %}}"),
+                        Pacing.FAST)) {
             assertThat(simulation.physics().laws().libraries().getFirst().parameters())
-                    .containsEntry("stiffness", 1000.0).containsEntry("dampingRatio", 0.3);
+                    .containsEntry("stiffness", 1000.0)
+                    .containsEntry("dampingRatio", 0.3);
         }
     }
 }

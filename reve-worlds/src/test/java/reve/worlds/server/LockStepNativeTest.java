@@ -1,23 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.server;
 
 import static org.assertj.core.api.Assertions.assertThat;
 
-import java.io.BufferedReader;
-import java.io.IOException;
-import java.io.InputStreamReader;
-import java.io.UncheckedIOException;
-import java.net.Socket;
-import java.nio.charset.StandardCharsets;
-import java.nio.file.Path;
-import java.time.Duration;
-import java.util.List;
-import java.util.Map;
-import java.util.Optional;
-import java.util.concurrent.CompletableFuture;
-import java.util.concurrent.TimeUnit;
-import java.util.concurrent.atomic.AtomicInteger;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
+
 import reve.core.agent.AgentServer;
 import reve.core.agent.AgentServerConfig;
 import reve.core.agent.Cameras;
@@ -34,17 +22,31 @@ import reve.worlds.journal.RunLog;
 import reve.worlds.journal.SqliteStore;
 import reve.worlds.journal.StoreContents;
 
+import java.io.BufferedReader;
+import java.io.IOException;
+import java.io.InputStreamReader;
+import java.io.UncheckedIOException;
+import java.net.Socket;
+import java.nio.charset.StandardCharsets;
+import java.nio.file.Path;
+import java.time.Duration;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.concurrent.CompletableFuture;
+import java.util.concurrent.TimeUnit;
+import java.util.concurrent.atomic.AtomicInteger;
+
 /** What deadlines decide, in a recording. */
 class LockStepNativeTest {
     private static final Path WORLD =
             Path.of(System.getProperty("reve.root"), "worlds", "spring-orbit", "world.yaml");
     private static final int FRAMES = 60;
-    private static final String SILENT = "{\"t\":\"hello\",\"protocol\":1,\"name\":\"silent\","
-            + "\"time\":{\"mode\":\"lock-step\",\"deadline\":0.001,\"fallback\":{\"item\":\"blue\","
-            + "\"action\":\"push\",\"arguments\":{\"impulse\":[0,0.1,0]}}}}\n{\"t\":\"ping\"}\n";
+    private static final String SILENT =
+            "{\"t\":\"hello\",\"protocol\":1,\"name\":\"silent\",\"time\":{\"mode\":\"lock-step\",\"deadline\":0.001,\"fallback\":{\"item\":\"blue\",\"action\":\"push\",\"arguments\":{\"impulse\":[0,0.1,0]}}}}\n"
+                    + "{\"t\":\"ping\"}\n";
 
-    @TempDir
-    private Path folder;
+    @TempDir private Path folder;
 
     @Test
     void aRunInWhichAnAgentIsLateIsMadeAgainToTheBit() throws Exception {
@@ -53,21 +55,37 @@ class LockStepNativeTest {
         AtomicInteger late = new AtomicInteger();
         long hash;
         try (Simulation simulation = new Simulation(description, Pacing.FAST);
-                AgentServer server = AgentServer.start(AgentServerConfig.onPort(0),
-                        List.of(port(description, simulation)), (source, problem) -> { });
-                Journal _ = simulation.journal(WORLD.getParent(), Map.of(),
-                        new Journal.Plan(0, true), new Recording(RecordingPlan.of(log)),
-                        problem -> {
-                            throw new AssertionError(problem);
-                        });
-                Socket agent = new Socket(server.address().getAddress(),
-                        server.address().getPort())) {
-            simulation.onPublish("late",
-                    frame -> late.addAndGet((int) frame.world().events().stream()
-                            .filter(event -> event.type().equals("late")).count()));
+                AgentServer server =
+                        AgentServer.start(
+                                AgentServerConfig.onPort(0),
+                                List.of(port(description, simulation)),
+                                (source, problem) -> {});
+                Journal _ =
+                        simulation.journal(
+                                WORLD.getParent(),
+                                Map.of(),
+                                new Journal.Plan(0, true),
+                                new Recording(RecordingPlan.of(log)),
+                                problem -> {
+                                    throw new AssertionError(problem);
+                                });
+                Socket agent =
+                        new Socket(server.address().getAddress(), server.address().getPort())) {
+            simulation.onPublish(
+                    "late",
+                    frame ->
+                            late.addAndGet(
+                                    (int)
+                                            frame.world().events().stream()
+                                                    .filter(event -> event.type().equals("late"))
+                                                    .count()));
             agent.getOutputStream().write(SILENT.getBytes(StandardCharsets.UTF_8));
-            assertThat(new BufferedReader(new InputStreamReader(agent.getInputStream(),
-                    StandardCharsets.UTF_8)).readLine()).contains("pong");
+            assertThat(
+                            new BufferedReader(
+                                            new InputStreamReader(
+                                                    agent.getInputStream(), StandardCharsets.UTF_8))
+                                    .readLine())
+                    .contains("pong");
             simulation.loop().run(FRAMES);
             hash = simulation.physics().stateHash();
         }
@@ -81,31 +99,50 @@ class LockStepNativeTest {
         Path log = folder.resolve("run.log");
         long hash;
         try (Simulation simulation = new Simulation(description, Pacing.FAST);
-                AgentServer server = AgentServer.start(
-                        AgentServerConfig.onPort(0).withDeadline(Duration.ofSeconds(60)),
-                        List.of(port(description, simulation)), (source, problem) -> { });
-                Journal _ = simulation.journal(WORLD.getParent(), Map.of(),
-                        new Journal.Plan(0, true), new Recording(RecordingPlan.of(log)),
-                        problem -> {
-                            throw new AssertionError(problem);
-                        });
-                Line ada = new Line(server, "{'t':'hello','protocol':1,'name':'ada','time':"
-                        + "{'mode':'lock-step','deadline':60}}");
-                Line boss = new Line(server,
-                        "{'t':'hello','protocol':1,'name':'boss','role':'control'}")) {
+                AgentServer server =
+                        AgentServer.start(
+                                AgentServerConfig.onPort(0).withDeadline(Duration.ofSeconds(60)),
+                                List.of(port(description, simulation)),
+                                (source, problem) -> {});
+                Journal _ =
+                        simulation.journal(
+                                WORLD.getParent(),
+                                Map.of(),
+                                new Journal.Plan(0, true),
+                                new Recording(RecordingPlan.of(log)),
+                                problem -> {
+                                    throw new AssertionError(problem);
+                                });
+                Line ada =
+                        new Line(
+                                server,
+                                "{'t':'hello','protocol':1,'name':'ada','time':"
+                                        + "{'mode':'lock-step','deadline':60}}");
+                Line boss =
+                        new Line(
+                                server,
+                                "{'t':'hello','protocol':1,'name':'boss','role':'control'}")) {
             boss.await("welcome");
             ada.say("{'t':'ping'}");
             ada.await("pong");
-            var operator = CompletableFuture.runAsync(() -> {
-                for (int id = 1; id < FRAMES; id++) {
-                    ada.await("perception");
-                    boss.say("{'t':'edit','id':" + id + ",'item':'blue','property':"
-                            + "'physics.velocity','value':[0," + id + ",0]}");
-                    assertThat(boss.await("result")).contains("\"accepted\":true")
-                            .contains("\"frame\":" + (id + 1));
-                    ada.say("{'t':'ready'}");
-                }
-            });
+            var operator =
+                    CompletableFuture.runAsync(
+                            () -> {
+                                for (int id = 1; id < FRAMES; id++) {
+                                    ada.await("perception");
+                                    boss.say(
+                                            "{'t':'edit','id':"
+                                                    + id
+                                                    + ",'item':'blue','property':"
+                                                    + "'physics.velocity','value':[0,"
+                                                    + id
+                                                    + ",0]}");
+                                    assertThat(boss.await("result"))
+                                            .contains("\"accepted\":true")
+                                            .contains("\"frame\":" + (id + 1));
+                                    ada.say("{'t':'ready'}");
+                                }
+                            });
             simulation.loop().run(FRAMES);
             operator.get(60, TimeUnit.SECONDS);
             hash = simulation.physics().stateHash();
@@ -118,12 +155,17 @@ class LockStepNativeTest {
         WorldDescription description = WorldFile.load(WORLD);
         Path file = folder.resolve("world.db");
         try (Simulation simulation = new Simulation(description, Pacing.FAST);
-                SqliteStore store = new SqliteStore(StoreContents.read(file),
-                        SqliteStore.Durability.NORMAL);
-                Journal _ = simulation.journal(WORLD.getParent(), Map.of(),
-                        new Journal.Plan(1000, true), store, problem -> {
-                            throw new AssertionError(problem);
-                        })) {
+                SqliteStore store =
+                        new SqliteStore(StoreContents.read(file), SqliteStore.Durability.NORMAL);
+                Journal _ =
+                        simulation.journal(
+                                WORLD.getParent(),
+                                Map.of(),
+                                new Journal.Plan(1000, true),
+                                store,
+                                problem -> {
+                                    throw new AssertionError(problem);
+                                })) {
             simulation.loop().run(0);
             simulation.world().find("blue").orElseThrow().physics().set("velocity", 0, 7, 0);
         }
@@ -134,8 +176,8 @@ class LockStepNativeTest {
                 assertThat(replay.take(record)).isTrue();
             }
             try (Simulation again = replay.release()) {
-                assertThat(again.world().find("blue").orElseThrow().physics()
-                        .vector("velocity")).containsExactly(0, 7, 0);
+                assertThat(again.world().find("blue").orElseThrow().physics().vector("velocity"))
+                        .containsExactly(0, 7, 0);
             }
         }
     }
@@ -155,9 +197,16 @@ class LockStepNativeTest {
     }
 
     private static WorldPort port(WorldDescription description, Simulation simulation) {
-        return new WorldPort(description.name(), description.timing().framesPerSecond(),
-                description.agents(), simulation.bus(), simulation.commands(),
-                simulation.snapshots(), simulation.loop(), WorldControl.none(), Cameras.none());
+        return new WorldPort(
+                description.name(),
+                description.timing().framesPerSecond(),
+                description.agents(),
+                simulation.bus(),
+                simulation.commands(),
+                simulation.snapshots(),
+                simulation.loop(),
+                WorldControl.none(),
+                Cameras.none());
     }
 
     /** One client's connection. */
@@ -167,15 +216,16 @@ class LockStepNativeTest {
 
         Line(AgentServer server, String hello) throws IOException {
             socket = new Socket(server.address().getAddress(), server.address().getPort());
-            in = new BufferedReader(new InputStreamReader(socket.getInputStream(),
-                    StandardCharsets.UTF_8));
+            in =
+                    new BufferedReader(
+                            new InputStreamReader(socket.getInputStream(), StandardCharsets.UTF_8));
             say(hello);
         }
 
         void say(String line) {
             try {
-                socket.getOutputStream().write(
-                        (line.replace('\'', '"') + "\n").getBytes(StandardCharsets.UTF_8));
+                socket.getOutputStream()
+                        .write((line.replace('\'', '"') + "\n").getBytes(StandardCharsets.UTF_8));
             } catch (IOException e) {
                 throw new UncheckedIOException(e);
             }

@@ -1,8 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.server;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatExceptionOfType;
 import static org.assertj.core.api.Assertions.assertThatThrownBy;
+
+import org.junit.jupiter.api.BeforeEach;
+import org.junit.jupiter.api.Tag;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.ValueSource;
+
+import reve.core.file.WorldDescription;
+import reve.core.file.WorldFile;
+import reve.core.frame.Pacing;
+import reve.core.store.CorruptException;
+import reve.core.world.Forces;
+import reve.core.world.Item;
+import reve.core.world.ItemDefinition;
+import reve.core.world.Shape;
+import reve.worlds.journal.Journal;
+import reve.worlds.journal.JournalRecord;
+import reve.worlds.journal.JournalSink;
+import reve.worlds.journal.Recording;
+import reve.worlds.journal.RecordingPlan;
+import reve.worlds.journal.RunLog;
+import reve.worlds.journal.SimulationImage;
 
 import java.io.IOError;
 import java.io.IOException;
@@ -23,27 +47,6 @@ import java.util.concurrent.ConcurrentLinkedQueue;
 import java.util.concurrent.CountDownLatch;
 import java.util.function.UnaryOperator;
 import java.util.regex.Matcher;
-import org.junit.jupiter.api.BeforeEach;
-import org.junit.jupiter.api.Tag;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.api.io.TempDir;
-import org.junit.jupiter.params.ParameterizedTest;
-import org.junit.jupiter.params.provider.ValueSource;
-import reve.core.file.WorldDescription;
-import reve.core.file.WorldFile;
-import reve.core.frame.Pacing;
-import reve.core.store.CorruptException;
-import reve.core.world.Forces;
-import reve.core.world.Item;
-import reve.core.world.ItemDefinition;
-import reve.core.world.Shape;
-import reve.worlds.journal.Journal;
-import reve.worlds.journal.JournalRecord;
-import reve.worlds.journal.JournalSink;
-import reve.worlds.journal.Recording;
-import reve.worlds.journal.RecordingPlan;
-import reve.worlds.journal.RunLog;
-import reve.worlds.journal.SimulationImage;
 
 /** A run that is interfered with in every way, recorded and made again. */
 @Tag("slow")
@@ -53,8 +56,7 @@ class ReplayNativeTest {
     private static final long SEED = 20261121;
     private static final int FRAMES = 120;
 
-    @TempDir
-    private Path folder;
+    @TempDir private Path folder;
     private WorldDescription description;
     private Path log;
 
@@ -91,7 +93,8 @@ class ReplayNativeTest {
             simulation.loop().run(30);
             hash = simulation.physics().stateHash();
         }
-        try (Replay replay = replay(log); Simulation again = replay.release()) {
+        try (Replay replay = replay(log);
+                Simulation again = replay.release()) {
             assertThat(replay.divergence()).isEmpty();
             assertThat(again.loop().frame()).isEqualTo(71);
             assertThat(again.physics().stateHash()).isEqualTo(hash);
@@ -100,11 +103,18 @@ class ReplayNativeTest {
 
     @Test
     void oneFlippedInputIsCaughtByFrameItemAndProperty() throws IOException {
-        record(60, (simulation, frame) -> {
-            if (frame == 40) {
-                simulation.world().find("c7").orElseThrow().physics().set("velocity", 0, 2.5, 0);
-            }
-        });
+        record(
+                60,
+                (simulation, frame) -> {
+                    if (frame == 40) {
+                        simulation
+                                .world()
+                                .find("c7")
+                                .orElseThrow()
+                                .physics()
+                                .set("velocity", 0, 2.5, 0);
+                    }
+                });
         Path forged = folder.resolve("forged.log");
         forge(forged, "[0.0,2.5,0.0]", "[0.0,2.500000001,0.0]");
         try (Replay replay = replay(forged)) {
@@ -118,7 +128,7 @@ class ReplayNativeTest {
 
     @Test
     void anotherResultOfTheLawsIsCaught() throws IOException {
-        record(60, (simulation, frame) -> { });
+        record(60, (simulation, frame) -> {});
         Path forged = folder.resolve("forged.log");
         forge(forged, "\"frame\":30,\"digest\":\"AA", "\"frame\":30,\"digest\":\"AB");
         try (Replay replay = replay(forged)) {
@@ -129,11 +139,18 @@ class ReplayNativeTest {
     /** With right checksums, as another program can write them. */
     @Test
     void aFrameThatCannotBeReadIsNamedWithWhatWasExpected() throws IOException {
-        record(8, (simulation, frame) -> {
-            if (frame == 5) {
-                simulation.world().find("c7").orElseThrow().physics().set("velocity", 0, 2.5, 0);
-            }
-        });
+        record(
+                8,
+                (simulation, frame) -> {
+                    if (frame == 5) {
+                        simulation
+                                .world()
+                                .find("c7")
+                                .orElseThrow()
+                                .physics()
+                                .set("velocity", 0, 2.5, 0);
+                    }
+                });
         Map<String, String> digests = new LinkedHashMap<>();
         digests.put("null", "found null, expected a text");
         digests.put("1180591620717411303424", "found 1180591620717411303424, expected a text");
@@ -144,24 +161,41 @@ class ReplayNativeTest {
         digests.put("\"?\"", "found no Base64, expected a digest");
         digests.put("\"AAAA\"", "found 3 bytes, expected a digest in parts of 18 bytes");
         for (String field : List.of("digest", "before")) {
-            digests.forEach((value, found) -> refused(
-                    json -> json.replaceFirst("\"" + field + "\":\"[^\"]*\"",
-                            "\"" + field + "\":" + Matcher.quoteReplacement(value)),
-                    "the field " + field + ": " + found));
+            digests.forEach(
+                    (value, found) ->
+                            refused(
+                                    json ->
+                                            json.replaceFirst(
+                                                    "\"" + field + "\":\"[^\"]*\"",
+                                                    "\""
+                                                            + field
+                                                            + "\":"
+                                                            + Matcher.quoteReplacement(value)),
+                                    "the field " + field + ": " + found));
         }
-        refused(json -> json.replace("\"frame\":6", "\"frame\":1180591620717411303424"),
+        refused(
+                json -> json.replace("\"frame\":6", "\"frame\":1180591620717411303424"),
                 "the field frame: found 1180591620717411303424, expected an integer of 64 bits");
-        refused(json -> json.replace("[0.0,2.5,0.0]", "[null,2.5,0.0]"),
+        refused(
+                json -> json.replace("[0.0,2.5,0.0]", "[null,2.5,0.0]"),
                 "a number: found null, expected a number");
-        refused(json -> json.replace("\"changes\"", "\"laws\":[{\"law\":\"unloaded\","
-                + "\"place\":7000}],\"changes\""), "it does not fit this world");
+        refused(
+                json ->
+                        json.replace(
+                                "\"changes\"",
+                                "\"laws\":[{\"law\":\"unloaded\","
+                                        + "\"place\":7000}],\"changes\""),
+                "it does not fit this world");
         for (String field : List.of("changes", "laws", "late", "events")) {
-            refused(json -> json.replace("\"changes\"", "\"old\"").replace("\"digest\"",
-                    "\"" + field + "\":\"x\",\"digest\""),
+            refused(
+                    json ->
+                            json.replace("\"changes\"", "\"old\"")
+                                    .replace("\"digest\"", "\"" + field + "\":\"x\",\"digest\""),
                     "the field " + field + ": found \"x\", expected a list");
         }
-        refused(json -> "[".repeat(200_000), "JSON is nested too deep, or a text or number of it "
-                + "is too long");
+        refused(
+                json -> "[".repeat(200_000),
+                "JSON is nested too deep, or a text or number of it " + "is too long");
         refused(json -> "null", "the field frame is missing");
         refused(json -> "", "the field frame is missing");
     }
@@ -184,19 +218,28 @@ class ReplayNativeTest {
         } catch (IOException e) {
             throw new UncheckedIOException(e);
         }
-        assertThatExceptionOfType(CorruptException.class).isThrownBy(() -> replay(forged))
-                .withMessageStartingWith("the record of frame 6: ").withMessageContaining(message)
-                .satisfies(refused -> assertThat(refused.getMessage())
-                        .doesNotContain("Node", "java", "Stream").hasLineCount(1));
+        assertThatExceptionOfType(CorruptException.class)
+                .isThrownBy(() -> replay(forged))
+                .withMessageStartingWith("the record of frame 6: ")
+                .withMessageContaining(message)
+                .satisfies(
+                        refused ->
+                                assertThat(refused.getMessage())
+                                        .doesNotContain("Node", "java", "Stream")
+                                        .hasLineCount(1));
     }
 
     @Test
     void anInputThatIsMissingIsCaught() throws IOException {
-        record(60, (simulation, frame) -> {
-            if (frame == 30) {
-                simulation.world().add(ItemDefinition.named("late").physics("mass", 1).build());
-            }
-        });
+        record(
+                60,
+                (simulation, frame) -> {
+                    if (frame == 30) {
+                        simulation
+                                .world()
+                                .add(ItemDefinition.named("late").physics("mass", 1).build());
+                    }
+                });
         Path forged = folder.resolve("forged.log");
         forge(forged, "\"changes\":", "\"unknown\":");
         try (Replay replay = replay(forged)) {
@@ -207,14 +250,14 @@ class ReplayNativeTest {
 
     @Test
     void aRecordingThatIsCutEndsBeforeAndADamagedOneIsRefused() throws IOException {
-        record(60, (simulation, frame) -> { });
+        record(60, (simulation, frame) -> {});
         byte[] whole = Files.readAllBytes(log);
         Random random = new Random(SEED);
         for (int i = 0; i < 40; i++) {
             int length = whole.length - 1 - random.nextInt(2000);
             Files.write(log, Arrays.copyOf(whole, length));
             try (RunLog.Reader records = RunLog.open(log)) {
-                records.forEachRemaining(record -> { });
+                records.forEachRemaining(record -> {});
                 assertThat(records.wasCut()).as("%d of %d bytes", length, whole.length).isTrue();
             }
             byte[] flipped = whole.clone();
@@ -228,7 +271,7 @@ class ReplayNativeTest {
     /** A flipped length may make a record reach past the end, which looks like a cut. */
     private boolean found(int bit) throws IOException {
         try (RunLog.Reader records = RunLog.open(log)) {
-            records.forEachRemaining(record -> { });
+            records.forEachRemaining(record -> {});
             return records.wasCut();
         } catch (CorruptException damaged) {
             return damaged.getMessage().contains(log.toString());
@@ -239,10 +282,12 @@ class ReplayNativeTest {
     @Test
     void whateverRecordIsTheLastTheWorldIsAsItWasAtItsLastFrame() throws IOException {
         List<Long> hashes = new ArrayList<>();
-        record(40, (simulation, frame) -> {
-            hashes.add(simulation.physics().stateHash());
-            interfere(simulation, frame);
-        });
+        record(
+                40,
+                (simulation, frame) -> {
+                    hashes.add(simulation.physics().stateHash());
+                    interfere(simulation, frame);
+                });
         List<JournalRecord> records = new ArrayList<>();
         try (RunLog.Reader reader = RunLog.open(log)) {
             reader.forEachRemaining(records::add);
@@ -258,8 +303,7 @@ class ReplayNativeTest {
                 try (Simulation resumed = replay.release()) {
                     made = resumed.loop().frame();
                     if (made < hashes.size()) {
-                        assertThat(resumed.physics().stateHash())
-                                .isEqualTo(hashes.get((int) made));
+                        assertThat(resumed.physics().stateHash()).isEqualTo(hashes.get((int) made));
                     }
                 }
             }
@@ -272,16 +316,21 @@ class ReplayNativeTest {
         List<List<JournalRecord>> kept = new ArrayList<>();
         List<String> problems = new ArrayList<>();
         try (Simulation simulation = new Simulation(description, Pacing.FAST)) {
-            try (Journal _ = simulation.journal(WORLD.getParent(), Map.of(),
-                    new Journal.Plan(20, true), failingAtFirstFrame(kept), problems::add)) {
+            try (Journal _ =
+                    simulation.journal(
+                            WORLD.getParent(),
+                            Map.of(),
+                            new Journal.Plan(20, true),
+                            failingAtFirstFrame(kept),
+                            problems::add)) {
                 simulation.loop().run(100);
             }
             assertThat(simulation.loop().frame()).isEqualTo(100);
             assertThat(problems).isNotEmpty().first().asString().contains("disk full");
         }
         try (Replay replay = new Replay(Optional.empty(), Pacing.FAST)) {
-            kept.forEach(records -> records.forEach(
-                    record -> assertThat(replay.take(record)).isTrue()));
+            kept.forEach(
+                    records -> records.forEach(record -> assertThat(replay.take(record)).isTrue()));
             assertThat(replay.release().loop().frame()).isEqualTo(100);
         }
     }
@@ -293,14 +342,19 @@ class ReplayNativeTest {
         List<List<JournalRecord>> kept = new ArrayList<>();
         Queue<String> problems = new ConcurrentLinkedQueue<>();
         try (Simulation simulation = new Simulation(description, Pacing.FAST);
-                Journal _ = simulation.journal(WORLD.getParent(), Map.of(),
-                        new Journal.Plan(20, true), breakingAtSecond(where, kept), problems::add)) {
+                Journal _ =
+                        simulation.journal(
+                                WORLD.getParent(),
+                                Map.of(),
+                                new Journal.Plan(20, true),
+                                breakingAtSecond(where, kept),
+                                problems::add)) {
             simulation.loop().run(100);
         }
         assertThat(problems).isNotEmpty().first().asString().contains("java.lang.Error: broken");
         try (Replay replay = new Replay(Optional.empty(), Pacing.FAST)) {
-            kept.forEach(records -> records.forEach(
-                    record -> assertThat(replay.take(record)).isTrue()));
+            kept.forEach(
+                    records -> records.forEach(record -> assertThat(replay.take(record)).isTrue()));
             assertThat(replay.release().loop().frame()).isEqualTo(100);
         }
     }
@@ -311,20 +365,27 @@ class ReplayNativeTest {
         Queue<String> problems = new ConcurrentLinkedQueue<>();
         var looked = new CountDownLatch(1);
         try (Simulation simulation = new Simulation(description, Pacing.FAST);
-                Journal _ = simulation.journal(WORLD.getParent(), Map.of(),
-                        new Journal.Plan(20, true), losingItsFile(kept), problem -> {
-                            problems.add(problem);
-                            looked.countDown();
-                        })) {
+                Journal _ =
+                        simulation.journal(
+                                WORLD.getParent(),
+                                Map.of(),
+                                new Journal.Plan(20, true),
+                                losingItsFile(kept),
+                                problem -> {
+                                    problems.add(problem);
+                                    looked.countDown();
+                                })) {
             looked.await(); // the world stands still meanwhile
             assertThat(problems).containsExactly("my.db was removed");
             problems.clear();
             simulation.loop().run(50);
         }
-        assertThat(problems).containsExactly(
-                "my.db was made anew; it goes on with the image of frame 40");
-        assertThat(kept.stream().flatMap(List::stream)
-                .filter(JournalRecord.Image.class::isInstance))
+        assertThat(problems)
+                .containsExactly("my.db was made anew; it goes on with the image of frame 40");
+        assertThat(
+                        kept.stream()
+                                .flatMap(List::stream)
+                                .filter(JournalRecord.Image.class::isInstance))
                 .extracting(record -> ((JournalRecord.Image) record).frame())
                 .containsExactly(0L, 20L, 40L, 50L);
     }
@@ -358,13 +419,18 @@ class ReplayNativeTest {
     void aWorldWhoseJournalHasEndedStopsAndSaysWhy(boolean waits) {
         Error cannotTell = new Error("nobody can be told");
         try (Simulation simulation = new Simulation(description, Pacing.FAST)) {
-            Journal journal = simulation.journal(WORLD.getParent(), Map.of(),
-                    new Journal.Plan(20, waits), breakingAtSecond("frame", new ArrayList<>()),
-                    problem -> {
-                        throw cannotTell;
-                    });
+            Journal journal =
+                    simulation.journal(
+                            WORLD.getParent(),
+                            Map.of(),
+                            new Journal.Plan(20, waits),
+                            breakingAtSecond("frame", new ArrayList<>()),
+                            problem -> {
+                                throw cannotTell;
+                            });
 
-            assertThatThrownBy(() -> simulation.loop().run(10_000)).isInstanceOf(IOError.class)
+            assertThatThrownBy(() -> simulation.loop().run(10_000))
+                    .isInstanceOf(IOError.class)
                     .hasMessageContaining("the journal has ended after frame")
                     .hasMessageContaining("nobody can be told");
             assertThat(simulation.loop().frame()).isLessThan(5);
@@ -411,9 +477,13 @@ class ReplayNativeTest {
         CountDownLatch mended = new CountDownLatch(1);
         long hash;
         try (Simulation simulation = new Simulation(description, Pacing.FAST)) {
-            try (Journal _ = simulation.journal(WORLD.getParent(), Map.of(),
-                    new Journal.Plan(100_000, false), hangingAtFirstFrame(kept, mended),
-                    problems::add)) {
+            try (Journal _ =
+                    simulation.journal(
+                            WORLD.getParent(),
+                            Map.of(),
+                            new Journal.Plan(100_000, false),
+                            hangingAtFirstFrame(kept, mended),
+                            problems::add)) {
                 simulation.loop().run(2100);
                 assertThat(problems).hasSize(2);
                 assertThat(problems.get(0)).startsWith("the disk is too slow: frame 1 ");
@@ -424,8 +494,8 @@ class ReplayNativeTest {
             }
         }
         try (Replay replay = new Replay(Optional.empty(), Pacing.FAST)) {
-            kept.forEach(records -> records.forEach(
-                    record -> assertThat(replay.take(record)).isTrue()));
+            kept.forEach(
+                    records -> records.forEach(record -> assertThat(replay.take(record)).isTrue()));
             assertThat(replay.frames()).isBetween(2048L, 2200L);
             try (Simulation again = replay.release()) {
                 assertThat(again.loop().frame()).isEqualTo(2200);
@@ -434,8 +504,8 @@ class ReplayNativeTest {
         }
     }
 
-    private static JournalSink hangingAtFirstFrame(List<List<JournalRecord>> kept,
-            CountDownLatch mended) {
+    private static JournalSink hangingAtFirstFrame(
+            List<List<JournalRecord>> kept, CountDownLatch mended) {
         return new ListSink(kept) {
             @Override
             public void write(JournalRecord record) throws IOException {
@@ -516,8 +586,12 @@ class ReplayNativeTest {
     }
 
     private Journal journal(Simulation simulation) throws IOException {
-        return simulation.journal(WORLD.getParent(), Map.of(), new Journal.Plan(0, true),
-                new Recording(RecordingPlan.of(log)), problem -> {
+        return simulation.journal(
+                WORLD.getParent(),
+                Map.of(),
+                new Journal.Plan(0, true),
+                new Recording(RecordingPlan.of(log)),
+                problem -> {
                     throw new AssertionError(problem);
                 });
     }
@@ -539,21 +613,34 @@ class ReplayNativeTest {
         Item corner = world.find("c" + random.nextInt(12)).orElseThrow();
         switch (frame % 10) {
             case 0 -> corner.physics().set("velocity", random.nextGaussian(), 1, 0);
-            case 1 -> world.add(ItemDefinition.named("ball " + frame).shape(Shape.sphere(0.2))
-                    .at(0, 3, 0).symbol("colour of mood", "blue")
-                    .physics("mass", random.nextDouble()).build());
+            case 1 ->
+                    world.add(
+                            ItemDefinition.named("ball " + frame)
+                                    .shape(Shape.sphere(0.2))
+                                    .at(0, 3, 0)
+                                    .symbol("colour of mood", "blue")
+                                    .physics("mass", random.nextDouble())
+                                    .build());
             case 3 -> world.add(ItemDefinition.named("flag " + frame).at(1, 2, 3).build());
-            case 4 -> world.find("flag " + (frame - 1)).ifPresent(
-                    flag -> world.attach(flag.id(), corner.id()));
-            case 5 -> world.find("ball " + (frame - 14)).ifPresent(
-                    ball -> world.remove(ball.id()));
-            case 6 -> world.find("ball " + (frame - 5)).ifPresent(
-                    ball -> world.rename(ball.id(), "old ball " + frame));
-            case 8 -> world.forces().add(new Forces.Force(corner.id(),
-                    List.of(random.nextGaussian(), 3.0, 0.0), 1 + random.nextInt(5)));
-            case 7 -> world.table("body").column("dragCoefficient")
-                    .setDouble(random.nextInt(10), 0, 0.25);
-            default -> { }
+            case 4 ->
+                    world.find("flag " + (frame - 1))
+                            .ifPresent(flag -> world.attach(flag.id(), corner.id()));
+            case 5 -> world.find("ball " + (frame - 14)).ifPresent(ball -> world.remove(ball.id()));
+            case 6 ->
+                    world.find("ball " + (frame - 5))
+                            .ifPresent(ball -> world.rename(ball.id(), "old ball " + frame));
+            case 8 ->
+                    world.forces()
+                            .add(
+                                    new Forces.Force(
+                                            corner.id(),
+                                            List.of(random.nextGaussian(), 3.0, 0.0),
+                                            1 + random.nextInt(5)));
+            case 7 ->
+                    world.table("body")
+                            .column("dragCoefficient")
+                            .setDouble(random.nextInt(10), 0, 0.25);
+            default -> {}
         }
         var laws = simulation.physics().laws();
         if (frame == 40) {
@@ -570,11 +657,14 @@ class ReplayNativeTest {
                 JournalSink sink = new Recording(RecordingPlan.of(to))) {
             while (records.hasNext()) {
                 JournalRecord record = records.next();
-                sink.write(record instanceof JournalRecord.Frame frame
-                        ? new JournalRecord.Frame(frame.frame(),
-                                new String(frame.json(), StandardCharsets.UTF_8)
-                                        .replace(text, other).getBytes(StandardCharsets.UTF_8))
-                        : record);
+                sink.write(
+                        record instanceof JournalRecord.Frame frame
+                                ? new JournalRecord.Frame(
+                                        frame.frame(),
+                                        new String(frame.json(), StandardCharsets.UTF_8)
+                                                .replace(text, other)
+                                                .getBytes(StandardCharsets.UTF_8))
+                                : record);
             }
         }
     }

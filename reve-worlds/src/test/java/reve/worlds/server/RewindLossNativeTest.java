@@ -1,27 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.server;
 
 import static org.assertj.core.api.Assertions.assertThat;
 
-import java.io.IOException;
-import java.nio.file.Files;
-import java.nio.file.Path;
-import java.util.LinkedHashMap;
-import java.util.List;
-import java.util.Map;
-import java.util.Queue;
-import java.util.concurrent.ConcurrentLinkedQueue;
-import java.util.concurrent.locks.Lock;
-import java.util.concurrent.locks.LockSupport;
-import java.util.concurrent.locks.ReadWriteLock;
-import java.util.concurrent.locks.ReentrantReadWriteLock;
-import java.util.function.BooleanSupplier;
-import java.util.stream.Stream;
 import org.junit.jupiter.api.BeforeEach;
 import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 import org.junit.jupiter.params.ParameterizedTest;
 import org.junit.jupiter.params.provider.ValueSource;
+
 import reve.core.file.WorldDescription;
 import reve.core.file.WorldFile;
 import reve.core.frame.FrameEvent;
@@ -34,6 +22,20 @@ import reve.worlds.journal.SimulationImage;
 import reve.worlds.journal.SqliteStore;
 import reve.worlds.journal.StoreContents;
 
+import java.io.IOException;
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.util.LinkedHashMap;
+import java.util.Map;
+import java.util.Queue;
+import java.util.concurrent.ConcurrentLinkedQueue;
+import java.util.concurrent.locks.Lock;
+import java.util.concurrent.locks.LockSupport;
+import java.util.concurrent.locks.ReadWriteLock;
+import java.util.concurrent.locks.ReentrantReadWriteLock;
+import java.util.function.BooleanSupplier;
+import java.util.stream.Stream;
+
 /** A world goes back while a slow disk still writes two images of earlier frames. */
 @Tag("slow")
 class RewindLossNativeTest {
@@ -42,15 +44,18 @@ class RewindLossNativeTest {
     private static final LawPath LAWS = LawPath.ofShipped();
     private static final String NAME = "my.db";
     private static final int IMAGE_FRAMES = 3;
+
     /** The frame that the world goes back in; the images of frames 3 and 6 still wait then. */
     private static final long BACK = 8;
+
     private static final long END = 16;
 
-    @TempDir
-    private Path folder;
+    @TempDir private Path folder;
     private final Queue<String> problems = new ConcurrentLinkedQueue<>();
+
     /** What a kill leaves when a frame has just been published, by frame. */
     private final Map<Long, Path> copies = new LinkedHashMap<>();
+
     private WorldDescription description;
     private volatile boolean isGoingBack;
     private volatile long published;
@@ -64,14 +69,19 @@ class RewindLossNativeTest {
     @ValueSource(booleans = {true, false})
     void atMostOnePublishedFrameIsLostByAKillAfterGoingBack(boolean waits) throws Exception {
         Thread world = Thread.currentThread();
-        run(waits, () -> isGoingBack && (published > BACK
-                || world.getState() == Thread.State.TIMED_WAITING));
+        run(
+                waits,
+                () ->
+                        isGoingBack
+                                && (published > BACK
+                                        || world.getState() == Thread.State.TIMED_WAITING));
 
         assertThat(copies.keySet()).contains(BACK - 1, BACK, BACK + 1, END);
         for (Map.Entry<Long, Path> copy : copies.entrySet()) {
             StoreCheck left = StoreCheck.of(copy.getValue().resolve(NAME), LAWS);
             assertThat(left.isWhole()).as(left.toString()).isTrue();
-            assertThat(left.frame()).as("killed as frame " + copy.getKey() + " was published")
+            assertThat(left.frame())
+                    .as("killed as frame " + copy.getKey() + " was published")
                     .isBetween(copy.getKey() - 1, copy.getKey());
         }
         assertThat(problems).isEmpty();
@@ -82,8 +92,11 @@ class RewindLossNativeTest {
     void aDiskThatHangsForLongerIsReportedOnce() throws Exception {
         run(false, () -> published > BACK + 2);
 
-        assertThat(problems).containsExactly("the disk is too slow: frames from " + BACK
-                + " on are left out, up to the next image");
+        assertThat(problems)
+                .containsExactly(
+                        "the disk is too slow: frames from "
+                                + BACK
+                                + " on are left out, up to the next image");
         StoreContents left = StoreContents.read(folder.resolve(NAME));
         assertThat(left.isWhole()).as(left.problems().toString()).isTrue();
         assertThat(left.frame()).isEqualTo(END);
@@ -95,17 +108,29 @@ class RewindLossNativeTest {
      * @param isReleased when images after the first one may be written
      */
     private void run(boolean waits, BooleanSupplier isReleased) throws IOException {
-        StoredWorld stored = StoredWorld.open(folder.resolve(NAME), SqliteStore.Durability.NORMAL,
-                description, Pacing.FAST, LAWS, problems::add);
+        StoredWorld stored =
+                StoredWorld.open(
+                        folder.resolve(NAME),
+                        SqliteStore.Durability.NORMAL,
+                        description,
+                        Pacing.FAST,
+                        LAWS,
+                        problems::add);
         var sink = new SlowStore(stored.store(), isReleased);
         try (Simulation simulation = stored.simulation();
                 SimulationImage beginning = simulation.beginning()) {
             simulation.onPublish("before", frame -> isGoingBack |= frame.frame() == BACK);
-            Journal journal = simulation.journal(WORLD.getParent(), Map.of(),
-                    new Journal.Plan(IMAGE_FRAMES, waits), sink, problems::add);
+            Journal journal =
+                    simulation.journal(
+                            WORLD.getParent(),
+                            Map.of(),
+                            new Journal.Plan(IMAGE_FRAMES, waits),
+                            sink,
+                            problems::add);
             try {
-                simulation.bus().subscribe(FramePhase.PUBLISH, "agents", frame ->
-                        published(frame, sink));
+                simulation
+                        .bus()
+                        .subscribe(FramePhase.PUBLISH, "agents", frame -> published(frame, sink));
                 makeFrames(simulation, beginning);
             } finally {
                 journal.close();
@@ -141,8 +166,10 @@ class RewindLossNativeTest {
     private final class SlowStore implements JournalSink {
         private final SqliteStore store;
         private final BooleanSupplier isReleased;
+
         /** Any number of threads write, or one copies. */
         private final ReadWriteLock files = new ReentrantReadWriteLock();
+
         private boolean begun;
 
         private interface Step<T> {
@@ -156,10 +183,12 @@ class RewindLossNativeTest {
 
         @Override
         public void write(JournalRecord record) throws IOException {
-            holding(files.readLock(), () -> {
-                store.write(record);
-                return record;
-            });
+            holding(
+                    files.readLock(),
+                    () -> {
+                        store.write(record);
+                        return record;
+                    });
         }
 
         @Override
@@ -171,10 +200,12 @@ class RewindLossNativeTest {
                 while (!isFirst && !isReleased.getAsBoolean()) {
                     LockSupport.parkNanos(10_000);
                 }
-                holding(files.readLock(), () -> {
-                    place.write(libraries, image);
-                    return image;
-                });
+                holding(
+                        files.readLock(),
+                        () -> {
+                            place.write(libraries, image);
+                            return image;
+                        });
             };
         }
 
@@ -190,15 +221,17 @@ class RewindLossNativeTest {
 
         /** The files as they are between two writes. */
         Path copy() throws IOException {
-            return holding(files.writeLock(), () -> {
-                Path to = Files.createTempDirectory(folder, "killed");
-                try (Stream<Path> all = Files.list(folder)) {
-                    for (Path file : all.filter(Files::isRegularFile).toList()) {
-                        Files.copy(file, to.resolve(file.getFileName()));
-                    }
-                }
-                return to;
-            });
+            return holding(
+                    files.writeLock(),
+                    () -> {
+                        Path to = Files.createTempDirectory(folder, "killed");
+                        try (Stream<Path> all = Files.list(folder)) {
+                            for (Path file : all.filter(Files::isRegularFile).toList()) {
+                                Files.copy(file, to.resolve(file.getFileName()));
+                            }
+                        }
+                        return to;
+                    });
         }
 
         private static <T> T holding(Lock lock, Step<T> step) throws IOException {

@@ -1,8 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.server;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatIllegalStateException;
 import static org.assertj.core.api.Assertions.catchThrowable;
+
+import org.junit.jupiter.api.AfterEach;
+import org.junit.jupiter.api.BeforeEach;
+import org.junit.jupiter.api.Test;
+
+import reve.core.file.WorldDescription;
+import reve.core.file.WorldFile;
+import reve.core.frame.Pacing;
+import reve.core.world.Item;
+import reve.core.world.WorldSnapshot;
+import reve.worlds.journal.SimulationImage;
 
 import java.lang.foreign.ValueLayout;
 import java.nio.charset.StandardCharsets;
@@ -10,15 +22,6 @@ import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.List;
 import java.util.Map;
-import org.junit.jupiter.api.AfterEach;
-import org.junit.jupiter.api.BeforeEach;
-import org.junit.jupiter.api.Test;
-import reve.core.file.WorldDescription;
-import reve.core.file.WorldFile;
-import reve.core.frame.Pacing;
-import reve.core.world.Item;
-import reve.core.world.WorldSnapshot;
-import reve.worlds.journal.SimulationImage;
 
 /** Going back and running ahead, with contacts that laws remember. */
 class SimulationImageNativeTest {
@@ -28,8 +31,13 @@ class SimulationImageNativeTest {
 
     @BeforeEach
     void run() throws Exception {
-        WorldDescription description = WorldFile.load(
-                Path.of(System.getProperty("reve.root"), "worlds", "icosahedron", "world.yaml"));
+        WorldDescription description =
+                WorldFile.load(
+                        Path.of(
+                                System.getProperty("reve.root"),
+                                "worlds",
+                                "icosahedron",
+                                "world.yaml"));
         live = new Simulation(description, Pacing.FAST);
         live.loop().run(2 * FRAMES);
     }
@@ -62,15 +70,23 @@ class SimulationImageNativeTest {
             live.rewind(image);
             List<Long> foreseen = new ArrayList<>();
             double[] pushed = new double[1];
-            Thread seer = Thread.ofPlatform().start(() -> {
-                try (Simulation fork = live.fork(image); Simulation push = live.fork(image)) {
-                    foreseen.addAll(hashes(fork, FRAMES));
-                    push.world().guard().claim();
-                    push.world().find("c3").orElseThrow().physics().set("velocity", 0, 50, 0);
-                    push.loop().run(FRAMES);
-                    pushed[0] = height(push);
-                }
-            });
+            Thread seer =
+                    Thread.ofPlatform()
+                            .start(
+                                    () -> {
+                                        try (Simulation fork = live.fork(image);
+                                                Simulation push = live.fork(image)) {
+                                            foreseen.addAll(hashes(fork, FRAMES));
+                                            push.world().guard().claim();
+                                            push.world()
+                                                    .find("c3")
+                                                    .orElseThrow()
+                                                    .physics()
+                                                    .set("velocity", 0, 50, 0);
+                                            push.loop().run(FRAMES);
+                                            pushed[0] = height(push);
+                                        }
+                                    });
             List<Long> lived = hashes(live, FRAMES);
             seer.join();
             assertThat(lived).isEqualTo(undisturbed);
@@ -95,12 +111,14 @@ class SimulationImageNativeTest {
     /** The image has it from before the edit, and the rule saw the same number last. */
     @Test
     void whatARuleSaysFollowsFromWhatTheRewoundWorldIs() throws Exception {
-        byte[] text = """
+        byte[] text =
+                """
                 reve: 1
                 name: slide
                 rules: {fast: "norm(physics.velocity) > 1.0"}
                 items: [{name: puck, physics: {mass: 1}}]
-                """.getBytes(StandardCharsets.UTF_8);
+                """
+                        .getBytes(StandardCharsets.UTF_8);
         try (Simulation slide = new Simulation(WorldFile.parse("slide", text), Pacing.FAST)) {
             slide.loop().run(1);
             Item puck = slide.world().find("puck").orElseThrow();
@@ -137,13 +155,21 @@ class SimulationImageNativeTest {
         for (int i = 1; i < 64; i++) {
             live.keep();
         }
-        assertThatIllegalStateException().isThrownBy(live::keep).withMessageContaining("64 images")
+        assertThatIllegalStateException()
+                .isThrownBy(live::keep)
+                .withMessageContaining("64 images")
                 .withMessageContaining("close one first");
         first.close();
         SimulationImage last = live.keep();
         live.close();
-        assertThat(catchThrowable(() -> last.world().tables().getFirst().column(0).get(
-                ValueLayout.JAVA_BYTE, 0)))
+        assertThat(
+                        catchThrowable(
+                                () ->
+                                        last.world()
+                                                .tables()
+                                                .getFirst()
+                                                .column(0)
+                                                .get(ValueLayout.JAVA_BYTE, 0)))
                 .isInstanceOf(IllegalStateException.class);
     }
 
@@ -164,8 +190,13 @@ class SimulationImageNativeTest {
     private static double height(Simulation simulation) {
         try (WorldSnapshot snapshot = simulation.snapshots().acquireLatest().orElseThrow()) {
             var bodies = snapshot.table("body");
-            int row = bodies.rowOf(snapshot.symbols().values().stream()
-                    .filter(item -> item.name().equals("c3")).findFirst().orElseThrow().id());
+            int row =
+                    bodies.rowOf(
+                            snapshot.symbols().values().stream()
+                                    .filter(item -> item.name().equals("c3"))
+                                    .findFirst()
+                                    .orElseThrow()
+                                    .id());
             return bodies.column("position").getDouble(row, 1);
         }
     }

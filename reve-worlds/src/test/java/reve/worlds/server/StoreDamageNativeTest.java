@@ -1,7 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.server;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatExceptionOfType;
+
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+
+import reve.core.file.WorldDescription;
+import reve.core.file.WorldFile;
+import reve.core.frame.Pacing;
+import reve.core.store.CorruptException;
+import reve.worlds.Product;
+import reve.worlds.journal.Journal;
+import reve.worlds.journal.JournalRecord;
+import reve.worlds.journal.JournalSink;
+import reve.worlds.journal.SqliteStore;
 
 import java.io.IOException;
 import java.nio.file.Files;
@@ -21,17 +35,6 @@ import java.util.Optional;
 import java.util.Random;
 import java.util.TreeMap;
 import java.util.stream.Stream;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.api.io.TempDir;
-import reve.core.file.WorldDescription;
-import reve.core.file.WorldFile;
-import reve.core.frame.Pacing;
-import reve.core.store.CorruptException;
-import reve.worlds.Product;
-import reve.worlds.journal.Journal;
-import reve.worlds.journal.JournalRecord;
-import reve.worlds.journal.JournalSink;
-import reve.worlds.journal.SqliteStore;
 
 /**
  * A store of a server that was killed, damaged in every way that files can be: it comes back as it
@@ -41,14 +44,15 @@ class StoreDamageNativeTest {
     private static final Path WORLD =
             Path.of(System.getProperty("reve.root"), "worlds", "spring-orbit", "world.yaml");
     private static final long SEED = Long.getLong("reve.test.seed", 20261122);
+
     /** 1000 in a long run. */
     private static final int DAMAGES = Integer.getInteger("reve.test.damages", 12);
+
     private static final int FLIPS = Math.max(6, DAMAGES / 10);
     private static final LawPath LAWS = LawPath.ofShipped();
     private static final String NAME = "my.db";
 
-    @TempDir
-    private Path folder;
+    @TempDir private Path folder;
     private final Map<Long, Long> hashes = new HashMap<>();
     private final Map<String, Integer> counts = new TreeMap<>();
     private WorldDescription description;
@@ -84,8 +88,15 @@ class StoreDamageNativeTest {
         update("UPDATE library SET bytes = zeroblob(length(bytes))");
         Resumed resumed = open(folder);
         assertThat(resumed.hash()).isEqualTo(hashes.get(30L));
-        assertThat(resumed.problems()).hasSize(2).allSatisfy(problem -> assertThat(problem)
-                .contains(NAME, "the law library with the SHA-256", "the same bytes are in"));
+        assertThat(resumed.problems())
+                .hasSize(2)
+                .allSatisfy(
+                        problem ->
+                                assertThat(problem)
+                                        .contains(
+                                                NAME,
+                                                "the law library with the SHA-256",
+                                                "the same bytes are in"));
         write(folder, killedAfter(40, "one", files(folder)));
         assertThat(open(folder).problems()).isEmpty();
     }
@@ -93,19 +104,33 @@ class StoreDamageNativeTest {
     @Test
     void aDamagedLawThatIsNowhereElseIsRefusedByName() throws Exception {
         description = WorldFile.load(WORLD);
-        byte[] shipped = Files.readAllBytes(Product.nativeFolder()
-                .resolve("laws/libvesper_law_drag.so"));
+        byte[] shipped =
+                Files.readAllBytes(Product.nativeFolder().resolve("laws/libvesper_law_drag.so"));
         byte[] bytes = Arrays.copyOf(shipped, shipped.length + 8); // works alike
-        Path own = Files.write(Files.createDirectory(folder.resolve("laws"))
-                .resolve("libvesper_law_drag.so"), bytes);
-        LawPath laws = new LawPath(LAWS.shipped(), Optional.of(own.getParent()),
-                Optional.empty(), false);
+        Path own =
+                Files.write(
+                        Files.createDirectory(folder.resolve("laws"))
+                                .resolve("libvesper_law_drag.so"),
+                        bytes);
+        LawPath laws =
+                new LawPath(LAWS.shipped(), Optional.of(own.getParent()), Optional.empty(), false);
         Path store = folder.resolve(NAME);
-        StoredWorld world = StoredWorld.open(store, SqliteStore.Durability.NORMAL, description,
-                Pacing.FAST, laws, problem -> { });
+        StoredWorld world =
+                StoredWorld.open(
+                        store,
+                        SqliteStore.Durability.NORMAL,
+                        description,
+                        Pacing.FAST,
+                        laws,
+                        problem -> {});
         try (Simulation simulation = world.simulation();
-                Journal _ = simulation.journal(WORLD.getParent(), Map.of(),
-                        new Journal.Plan(20, true), world.store(), problem -> { })) {
+                Journal _ =
+                        simulation.journal(
+                                WORLD.getParent(),
+                                Map.of(),
+                                new Journal.Plan(20, true),
+                                world.store(),
+                                problem -> {})) {
             simulation.loop().run(0);
             try (var prepared = simulation.engine().prepare(own)) {
                 simulation.physics().laws().load(0, prepared, Map.of());
@@ -114,7 +139,8 @@ class StoreDamageNativeTest {
         }
         update("UPDATE library SET bytes = zeroblob(length(bytes))");
         Map<String, byte[]> damaged = files(folder);
-        assertThatExceptionOfType(CorruptException.class).isThrownBy(() -> open(folder))
+        assertThatExceptionOfType(CorruptException.class)
+                .isThrownBy(() -> open(folder))
                 .withMessageContaining("the law library drag (SHA-256 ")
                 .withMessageContaining("--laws");
         same(folder, damaged, "refused");
@@ -126,8 +152,13 @@ class StoreDamageNativeTest {
     void whatStandsInPlaceOfAFileIsNamedAndSetAside() throws Exception {
         description = WorldFile.load(WORLD);
         Map<String, byte[]> whole = killedAfter(50, "one", Map.of());
-        for (String name : List.of(NAME + "-manifest", whole.keySet().stream()
-                .filter(each -> each.contains("-frames-")).max(String::compareTo).orElseThrow())) {
+        for (String name :
+                List.of(
+                        NAME + "-manifest",
+                        whole.keySet().stream()
+                                .filter(each -> each.contains("-frames-"))
+                                .max(String::compareTo)
+                                .orElseThrow())) {
             for (boolean isFolder : List.of(true, false)) {
                 Path place = Files.createTempDirectory(folder, "instead");
                 write(place, whole);
@@ -138,13 +169,19 @@ class StoreDamageNativeTest {
                 } else {
                     Files.createSymbolicLink(instead, place.resolve("nowhere"));
                 }
-                assertThat(StoreCheck.of(place.resolve(NAME), LAWS).problems()).anyMatch(
-                        problem -> problem.contains(instead + (isFolder ? " is a folder"
-                        : " is a link to a file that is not there")));
-                assertThatExceptionOfType(CorruptException.class).isThrownBy(() -> open(place))
+                assertThat(StoreCheck.of(place.resolve(NAME), LAWS).problems())
+                        .anyMatch(
+                                problem ->
+                                        problem.contains(
+                                                instead
+                                                        + (isFolder
+                                                                ? " is a folder"
+                                                                : " is a link to a file that is not"
+                                                                        + " there")));
+                assertThatExceptionOfType(CorruptException.class)
+                        .isThrownBy(() -> open(place))
                         .withMessageContaining(instead.toString());
-                Path aside = StoreCheck.repair(place.resolve(NAME), LAWS).getValue()
-                        .orElseThrow();
+                Path aside = StoreCheck.repair(place.resolve(NAME), LAWS).getValue().orElseThrow();
                 assertThat(Files.exists(aside.resolve(name), LinkOption.NOFOLLOW_LINKS)).isTrue();
                 assertThat(open(place).problems()).isEmpty();
             }
@@ -173,16 +210,21 @@ class StoreDamageNativeTest {
             moves.put(Files.writeString(folder.resolve(name), name), folder.resolve(name + "2"));
         }
         Path taken = Files.writeString(folder.resolve("c2"), "taken");
-        assertThatExceptionOfType(IOException.class).isThrownBy(() -> StoreCheck.moveAll(moves))
-                .withMessage(folder.resolve("c") + " could not be moved to " + taken
-                        + ": there is a file already (everything was put back)");
+        assertThatExceptionOfType(IOException.class)
+                .isThrownBy(() -> StoreCheck.moveAll(moves))
+                .withMessage(
+                        folder.resolve("c")
+                                + " could not be moved to "
+                                + taken
+                                + ": there is a file already (everything was put back)");
         assertThat(files(folder).keySet()).containsExactly("a", "b", "c", "c2");
         assertThat(taken).hasContent("taken");
     }
 
     private void update(String sql) throws SQLException {
-        try (Connection connection = DriverManager.getConnection("jdbc:sqlite:"
-                + folder.resolve(NAME)); var statement = connection.createStatement()) {
+        try (Connection connection =
+                        DriverManager.getConnection("jdbc:sqlite:" + folder.resolve(NAME));
+                var statement = connection.createStatement()) {
             statement.executeUpdate(sql);
         }
     }
@@ -190,12 +232,14 @@ class StoreDamageNativeTest {
     private void suffer(Map<String, byte[]> whole, Damage damage) throws Exception {
         Path place = Files.createTempDirectory(folder, "damaged");
         Map<String, byte[]> damaged = new TreeMap<>(whole);
-        damage.content().forEach((name, bytes) -> {
-            damaged.remove(name);
-            if (bytes != null) {
-                damaged.put(name, bytes);
-            }
-        });
+        damage.content()
+                .forEach(
+                        (name, bytes) -> {
+                            damaged.remove(name);
+                            if (bytes != null) {
+                                damaged.put(name, bytes);
+                            }
+                        });
         write(place, damaged);
         String which = damage.what() + " (seed " + SEED + ")";
         try {
@@ -206,7 +250,8 @@ class StoreDamageNativeTest {
             return;
         } catch (CorruptException | IOException refused) {
             count("refused");
-            assertThat(damage.files()).as(which + ": " + refused.getMessage())
+            assertThat(damage.files())
+                    .as(which + ": " + refused.getMessage())
                     .anyMatch(refused.getMessage()::contains);
             same(place, damaged, which);
         }
@@ -221,11 +266,11 @@ class StoreDamageNativeTest {
         try {
             was = StoreCheck.of(place.resolve(NAME), LAWS);
             same(place, damaged, which + ", checked");
-            aside = StoreCheck.repair(place.resolve(NAME), LAWS).getValue()
-                    .orElseThrow();
+            aside = StoreCheck.repair(place.resolve(NAME), LAWS).getValue().orElseThrow();
         } catch (CorruptException | IOException lost) {
             count("nothing can be recovered");
-            assertThat(damage.files()).as(which + ": " + lost.getMessage())
+            assertThat(damage.files())
+                    .as(which + ": " + lost.getMessage())
                     .anyMatch(file -> file.equals(NAME) || file.equals(NAME + "-wal"));
             same(place, damaged, which + ", not repaired");
             return;
@@ -234,7 +279,9 @@ class StoreDamageNativeTest {
         same(aside, damaged, which + ", set aside");
         Resumed resumed = open(place);
         assertThat(resumed.frame()).as(which).isEqualTo(was.frame());
-        assertThat(resumed.hash()).as(which).isEqualTo(was.stateHash())
+        assertThat(resumed.hash())
+                .as(which)
+                .isEqualTo(was.stateHash())
                 .isEqualTo(hashes.get(resumed.frame()));
     }
 
@@ -244,69 +291,107 @@ class StoreDamageNativeTest {
 
     private Resumed open(Path place) throws IOException {
         List<String> problems = new ArrayList<>();
-        StoredWorld world = StoredWorld.open(place.resolve(NAME), SqliteStore.Durability.NORMAL,
-                description, Pacing.FAST, LAWS, problems::add);
-        try (Simulation simulation = world.simulation(); SqliteStore _ = world.store()) {
+        StoredWorld world =
+                StoredWorld.open(
+                        place.resolve(NAME),
+                        SqliteStore.Durability.NORMAL,
+                        description,
+                        Pacing.FAST,
+                        LAWS,
+                        problems::add);
+        try (Simulation simulation = world.simulation();
+                SqliteStore _ = world.store()) {
             return new Resumed(simulation.loop().frame(), world.stateHash(), problems);
         }
     }
 
-    private static List<Damage> damages(Map<String, byte[]> whole, Map<String, byte[]> older,
-            Map<String, byte[]> other) {
+    private static List<Damage> damages(
+            Map<String, byte[]> whole, Map<String, byte[]> older, Map<String, byte[]> other) {
         Random random = new Random(SEED);
         List<Damage> all = new ArrayList<>();
-        whole.forEach((name, bytes) -> {
-            all.add(damage("without ", name, null));
-            all.add(damage("empty ", name, new byte[0]));
-            all.add(damage("garbage in ", name, "Dear diary".repeat(30).getBytes()));
-            for (int length : bytes.length < 2 ? new int[0] : new int[] {1, bytes.length / 2,
-                bytes.length - 1, random.nextInt(bytes.length), random.nextInt(bytes.length)}) {
-                all.add(damage("cut at byte " + length + ": ", name,
-                        Arrays.copyOf(bytes, length)));
-            }
-            for (int i = 0; i < FLIPS && bytes.length > 0; i++) {
-                int bit = random.nextInt(8 * bytes.length);
-                byte[] flipped = bytes.clone();
-                flipped[bit / 8] ^= (byte) (1 << bit % 8);
-                all.add(damage("bit " + bit + " of ", name, flipped));
-            }
-            for (int i = 0; i < 3 && bytes.length > 0; i++) {
-                byte[] zeros = bytes.clone();
-                int from = random.nextInt(bytes.length);
-                Arrays.fill(zeros, from, Math.min(bytes.length, from + 4096), (byte) 0);
-                all.add(damage("zeros from byte " + from + " on in ", name, zeros));
-            }
-            if (other.containsKey(name)) {
-                all.add(damage("another store's ", name, other.get(name)));
-            }
-            if (older.containsKey(name)) {
-                all.add(damage("an older ", name, older.get(name)));
-            }
-        });
-        List<String> frames = whole.keySet().stream().filter(name -> name.contains("-frames-"))
-                .toList();
-        all.add(without("nothing but the database", whole.keySet().stream()
-                .filter(name -> !name.equals(NAME)).toList()));
+        whole.forEach(
+                (name, bytes) -> {
+                    all.add(damage("without ", name, null));
+                    all.add(damage("empty ", name, new byte[0]));
+                    all.add(damage("garbage in ", name, "Dear diary".repeat(30).getBytes()));
+                    for (int length :
+                            bytes.length < 2
+                                    ? new int[0]
+                                    : new int[] {
+                                        1,
+                                        bytes.length / 2,
+                                        bytes.length - 1,
+                                        random.nextInt(bytes.length),
+                                        random.nextInt(bytes.length)
+                                    }) {
+                        all.add(
+                                damage(
+                                        "cut at byte " + length + ": ",
+                                        name,
+                                        Arrays.copyOf(bytes, length)));
+                    }
+                    for (int i = 0; i < FLIPS && bytes.length > 0; i++) {
+                        int bit = random.nextInt(8 * bytes.length);
+                        byte[] flipped = bytes.clone();
+                        flipped[bit / 8] ^= (byte) (1 << bit % 8);
+                        all.add(damage("bit " + bit + " of ", name, flipped));
+                    }
+                    for (int i = 0; i < 3 && bytes.length > 0; i++) {
+                        byte[] zeros = bytes.clone();
+                        int from = random.nextInt(bytes.length);
+                        Arrays.fill(zeros, from, Math.min(bytes.length, from + 4096), (byte) 0);
+                        all.add(damage("zeros from byte " + from + " on in ", name, zeros));
+                    }
+                    if (other.containsKey(name)) {
+                        all.add(damage("another store's ", name, other.get(name)));
+                    }
+                    if (older.containsKey(name)) {
+                        all.add(damage("an older ", name, older.get(name)));
+                    }
+                });
+        List<String> frames =
+                whole.keySet().stream().filter(name -> name.contains("-frames-")).toList();
+        all.add(
+                without(
+                        "nothing but the database",
+                        whole.keySet().stream().filter(name -> !name.equals(NAME)).toList()));
         all.add(without("no frames", frames));
         all.add(without("no newest frames", frames.subList(frames.size() - 2, frames.size())));
-        all.add(without("no newest frames and no manifest",
-                List.of(frames.getLast(), NAME + "-manifest")));
+        all.add(
+                without(
+                        "no newest frames and no manifest",
+                        List.of(frames.getLast(), NAME + "-manifest")));
         if (older.containsKey(NAME + "-manifest")) {
             Map<String, byte[]> cut = new HashMap<>();
             cut.put(NAME + "-manifest", older.get(NAME + "-manifest"));
             cut.put(frames.getLast(), null);
-            all.add(new Damage("an older manifest, no newest frames", List.copyOf(cut.keySet()),
-                    cut));
+            all.add(
+                    new Damage(
+                            "an older manifest, no newest frames", List.copyOf(cut.keySet()), cut));
             byte[] newest = whole.get(frames.getLast());
-            all.add(new Damage("an older manifest, newest frames cut", List.copyOf(cut.keySet()),
-                    Map.of(NAME + "-manifest", older.get(NAME + "-manifest"), frames.getLast(),
-                            Arrays.copyOf(newest, newest.length / 2))));
+            all.add(
+                    new Damage(
+                            "an older manifest, newest frames cut",
+                            List.copyOf(cut.keySet()),
+                            Map.of(
+                                    NAME + "-manifest",
+                                    older.get(NAME + "-manifest"),
+                                    frames.getLast(),
+                                    Arrays.copyOf(newest, newest.length / 2))));
         }
         all.add(without("no database and no log", List.of(NAME, NAME + "-wal")));
         all.add(without("no database and no manifest", List.of(NAME, NAME + "-manifest")));
         for (String frame : frames) {
-            all.add(new Damage("another file as " + frame, List.of(frame), Map.of(frame,
-                    whole.get(frames.get((frames.indexOf(frame) + 1) % frames.size())))));
+            all.add(
+                    new Damage(
+                            "another file as " + frame,
+                            List.of(frame),
+                            Map.of(
+                                    frame,
+                                    whole.get(
+                                            frames.get(
+                                                    (frames.indexOf(frame) + 1)
+                                                            % frames.size())))));
         }
         return all;
     }
@@ -331,16 +416,31 @@ class StoreDamageNativeTest {
         Path place = Files.createTempDirectory(folder, "run");
         write(place, before);
         List<String> problems = Collections.synchronizedList(new ArrayList<>());
-        StoredWorld world = StoredWorld.open(place.resolve(NAME), SqliteStore.Durability.NORMAL,
-                description, Pacing.FAST, LAWS, problems::add);
+        StoredWorld world =
+                StoredWorld.open(
+                        place.resolve(NAME),
+                        SqliteStore.Durability.NORMAL,
+                        description,
+                        Pacing.FAST,
+                        LAWS,
+                        problems::add);
         var sink = new Killed(world.store(), place, frame);
         try (Simulation simulation = world.simulation();
-                Journal _ = simulation.journal(WORLD.getParent(), Map.of(),
-                        new Journal.Plan(20, true), sink, problems::add)) {
+                Journal _ =
+                        simulation.journal(
+                                WORLD.getParent(),
+                                Map.of(),
+                                new Journal.Plan(20, true),
+                                sink,
+                                problems::add)) {
             simulation.loop().run(0);
             while (simulation.loop().frame() < frame) {
                 Random random = new Random((run + simulation.loop().frame()).hashCode());
-                simulation.world().find("blue").orElseThrow().physics()
+                simulation
+                        .world()
+                        .find("blue")
+                        .orElseThrow()
+                        .physics()
                         .set("velocity", random.nextGaussian(), 0, 0);
                 var laws = simulation.physics().laws();
                 if (simulation.loop().frame() == 125) {
@@ -350,8 +450,11 @@ class StoreDamageNativeTest {
                 hashes.put(simulation.loop().frame(), simulation.physics().stateHash());
             }
         }
-        assertThat(problems).allMatch(problem -> problem.contains("killed")
-                || problem.contains("the same bytes are in"));
+        assertThat(problems)
+                .allMatch(
+                        problem ->
+                                problem.contains("killed")
+                                        || problem.contains("the same bytes are in"));
         return sink.left;
     }
 
@@ -417,8 +520,11 @@ class StoreDamageNativeTest {
             throws IOException {
         Map<String, byte[]> found = files(place);
         assertThat(found.keySet()).as(which).isEqualTo(expected.keySet());
-        expected.forEach((name, bytes) ->
-                assertThat(Arrays.equals(found.get(name), bytes)).as(which + ": " + name).isTrue());
+        expected.forEach(
+                (name, bytes) ->
+                        assertThat(Arrays.equals(found.get(name), bytes))
+                                .as(which + ": " + name)
+                                .isTrue());
     }
 
     private static void remove(Path place) throws IOException {

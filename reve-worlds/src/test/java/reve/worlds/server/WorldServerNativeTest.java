@@ -1,6 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.worlds.server;
 
 import static org.assertj.core.api.Assertions.assertThat;
+
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+
+import reve.core.agent.AgentServerConfig;
+import reve.core.file.WorldFile;
+import reve.core.frame.Pacing;
+import reve.worlds.journal.RecordingPlan;
+import reve.worlds.journal.SqliteStore;
 
 import java.nio.file.Files;
 import java.nio.file.Path;
@@ -8,26 +18,26 @@ import java.util.List;
 import java.util.Optional;
 import java.util.Queue;
 import java.util.concurrent.ConcurrentLinkedQueue;
-import org.junit.jupiter.api.Test;
-import org.junit.jupiter.api.io.TempDir;
-import reve.core.agent.AgentServerConfig;
-import reve.core.file.WorldFile;
-import reve.core.frame.Pacing;
-import reve.worlds.journal.RecordingPlan;
-import reve.worlds.journal.SqliteStore;
 
 /** What a server reports when a world of it fails. */
 class WorldServerNativeTest {
-    @TempDir
-    private Path folder;
+    @TempDir private Path folder;
 
     private WorldPlan plan(String world, long frames, Optional<Path> recording) throws Exception {
-        Path file = Files.writeString(folder.resolve(world + ".yaml"),
-                "reve: 1\nname: " + world + "\nitems: []\n");
-        var persistence = new Persistence(folder, recording.map(RecordingPlan::of),
-                Optional.empty(), Optional.empty(), 10, SqliteStore.Durability.NORMAL);
-        return new WorldPlan(WorldFile.load(file), frames, persistence,
-                new Pictures(folder, List.of()));
+        Path file =
+                Files.writeString(
+                        folder.resolve(world + ".yaml"),
+                        "reve: 1\nname: " + world + "\nitems: []\n");
+        var persistence =
+                new Persistence(
+                        folder,
+                        recording.map(RecordingPlan::of),
+                        Optional.empty(),
+                        Optional.empty(),
+                        10,
+                        SqliteStore.Durability.NORMAL);
+        return new WorldPlan(
+                WorldFile.load(file), frames, persistence, new Pictures(folder, List.of()));
     }
 
     /** The recording cannot be written and nobody can be told, which is an Error of the journal. */
@@ -35,34 +45,52 @@ class WorldServerNativeTest {
     void aWorldWhoseJournalEndsIsReportedAsFailedAndTheOthersGoOn() throws Exception {
         var recording = Optional.of(folder.resolve("run.log"));
         Queue<String> told = new ConcurrentLinkedQueue<>();
-        ServerEvents events = (event, fields) -> {
-            String message = String.valueOf(fields.get("message"));
-            if (message.contains("are not recorded, until")) {
-                throw new OutOfMemoryError("while it was told");
-            }
-            told.add(event + " of " + fields.get("world") + ": " + message);
-        };
-        var plans = List.of(plan("kept", Long.MAX_VALUE, recording),
-                plan("other", 600, Optional.empty()));
-        try (var server = new WorldServer(plans, Pacing.FAST, AgentServerConfig.onPort(0),
-                Optional.empty(), events)) {
+        ServerEvents events =
+                (event, fields) -> {
+                    String message = String.valueOf(fields.get("message"));
+                    if (message.contains("are not recorded, until")) {
+                        throw new OutOfMemoryError("while it was told");
+                    }
+                    told.add(event + " of " + fields.get("world") + ": " + message);
+                };
+        var plans =
+                List.of(
+                        plan("kept", Long.MAX_VALUE, recording),
+                        plan("other", 600, Optional.empty()));
+        try (var server =
+                new WorldServer(
+                        plans,
+                        Pacing.FAST,
+                        AgentServerConfig.onPort(0),
+                        Optional.empty(),
+                        events)) {
             journalsThread().interrupt(); // which closes its file
             ServerReport report = server.run();
             assertThat(report.failed()).as("exit code 1 of serve").isTrue();
-            assertThat(report.runs()).singleElement().satisfies(run -> {
-                assertThat(run.world()).isEqualTo("other");
-                assertThat(run.frames()).isEqualTo(600);
-            });
+            assertThat(report.runs())
+                    .singleElement()
+                    .satisfies(
+                            run -> {
+                                assertThat(run.world()).isEqualTo("other");
+                                assertThat(run.frames()).isEqualTo(600);
+                            });
         }
-        assertThat(told).anySatisfy(fault -> assertThat(fault)
-                .startsWith("fault of kept: the world kept has ended: java.io.IOError")
-                .contains("the journal has ended after frame",
-                        "OutOfMemoryError: while it was told"));
+        assertThat(told)
+                .anySatisfy(
+                        fault ->
+                                assertThat(fault)
+                                        .startsWith(
+                                                "fault of kept: the world kept has ended:"
+                                                        + " java.io.IOError")
+                                        .contains(
+                                                "the journal has ended after frame",
+                                                "OutOfMemoryError: while it was told"));
     }
 
     private static Thread journalsThread() {
         return Thread.getAllStackTraces().keySet().stream()
                 .filter(thread -> thread.getName().equals("journal"))
-                .findAny().orElseThrow();
+                .findAny()
+                .orElseThrow();
     }
 }

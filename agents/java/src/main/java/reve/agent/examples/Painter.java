@@ -1,9 +1,6 @@
+// SPDX-License-Identifier: Apache-2.0
 package reve.agent.examples;
 
-import java.io.IOException;
-import java.util.LinkedHashMap;
-import java.util.Map;
-import java.util.TreeMap;
 import reve.agent.ActResult;
 import reve.agent.AgentClient;
 import reve.agent.AgentException;
@@ -12,7 +9,13 @@ import reve.agent.Perception;
 import reve.agent.Perception.Item;
 import reve.agent.Perception.Location;
 import reve.agent.WorldEvent;
+
 import tools.jackson.databind.json.JsonMapper;
+
+import java.io.IOException;
+import java.util.LinkedHashMap;
+import java.util.Map;
+import java.util.TreeMap;
 
 /**
  * An agent that shows how fast things are: it watches all items and paints those that let
@@ -23,9 +26,11 @@ public final class Painter {
 
     private static final int PERCEIVE_EVERY_FRAMES = 6;
     private static final double PAINT_EVERY_SECONDS = 0.5;
-    private static final String USAGE = """
+    private static final String USAGE =
+            """
             usage: Painter [--host 127.0.0.1] [--port 7777] [--name painter] [--seconds 5]
-              --seconds  how long to stay, in the world's time""";
+              --seconds  how long to stay, in the world's time\
+            """;
 
     private final AgentClient agent;
     private final double seconds;
@@ -47,8 +52,17 @@ public final class Painter {
 
     /** Runs the agent; exit code 1 if it could not join or was cut off, 2 for wrong arguments. */
     public static void main(String[] arguments) {
-        Map<String, String> options = new LinkedHashMap<>(Map.of("--host", "127.0.0.1",
-                "--port", "7777", "--name", "painter", "--seconds", "5"));
+        Map<String, String> options =
+                new LinkedHashMap<>(
+                        Map.of(
+                                "--host",
+                                "127.0.0.1",
+                                "--port",
+                                "7777",
+                                "--name",
+                                "painter",
+                                "--seconds",
+                                "5"));
         for (int i = 0; i < arguments.length; i += 2) {
             if (!options.containsKey(arguments[i]) || i + 1 == arguments.length) {
                 System.err.println(USAGE);
@@ -60,16 +74,23 @@ public final class Painter {
     }
 
     private static int run(Map<String, String> options) {
-        try (AgentClient agent = AgentClient.connect(options.get("--host"),
-                Integer.parseInt(options.get("--port")), options.get("--name"))) {
+        try (AgentClient agent =
+                AgentClient.connect(
+                        options.get("--host"),
+                        Integer.parseInt(options.get("--port")),
+                        options.get("--name"))) {
             return new Painter(agent, Double.parseDouble(options.get("--seconds"))).run();
         } catch (NumberFormatException e) {
             System.err.println("painter: not a number: " + e.getMessage() + "\n" + USAGE);
             return 2;
         } catch (IOException | AgentException e) {
-            System.err.println("painter: cannot paint at " + options.get("--host") + ":"
-                    + options.get("--port") + ": "
-                    + e.getMessage());
+            System.err.println(
+                    "painter: cannot paint at "
+                            + options.get("--host")
+                            + ":"
+                            + options.get("--port")
+                            + ": "
+                            + e.getMessage());
             return 1;
         }
     }
