@@ -3,6 +3,7 @@ package reve.tests;
 
 import static org.assertj.core.api.Assertions.assertThat;
 
+import org.junit.jupiter.api.AfterAll;
 import org.junit.jupiter.api.RepeatedTest;
 import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.api.Test;
@@ -121,6 +122,9 @@ class SavedWorldIT {
         }
     }
 
+    private static int repetitions;
+    private static int forces;
+
     /**
      * A random world, to which random things happen while it runs. What is saved of it at any frame
      * goes on as it does, to the bit, with what rules say and with forces that actions began.
@@ -132,7 +136,7 @@ class SavedWorldIT {
         Random random = new Random(seed);
         Path begun = Files.writeString(folder.resolve("world.yaml"), randomWorld(random));
         Path saved = folder.resolve("saved.yaml");
-        int forces = 0;
+        repetitions++;
         try (Simulation first = load(begun)) {
             for (int frame = 0; frame < 40; frame++) {
                 happen(first.world(), random);
@@ -168,7 +172,12 @@ class SavedWorldIT {
                 }
             }
         }
-        assertThat(forces).as("forces that still acted, seed " + seed).isPositive();
+    }
+
+    /** One random world may have none; that five have none means that they are not random. */
+    @AfterAll
+    static void forcesStillActedInSomeSavedWorld() {
+        assertThat(repetitions == 0 ? 1 : forces).as("forces that still acted").isPositive();
     }
 
     private static String randomWorld(Random random) {

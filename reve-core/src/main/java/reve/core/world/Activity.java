@@ -40,6 +40,11 @@ public final class Activity {
         end();
     }
 
+    /** Counts steps of what is no evaluation. World's thread. */
+    void spend(long its) {
+        steps += its;
+    }
+
     /** Returns the steps of all that has ended. World's thread. */
     public long steps() {
         return steps;

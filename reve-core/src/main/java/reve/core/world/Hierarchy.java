@@ -20,6 +20,7 @@ final class Hierarchy {
     private final Column positions;
     private final Column orientations;
     private final boolean single;
+    private final Activity activity;
     private final Set<Item> attached = new TreeSet<>(Comparator.comparing(Item::id));
     private final double[] pose = new double[Pose.NUMBERS];
 
@@ -29,7 +30,11 @@ final class Hierarchy {
     private double[] relative = {};
     private boolean current = true;
 
-    Hierarchy(Table bodies) {
+    /**
+     * @param activity counts a step for each level that is walked up
+     */
+    Hierarchy(Table bodies, Activity activity) {
+        this.activity = activity;
         positions = bodies.column("position");
         orientations = bodies.column("orientation");
         single = positions.type() == ScalarType.F32;
@@ -123,6 +128,7 @@ final class Hierarchy {
         for (; root.parent != null; root = root.parent) {
             path.add(root);
         }
+        activity.spend(path.size());
         double[] result = new double[Pose.NUMBERS];
         read(root.row, result);
         for (Item next : path.reversed()) {

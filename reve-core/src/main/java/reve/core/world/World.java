@@ -56,7 +56,7 @@ public final class World {
         layout = new Layout(arena);
         tables = prototype.kinds().stream().map(kind -> new Table(this, kind, layout)).toList();
         tables.forEach(table -> tableByKind.put(table.kind(), table));
-        hierarchy = new Hierarchy(table(WorldPrototype.BODY));
+        hierarchy = new Hierarchy(table(WorldPrototype.BODY), activity);
         references = new References(tables, register);
         forces = new Forces(this);
         arrests = new Arrests(this);

@@ -72,6 +72,19 @@ class HierarchyTest {
     }
 
     @Test
+    void attachingToALongChainCostsStepsForEachOfItsLevels() {
+        Item last = body("item-0", 0, 0, 0);
+        for (int i = 1; i <= 1000; i++) {
+            Item next = body("item-" + i, i, 0, 0);
+            world.attach(next.id(), last.id());
+            last = next;
+        }
+        long before = world.activity().steps();
+        world.attach(body("one more", 0, 1, 0).id(), last.id());
+        assertThat(world.activity().steps() - before).isBetween(1000L, 4000L);
+    }
+
+    @Test
     void whatIsDetachedStaysWhereItIs() {
         Item cart = body("cart", 0, 0, 0);
         Item wheel = body("wheel", 1, 0, 0);
