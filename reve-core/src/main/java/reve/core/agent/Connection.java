@@ -57,6 +57,9 @@ final class Connection implements EventLoop.Handler {
     /** What is written holds a perception. */
     private boolean perceives;
 
+    /** Its socket has room for much at a time. */
+    private boolean expectsMuch;
+
     private long perceivedBytes;
     private int errors;
 
@@ -606,6 +609,10 @@ final class Connection implements EventLoop.Handler {
                 unsent = sent < out.size() ? ByteBuffer.wrap(out.copy(sent)) : NOTHING;
                 unsentSinceNanos = System.nanoTime();
                 progress = 0;
+                if (!expectsMuch && unsent.remaining() > Pen.BUFFER_BYTES) {
+                    expectsMuch = true;
+                    wire.expectMuch();
+                }
                 server.slowReaders().hold(this, unsent.remaining());
             }
         }

@@ -90,6 +90,11 @@ final class TlsWire implements Wire {
     }
 
     @Override
+    public void expectMuch() throws IOException {
+        plain.expectMuch();
+    }
+
+    @Override
     public int read(ByteBuffer into) throws IOException {
         if (bypassed) {
             return plain.read(into);

@@ -26,6 +26,9 @@ interface Wire extends ByteChannel {
     SelectionKey register(EventLoop loop, EventLoop.Handler handler, Runnable readable)
             throws IOException;
 
+    /** The client is sent much at a time. */
+    default void expectMuch() throws IOException {}
+
     /** True if there is something to read that the key says nothing of. */
     default boolean hasReceived() {
         return false;
@@ -52,6 +55,12 @@ interface Wire extends ByteChannel {
         /** What fills it is latency, and how long it takes to find out who does not read. */
         private static final int SEND_BUFFER_BYTES = 32 * 1024;
 
+        /**
+         * Of those that are sent more at a time. On loopback a segment has 64 KiB; with room for
+         * one only, the system waits 40 ms for each to be acknowledged.
+         */
+        private static final int LARGE_SEND_BUFFER_BYTES = 256 * 1024;
+
         @Override
         public InetSocketAddress peer() throws IOException {
             return (InetSocketAddress) channel.getRemoteAddress();
@@ -63,6 +72,11 @@ interface Wire extends ByteChannel {
             channel.setOption(StandardSocketOptions.TCP_NODELAY, true);
             channel.setOption(StandardSocketOptions.SO_SNDBUF, SEND_BUFFER_BYTES);
             return loop.register(channel, SelectionKey.OP_READ, handler);
+        }
+
+        @Override
+        public void expectMuch() throws IOException {
+            channel.setOption(StandardSocketOptions.SO_SNDBUF, LARGE_SEND_BUFFER_BYTES);
         }
 
         @Override
