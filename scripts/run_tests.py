@@ -293,6 +293,8 @@ def main():
     if given.failed:
         failed = failed_parts(reports)
         parts = {room: failed[room] for room in parts if room in failed}
+        if not parts:
+            print("reve: no test failed in the last run, or there was none", file=sys.stderr)
     rooms = [room for room in ROOMS if room in parts]
     shutil.rmtree(reports, ignore_errors=True)
     for room in rooms:

@@ -295,7 +295,7 @@ public final class AgentServer implements AutoCloseable {
         return writers.pen();
     }
 
-    /** Who does not read what was written to it. */
+    /** The connections that do not read what was written to them. */
     SlowReaders<Connection> slowReaders() {
         return slowReaders;
     }

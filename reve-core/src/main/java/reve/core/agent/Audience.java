@@ -146,7 +146,7 @@ final class Audience {
         }
     }
 
-    /** Whether somebody is in lock-step. */
+    /** Whether any member is in lock-step. */
     boolean hasLockStep() {
         return hasLockStep;
     }

@@ -10,14 +10,14 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * Shares the event loop's time among those who perceive in real time, so that what some perceive at
- * great cost comes later, and not what the others perceive. Each token has an account, and each
- * session without a token has one. What perceptions cost, to find them and to write them, is
- * charged to it, and equal shares of the time that passes pay it off. Who has no debts and
- * perceives cheaply is served at once; the others, the least indebted first, in slices of time
- * between which the event loop does its other work. Who is in lock-step is charged, too, but served
- * at once: the world waits. See docs/decisions/0006. The event loop's thread, but for {@link
- * Cost#wrote}.
+ * Shares the event loop's time among the sessions that perceive in real time, so that costly
+ * perceptions of some do not delay the perceptions of others. Each token has an account, and so has
+ * each session without a token. The time to find and to write perceptions is charged to the
+ * account; equal shares of the time that passes reduce it. A session without debts whose
+ * perceptions are cheap is served at once. The other sessions wait and are served in slices of
+ * time, the least indebted first; between two slices the event loop does its other work. Sessions
+ * in lock-step are charged, too, but served at once, because the world waits for them. See
+ * docs/decisions/0006. The event loop's thread, but for {@link Cost#wrote}.
  *
  * @param <C> who perceives
  */

@@ -103,11 +103,6 @@ final class Publisher {
         wake.run();
     }
 
-    /** True if there may be something to tell. */
-    boolean hasNews() {
-        return news;
-    }
-
     /** True if there is something to tell, or somebody waits to perceive; event loop's thread. */
     boolean hasWork() {
         return news || owesPerceptions;
