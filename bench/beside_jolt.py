@@ -1,65 +1,46 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What benchmarks beside Jolt share: building both sides, and samples taken in turn."""
+"""Shared code of the benchmarks with Jolt: builds both sides, and takes samples in turn."""
 
 import json
 import statistics
 import subprocess
 import zipfile
-from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
-OUT = ROOT / "build/bench"
-JOLT = OUT / "jolt"
+import harness
 
-
-def shell(*command):
-    subprocess.run([str(part) for part in command], check=True)
+JOLT = harness.OUT / "jolt"
 
 
-def build(name, laws):
-    """Builds the engine, laws and bench/NAME as they ship; returns the program and the laws'
-    folder."""
+class Sides:
+    """Both programs of a benchmark. Checks the requirements first, then builds the programs."""
 
-    def cmake(folder, source, *options, targets=()):
-        shell(
-            "cmake",
-            "-S",
-            ROOT / source,
-            "-B",
-            OUT / folder,
-            "-G",
-            "Ninja",
-            "-DCMAKE_BUILD_TYPE=RelWithDebInfo",
-            "-DBUILD_TESTING=OFF",
-            *options,
-        )
-        shell("cmake", "--build", OUT / folder, *(f"--target={t}" for t in targets))
-
-    cmake("vesper", "vesper-native")
-    found = f"-DVesper_DIR={OUT}/vesper"
-    cmake("vesper-laws", "laws", found, targets=[f"vesper_law_{law}" for law in laws])
-    cmake(name, f"bench/{name}", found)
-    return [OUT / name / f"{name}_bench", OUT / "vesper-laws/lib"]
+    def __init__(self, name, laws, peer):
+        harness.need("mvn", "maven")
+        java = harness.java_home() / "bin"
+        harness.build(name, laws)
+        self.vesper = [harness.OUT / name / f"{name}_bench", harness.LAWS]
+        self.jolt = build_jolt(java, peer)
 
 
-def build_jolt(program):
+def build_jolt(java, program):
     """Fetches jolt-jni and compiles bench/peers/jolt/PROGRAM.java; returns its command."""
-    shell(
+    peers = harness.ROOT / "bench/peers/jolt"
+    harness.shell(
         "mvn",
         "-q",
         "dependency:copy-dependencies",
         f"-DoutputDirectory={JOLT}/jars",
         "-f",
-        ROOT / "bench/peers/jolt/pom.xml",
+        peers / "pom.xml",
     )
     (jar,) = (j for j in (JOLT / "jars").glob("jolt-jni-*.jar") if "Release" not in j.name)
     (native,) = (JOLT / "jars").glob("jolt-jni-*-ReleaseSp.jar")
     with zipfile.ZipFile(native) as archive:
         (name,) = (n for n in archive.namelist() if n.endswith(".so"))
         library = archive.extract(name, JOLT)
-    shell("javac", "-cp", jar, "-d", JOLT / "classes", ROOT / f"bench/peers/jolt/{program}.java")
+    harness.shell(java / "javac", "-cp", jar, "-d", JOLT / "classes", peers / f"{program}.java")
     return [
-        "java",
+        java / "java",
         "--enable-native-access=ALL-UNNAMED",
         "-cp",
         f"{jar}:{JOLT}/classes",
@@ -69,19 +50,20 @@ def build_jolt(program):
 
 
 def sample(commands, rounds):
-    """Runs the commands (by name) in turn; what each printed, as dictionaries."""
+    """Runs the commands (by name) in turn; returns what each printed, as dictionaries."""
     samples = {name: [] for name in commands}
     for _ in range(rounds):
         for name, command in commands.items():
-            out = subprocess.run(
-                [str(part) for part in command],
-                check=True,
-                text=True,
-                stdout=subprocess.PIPE,
-                stderr=subprocess.DEVNULL,
-            ).stdout
-            samples[name].append(json.loads(out))
+            samples[name].append(run(command))
     return samples
+
+
+def run(command):
+    command = [str(part) for part in command]
+    done = subprocess.run(command, text=True, capture_output=True)
+    if done.returncode != 0:
+        harness.fail(f"{' '.join(command)} failed with exit code {done.returncode}: {done.stderr}")
+    return json.loads(done.stdout)
 
 
 def quartiles(values):
@@ -91,9 +73,11 @@ def quartiles(values):
 
 
 def table_rows(samples, digits=0, largest=None):
-    """Median and quartiles of the frames per second of processor time of each; the first is the
-    peer that the others are compared with. `largest`: a share whose largest of all rounds is shown
-    too."""
+    """Returns rows with median and quartiles of the frames per second of processor time.
+
+    The first sample is the peer with which the others are compared. `largest` names a share whose
+    maximum over all rounds is also shown.
+    """
     speeds = {
         name: [run["framesPerProcessorSecond"] for run in runs] for name, runs in samples.items()
     }

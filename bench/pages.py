@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The pages in bench/results: a heading, where and by what it was measured, and a table."""
+"""Pages in bench/results: a heading, machine and command of the measurement, and a table."""
 
 import os
 import platform
@@ -13,13 +13,13 @@ def cells(line):
 
 
 def table(text):
-    """The table in a text: the cells of its heading, and of its rows."""
+    """Returns the table in a text: the cells of its heading, and those of its rows."""
     lines = [cells(line) for line in text.splitlines() if line.startswith("|")]
     return (lines[0], lines[2:]) if lines else ([], [])
 
 
 def read(file):
-    """The table of a page."""
+    """Returns the table of a page."""
     return table((RESULTS / file).read_text())
 
 
@@ -30,10 +30,25 @@ def cpu():
     return f"{platform.machine()}, {os.cpu_count()} cores visible"
 
 
+def show(text):
+    """Prints the table of a short form, which is not stored as a result."""
+    print(text.rstrip("\n"))
+    print("\nThese are figures of the short form; no page was written.")
+
+
+def put(file, text):
+    """Writes a whole page and prints it."""
+    RESULTS.mkdir(exist_ok=True)
+    (RESULTS / file).write_text(text)
+    print(text)
+
+
 def write(file, title, script, text, note=""):
-    """Writes a page with the table in `text`. Rows of the page that is there stay, if they were
-    measured on the same processor, have the same columns and their first cell is not in the new
-    table: so sizes can be measured one at a time. These first cells are numbers."""
+    """Writes a page with the table in `text`.
+
+    Keeps a row of the existing page if it was measured on the same processor, has the same columns,
+    and its first cell, a number, is not in the new table. So sizes can be measured separately.
+    """
     page = RESULTS / file
     heading, rows = table(text)
     about = f"CPU: {cpu()}.{note}"
@@ -44,14 +59,14 @@ def write(file, title, script, text, note=""):
             rows += [row for row in old_rows if row[0] not in measured]
             rows.sort(key=lambda row: float(row[0]))
     names = text.splitlines()[:2]
-    RESULTS.mkdir(exist_ok=True)
-    page.write_text(
+    put(
+        file,
         "\n".join(
             [
                 f"# {title}",
                 "",
-                f"Written by `{script}`; what the figures mean stands in "
-                "[docs/benchmarks.md](../../docs/benchmarks.md).",
+                f"Written by `{script}`. [docs/benchmarks.md](../../docs/benchmarks.md) explains the "
+                "figures.",
                 "",
                 about,
                 "",
@@ -59,6 +74,5 @@ def write(file, title, script, text, note=""):
                 *(f"| {' | '.join(row)} |" for row in rows),
                 "",
             ]
-        )
+        ),
     )
-    print(page.read_text())

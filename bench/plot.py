@@ -1,20 +1,18 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Draws bench/results/speed.png from the tables in bench/results: how many times as fast as the
-peer a row is; and writes the README's table, the least and the most of each. Needs Matplotlib
-(Debian: python3-matplotlib)."""
+"""Draws bench/results/speed.png from the tables in bench/results, and writes the README's table.
 
-import matplotlib
+A bar is the speed of a row relative to its peer. The table contains the minimum and maximum of each
+page. Needs Matplotlib.
+"""
+
+import harness
 import pages
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
 
 README = pages.RESULTS.parents[1] / "README.md"
 MARKS = "<!-- from here on by bench/plot.py -->\n", "<!-- until here -->\n"
 
-# Page, what it is about, what it is compared with, column of the ratio, columns that name a row,
-# rows that are drawn.
+# Page, subject, peer, column of the ratio, columns that name a row, rows to draw.
 TABLES = [
     (
         "all_pairs.md",
@@ -76,7 +74,7 @@ TABLES = [
 
 
 def measured():
-    """Page, subject, peer, name and ratio of each row that is drawn."""
+    """Yields page, subject, peer, name and ratio of each row to draw."""
     for file, subject, peer, column, names, drawn in TABLES:
         heading, rows = pages.read(file)
         for row in (dict(zip(heading, cells)) for cells in rows):
@@ -92,7 +90,16 @@ def measured():
                 yield file, subject, peer.format(side=row.get("side")), name, float(row[column])
 
 
-def draw(rows):
+def draw(rows, picture):
+    try:
+        import matplotlib
+    except ImportError:
+        harness.fail(
+            "Matplotlib is missing; install it with: sudo apt-get install python3-matplotlib"
+        )
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
     files = list(dict.fromkeys(file for file, *_ in rows))
     labels = [
         f"{file[:-3].replace('_', ' ')}: {name}\nnext to {peer}" for file, _, peer, name, _ in rows
@@ -108,7 +115,8 @@ def draw(rows):
     axes.margins(y=0.01)
     axes.invert_yaxis()
     axes.set_xlabel("times as fast as the peer")
-    figure.savefig(pages.RESULTS / "speed.png", dpi=90)
+    picture.parent.mkdir(parents=True, exist_ok=True)
+    figure.savefig(picture, dpi=90)
 
 
 def write_table(rows):
@@ -125,9 +133,14 @@ def write_table(rows):
 
 
 def main():
+    options = harness.arguments(__doc__, "draws build/bench/speed.png and leaves the README")
+    chosen = options.parse_args()
     rows = list(measured())
-    draw(rows)
-    write_table(rows)
+    picture = (harness.OUT if chosen.quick else pages.RESULTS) / "speed.png"
+    draw(rows, picture)
+    print(picture)
+    if not chosen.quick:
+        write_table(rows)
 
 
 if __name__ == "__main__":

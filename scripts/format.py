@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Formats the sources, or with --check says which of them a formatter would change.
+"""Formats the sources; with --check, lists the files that a formatter would change.
 
     format.py ROOT [--check] [--report REPORT.xml]
 
-Java by google-java-format (`--aosp`), C and C++ by clang-format (`.clang-format`), Python by ruff
-(`ruff.toml`); shell scripts are checked by shellcheck, which changes nothing. `./reve format` calls
-it when the formatters are there: REVE_TOOLS is a Python environment with clang-format and ruff,
-build/formatter-class-path.txt names google-java-format. --report leaves a JUnit report with one test
-for each formatter. Exits with 1 if something is left to do.
+Formats Java with google-java-format (`--aosp`), C and C++ with clang-format (`.clang-format`),
+Python with ruff (`ruff.toml`), and checks shell scripts with shellcheck, which changes nothing.
+`./reve format` calls this script when the formatters are installed: REVE_TOOLS is a Python
+environment with clang-format and ruff, build/formatter-class-path.txt contains google-java-format.
+--report writes a JUnit report with one test for each formatter. Exits with 1 if a file still needs
+changes.
 """
 
 import argparse
@@ -23,7 +24,7 @@ COMPILER_PACKAGES = ["api", "code", "file", "parser", "tree", "util"]
 
 
 def sources(root, *endings):
-    """The files of the project with these endings: those Git knows, and new ones."""
+    """Returns the files of the project with these endings: tracked and new ones."""
     listing = subprocess.run(
         ["git", "-C", root, "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
         stdout=subprocess.PIPE,
@@ -65,7 +66,7 @@ def google_java_format(root, *arguments):
             class_path,
             "com.google.googlejavaformat.java.Main",
             "--aosp",
-            "--skip-reflowing-long-strings",  # fails at escapes of surrogate pairs
+            "--skip-reflowing-long-strings",  # fails on escapes of surrogate pairs
             *arguments,
             f"@{files}",
         ]

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs the tests of rooms, two suites at a time, and prints, last, `N passed, N failed`.
+"""Runs the tests of rooms, two suites at a time; the last line is `N passed, N failed`.
 
     run_tests.py ROOT [--quick] [--failed] [ROOM[/PART] ...]
 
-`./reve test` calls it when everything is built; without rooms it runs all of them. A PART narrows a
-room: of Java a piece of a class name, or CLASS#METHOD; of the native rooms a piece of a test's name
-or the folder of a law; of Python a file, or FILE::CLASS::TEST. --quick leaves out what is slow
-(`slow` below); --failed runs again what failed in the last run. Reports in JUnit's format are left in
-build/reports/tests, one folder for each room, with each program's output beside them.
+`./reve test` calls this script after the build; without rooms it runs all of them. A PART selects
+tests of a room: in Java, a part of a class name, or CLASS#METHOD; in the native rooms, a part of a
+test's name or the folder of a law; in Python, a file, or FILE::CLASS::TEST. --quick skips slow
+tests (`slow` below); --failed repeats the tests that failed in the last run. JUnit reports are in
+build/reports/tests, one folder for each room, with the output of each program beside them.
 """
 
 import argparse
@@ -28,16 +28,17 @@ JAVA_ROOMS = ["reve-core", "reve-pe-adapter", "reve-worlds", "agents-java", "tes
 NATIVE_ROOMS = {"vesper-native": "build/native", "laws": "build/native/laws-build"}
 ROOMS = [*NATIVE_ROOMS, *JAVA_ROOMS, "python", "format"]
 
-# What --quick leaves out. In Java and Python the tests themselves say so: @Tag("slow"), mark slow.
+# Tests that --quick skips. In Java and Python the tests are marked: @Tag("slow"), mark slow.
 SLOW_NATIVE = "opencl|OpenCl|OnADevice|NBodyWorld|/threads"
 
-# The classes of these rooms start servers and wait for them; several JVMs run them side by side.
+# The classes of these rooms start servers and wait for them. They are divided into this number of
+# batches, which several JVMs run concurrently.
 BATCHED = {"tests": 10}
 
 AT_ONCE = 2
 PROGRESS_SECONDS = 20
 
-# A test that ended, as ctest, JUnit's feed and pytest print it.
+# A finished test, as printed by ctest, JUnit's feed and pytest.
 ENDED = re.compile(
     r"^\s*\d+/\d+ Test +#\d+: .*?(?P<ctest>Passed|\*\*\*\w+)"
     r"|:: (?P<junit>SUCCESSFUL|FAILED|SKIPPED)\s*$"
@@ -48,7 +49,7 @@ GOOD = {"Passed", "SUCCESSFUL", "PASSED", "SKIPPED", "***Skipped"}
 
 @dataclass
 class Suite:
-    """One program that runs tests: its command, where its output goes, and what ended so far."""
+    """One test program: its command, the file of its output, and its finished tests so far."""
 
     name: str
     command: list
@@ -59,7 +60,7 @@ class Suite:
 
 
 class Plan:
-    """Makes the suites of the rooms that are asked for."""
+    """Creates the suites of the selected rooms."""
 
     def __init__(self, root, quick):
         self.root = root
@@ -175,7 +176,8 @@ class Plan:
                 "-ea",
                 "--enable-native-access=ALL-UNNAMED",
                 "-XX:+RestoreMXCSROnJNICalls",
-                "--sun-misc-unsafe-memory-access=allow",  # of msgpack-core, and of protobuf in CEL
+                "--sun-misc-unsafe-memory-access=allow",  # required by msgpack-core, and by
+                # protobuf in CEL
                 "-Dreve.check.thread=true",
                 f"-Dreve.native.path={self.root}/build/native",
                 f"-Dreve.root={self.root}",
@@ -198,13 +200,13 @@ class Plan:
 
 
 def method_pattern(part):
-    """What JUnit compares with CLASS#METHOD(PARAMETERS), where CLASS may be a nested one."""
+    """Returns what JUnit compares with CLASS#METHOD(PARAMETERS); CLASS may be a nested class."""
     name, _, method = part.replace("/", ".").partition("#")
     return f".*{re.escape(name)}.*#{re.escape(method)}" + (r"\(.*" if method else ".*")
 
 
 class Runner:
-    """Runs suites on threads of its own and tells on stderr how far they are."""
+    """Runs suites on their own threads and prints the progress to stderr."""
 
     def __init__(self, suites):
         self.waiting = queue.SimpleQueue()
@@ -268,7 +270,8 @@ class Runner:
 
 
 def failed_parts(reports):
-    """By room, what failed in the last run. A room that left no report is run again whole."""
+    """Returns, by room, the tests that failed in the last run; a room without a report runs
+    completely."""
     failed = {}
     for room in ROOMS:
         if (reports / room).exists():
@@ -300,7 +303,7 @@ def main():
     for room in rooms:
         (reports / room).mkdir(parents=True)
     plan = Plan(given.root, given.quick)
-    # What takes longest comes first, so that the two threads end together.
+    # Long suites come first, so that both threads end at about the same time.
     suites = [suite for room in reversed(rooms) for suite in plan.suites(room, parts[room])]
     Runner(suites).run()
     return test_summary.report(reports, rooms)

@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Builds the engine and the laws with sanitizers, runs their GoogleTests, and prints, last,
+# Builds the engine and the laws with sanitizers and runs their GoogleTests. The last line is
 # `N passed, N failed`:
 #
 #     scripts/sanitize.sh
 #
-# Two builds: address with undefined behaviour, and thread. Their output is kept in
-# build/reports/sanitize/. A finding of a sanitizer fails the test that it was made in.
+# There are two builds: address with undefined behaviour, and thread. Their output is in
+# build/reports/sanitize/. A finding of a sanitizer fails the test in which it occurred.
 set -euo pipefail
 root=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd)
 reports=$root/build/reports/sanitize
@@ -14,10 +14,10 @@ jobs=$(nproc)
 
 say() { printf '%s\n' "reve: $*" >&2; }
 
-# build NAME SANITIZERS: the engine and the laws in build/sanitize-NAME.
+# build NAME SANITIZERS: builds the engine and the laws in build/sanitize-NAME.
 build() {
   local out=$root/build/sanitize-$1 flags="-fsanitize=$2 -fno-sanitize-recover=all -fno-omit-frame-pointer"
-  # -O1: a sanitizer sees the same, and the compiler is done sooner.
+  # -O1: sanitizers find the same faults, and compilation is faster.
   local debug=(-DCMAKE_BUILD_TYPE=Debug "-DCMAKE_C_FLAGS_DEBUG=-O1 -g1" "-DCMAKE_CXX_FLAGS_DEBUG=-O1 -g1")
   cmake -S "$root/vesper-native" -B "$out/engine" -G Ninja "${debug[@]}" -DVESPER_SANITIZE="$2" &&
   cmake --build "$out/engine" -- -j"$jobs" &&
@@ -26,10 +26,10 @@ build() {
   cmake --build "$out/laws" -- -j"$jobs"
 }
 
-# run_tests NAME SANITIZERS ROOM: the tests of build/sanitize-NAME/ROOM, into a JUnit report. Without
-# those on an OpenCL device: its driver is a compiler with threads, built without sanitizers. Without
-# the law that races on purpose where it is the sanitizer that would end it, before the test kit does.
-# What a test builds outside the tree (new-law) takes its sanitizer from CXXFLAGS.
+# run_tests NAME SANITIZERS ROOM: runs the tests of build/sanitize-NAME/ROOM and writes a JUnit
+# report. Skips tests on an OpenCL device: its driver is a compiler with threads, built without
+# sanitizers. Skips the law with a deliberate race if the sanitizer would end it before the test kit
+# does. Projects that a test builds outside the tree (new-law) take the sanitizer from CXXFLAGS.
 run_tests() {
   local except='opencl|OpenCl|OnADevice|NBodyWorld'
   [ "$1" != thread ] || except+='|FailsItsCheck/threads'
@@ -53,9 +53,9 @@ check() { # NAME SANITIZERS
 
 rm -rf "$reports"
 mkdir -p "$reports"
-# Mesa, which draws for the renderer, has threads of its own and is built without the sanitizer, which
-# therefore sees what Mesa copies but not its locks. So it is with what TBB itself copies and frees;
-# what runs on its threads is checked, see vesper-native/src/thread_sanitizer.hpp.
+# Mesa, which draws for the renderer, has its own threads and is built without the sanitizer. The
+# sanitizer therefore sees Mesa's copies but not its locks. The same holds for copies and frees in
+# TBB. Code that runs on TBB's threads is checked, see vesper-native/src/thread_sanitizer.hpp.
 printf '%s\n' race:libOSMesa.so called_from_lib:libtbb.so > "$reports/thread.supp"
 export TSAN_OPTIONS="suppressions=$reports/thread.supp"
 check address address,undefined

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Adds up JUnit reports and prints, last, `N passed, N failed`.
+"""Adds up JUnit reports; the last line is `N passed, N failed`.
 
     test_summary.py FOLDER ROOM...
 
-Each ROOM is a report FOLDER/ROOM.xml or a folder of reports FOLDER/ROOM/. A room that left no test
-in a report counts as one failure: a build that broke must not read as passed.
+Each ROOM is a report FOLDER/ROOM.xml or a folder of reports FOLDER/ROOM/. A room without any test
+in a report counts as one failure, because a failed build must not count as passed.
 """
 
 import sys
@@ -15,7 +15,7 @@ from pathlib import Path
 
 @dataclass
 class Case:
-    """One test: `part` is what `./reve test ROOM/PART` takes to run it alone."""
+    """One test case; `part` is the argument of `./reve test ROOM/PART` that runs it alone."""
 
     name: str
     part: str
@@ -35,7 +35,7 @@ def cases(room):
 def case(element):
     name, owner, file = (element.get(key, "") for key in ("name", "classname", "file"))
     if file:  # pytest
-        # Classes, if there are any, come after the module's name.
+        # Class names, if any, follow the module's name.
         inside = [piece for piece in owner.split(".")[1:] if piece]
         full, part = f"{file}::{name}", "::".join([file, *inside, name.split("[")[0]])
     elif not owner or owner == name:  # ctest
@@ -45,7 +45,9 @@ def case(element):
         part = f"{owner.split('.')[-1].split('$')[0]}#{name.split('(')[0]}"
     bad = [child for child in element if child.tag in ("failure", "error")]
     if bad:
-        text = "\n".join((e.get("message") or "") + "\n" + (e.text or "") for e in bad)
+        # ctest reports only that a test failed; why stands in what the test printed.
+        said = bad if owner and owner != name else [*bad, *element.iter("system-out")]
+        text = "\n".join((e.get("message") or "") + "\n" + (e.text or "") for e in said)
         return Case(full, part, "failed", text.strip())
     if any(child.tag == "skipped" for child in element):
         return Case(full, part, "skipped", "")

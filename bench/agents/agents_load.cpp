@@ -6,9 +6,9 @@
 //   agents_load stream    PORT CLIENTS SECONDS json|msgpack
 //   agents_load deaf      PORT CLIENTS 0       json|msgpack
 //
-// Client n is called a<n>, asks for the body a<n>, and pushes the item p<n>. CLIENTS is how many
-// there are, or FIRST+COUNT. Prints one JSON object, but for those that are deaf: they only ask,
-// and stay until the program's standard input ends.
+// Client n has the name a<n>, requests the body a<n>, and pushes the item p<n>. CLIENTS is the
+// number of clients, or FIRST+COUNT. Prints one JSON object, except in mode deaf: these clients
+// only send requests, never read, and stay until the program's standard input ends.
 
 #include <arpa/inet.h>
 #include <netinet/tcp.h>
@@ -49,7 +49,7 @@ double Now() {
   throw std::runtime_error(what + (errno != 0 ? ": " + std::string(std::strerror(errno)) : ""));
 }
 
-// MessagePack of what clients say: texts of up to 31 bytes, small numbers.
+// MessagePack encoders for the messages of clients: texts of up to 31 bytes, small numbers.
 Bytes Text(std::string_view text) { return char(0xa0 | text.size()) + Bytes(text); }
 
 Bytes Number(uint64_t number) {
@@ -64,7 +64,7 @@ Bytes Framed(const Bytes& message) {
   return bytes + message;
 }
 
-/// One client and what it has been sent of a message that is not whole yet.
+/// One client, with the received part of an incomplete message.
 class Client {
  public:
   Client(int id, int port, bool packed, int receive_bytes) : id_(id), packed_(packed) {
@@ -105,7 +105,7 @@ class Client {
                  : "{\"t\":\"perceive\",\"every\":1}\n");
   }
 
-  /// Pushes its item, and is done with the frame.
+  /// Pushes its item, and ends its part of the frame.
   void Act() {
     const std::string item = "p" + std::to_string(id_);
     acts_++;
@@ -119,7 +119,7 @@ class Client {
     }
   }
 
-  /// Reads what is there, waiting if nothing is. Returns the bytes read.
+  /// Reads available bytes, and waits if there are none. Returns the number of bytes read.
   size_t Read() {
     char bytes[kReadBytes];
     errno = 0;
@@ -131,7 +131,7 @@ class Client {
     return size_t(count);
   }
 
-  /// Takes the whole messages out of what was read. Returns how many of them were perceptions.
+  /// Removes whole messages from the input. Returns how many of them were perceptions.
   int TakePerceptions() {
     int perceptions = 0;
     size_t begin = 0;
@@ -149,15 +149,15 @@ class Client {
     return perceptions;
   }
 
-  /// Takes bytes that mean nothing. Returns true when as many have come as that.
+  /// Discards bytes. Returns true when this number of bytes has arrived.
   bool TakeEcho(size_t bytes) {
     if (pending_.size() < bytes) return false;
     pending_.clear();
     return true;
   }
 
-  double since = 0;       ///< When it last sent or, of a stream, last perceived [s].
-  double world_time = 0;  ///< Of what it last perceived [s].
+  double since = 0;       ///< Time of the last send or, for a stream, of the last perception [s].
+  double world_time = 0;  ///< World time of the last perception [s].
 
  private:
   std::string_view Next(size_t& begin) const {
@@ -174,13 +174,14 @@ class Client {
     return rest.substr(0, size);
   }
 
-  /// Whether the message begins with that type, as the server's messages do.
+  /// Returns true if the message of the server has this type.
   bool Is(std::string_view message, std::string_view type) const {
     return message[0] == '{' ? message.substr(6, type.size()) == type
                              : message.substr(8, type.size()) == type;
   }
 
-  /// Behind the first key `time`: a number of JSON, or a 64-bit float of MessagePack.
+  /// Returns the value after the first key `time`: a number in JSON, or a 64-bit float in
+  /// MessagePack.
   double WorldTime(std::string_view message) const {
     const char* key = message.data() + message.find("time") + 4;
     if (!packed_) return std::strtod(key + 2, nullptr);
@@ -312,7 +313,7 @@ class Load {
     double median = Quantile(samples_, 0.5) * 1e6;
     double p99 = Quantile(samples_, 0.99) * 1e6;
     double late_p99 = 0;
-    if (wanted_.mode == "stream") {  // how far from the pace of the frames
+    if (wanted_.mode == "stream") {  // deviation from the frame interval
       for (float& sample : samples_) sample = float(std::abs(double(sample) - kFrameSeconds));
       median = Quantile(samples_, 0.5) * 1e6;
       p99 = Quantile(samples_, 0.99) * 1e6;
@@ -335,10 +336,10 @@ class Load {
   std::vector<Client> clients_;
   Bytes echo_;
   std::vector<float> samples_;
-  std::vector<double> behind_;  ///< Of each perception of a stream: clock less world time [s].
+  std::vector<double> behind_;  ///< For each perception of a stream: clock minus world time [s].
   uint64_t bytes_ = 0;
   double begun_ = 0;
-  std::vector<double> slices_;  ///< Samples a second in each half second since the beginning.
+  std::vector<double> slices_;  ///< Samples per second in each half second since the beginning.
   double slice_begun_ = 0;
   uint64_t slice_count_ = 0;
   int epoll_ = -1;

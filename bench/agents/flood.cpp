@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // One client that floods a server on loopback, in one thread; see docs/benchmarks.md.
 //
-//   flood connects PORT RATE SECONDS BODY   connections that say nothing, a second; every other
-//                                           one is left open, until there are 1,000
-//   flood logins   PORT RATE SECONDS BODY   observers that come, a second; the last 1,000 stay
-//   flood pings    PORT RATE SECONDS BODY   messages of one agent with that body, a second
-//   flood acts     PORT RATE SECONDS BODY   the same, each a push of the item p<n> by the body a<n>
-//   flood sink     PORT                     a server that answers what it reads, whatever that is
+//   flood connects PORT RATE SECONDS BODY   silent connections per second; every other one stays
+//                                           open, up to 1,000
+//   flood logins   PORT RATE SECONDS BODY   observers that join per second; the last 1,000 stay
+//   flood pings    PORT RATE SECONDS BODY   messages per second of one agent with that body
+//   flood acts     PORT RATE SECONDS BODY   acts per second: the body a<n> pushes the item p<n>
+//   flood sink     PORT                     a server that answers any input
 //
-// An agent comes again at once when it is cut. Prints one JSON object.
+// An agent reconnects at once when the server disconnects it. Prints one JSON object.
 
 #include <arpa/inet.h>
 #include <fcntl.h>
@@ -31,8 +31,8 @@
 namespace {
 
 constexpr size_t kLeftOpen = 1000;
-constexpr size_t kBatchBytes = 1 << 16;  ///< Written at once.
-constexpr double kPauseSeconds = 1e-3;   ///< How long it sleeps when it is ahead of its rate.
+constexpr size_t kBatchBytes = 1 << 16;  ///< Size of one write [B].
+constexpr double kPauseSeconds = 1e-3;   ///< Sleep time when the flood is ahead of its rate [s].
 
 double Now() {
   using std::chrono::steady_clock;
@@ -51,7 +51,7 @@ sockaddr_in Loopback(int port) {
   return address;
 }
 
-/// A socket that leaves nothing behind in the system when it is closed, and so no port short.
+/// A socket that leaves no state in the system when it is closed, so that ports do not run out.
 class Connection {
  public:
   explicit Connection(int port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
@@ -71,13 +71,13 @@ class Connection {
 
   void DoNotBlock() const { fcntl(socket_, F_SETFL, O_NONBLOCK); }
 
-  /// Returns how many of the bytes were taken; -1 when the server has ended the connection.
+  /// Returns the number of bytes accepted; -1 if the server has ended the connection.
   ssize_t Write(const char* bytes, size_t size) const {
     const ssize_t count = send(socket_, bytes, size, MSG_NOSIGNAL);
     return count >= 0 ? count : errno == EAGAIN ? 0 : -1;
   }
 
-  /// Throws away what has come. Returns false when the server has ended the connection.
+  /// Discards received bytes. Returns false if the server has ended the connection.
   bool Drain() const {
     char bytes[kBatchBytes];
     ssize_t count = 0;
@@ -87,7 +87,7 @@ class Connection {
     return count > 0 || (count < 0 && errno == EAGAIN);
   }
 
-  /// Waits, for a while at most, until it can be written to.
+  /// Waits, up to a limit, until the socket is writable.
   void Await() const {
     pollfd wanted{socket_, POLLOUT | POLLIN, 0};
     poll(&wanted, 1, 10);
@@ -101,19 +101,19 @@ struct Wanted {
   std::string mode;
   int port;
   double rate;
-  double end;  ///< Of the flood [s].
+  double end;  ///< End of the flood [s].
   std::string body;
 };
 
-/// Of an agent in that body, or of an observer if there is none.
+/// Returns the hello of an agent in that body, or of an observer if `body` is empty.
 std::string Hello(uint64_t times, const std::string& body) {
   return "{\"t\":\"hello\",\"protocol\":1,\"name\":\"flood-" + std::to_string(times) + "\"," +
          (body.empty() ? "\"role\":\"observer\"" : "\"body\":\"" + body + "\"") + "}\n";
 }
 
-/// What it has done so far, and whether it may do more of it at its rate.
+/// Counts messages and limits their rate.
 struct Pace {
-  double rate;  ///< A second.
+  double rate;  ///< Messages per second.
   double begun = Now();
   uint64_t done = 0;
 
@@ -123,7 +123,7 @@ struct Pace {
   }
 };
 
-/// What a flood came to.
+/// Results of a flood.
 struct Flood {
   uint64_t done = 0;
   uint64_t connections = 0;
@@ -152,7 +152,7 @@ std::string Message(const Wanted& wanted, uint64_t id) {
          "\",\"action\":\"push\",\"arguments\":{\"impulse\":[0,0,1]}}\n";
 }
 
-/// One agent's messages until it is cut, or the time is over.
+/// Sends one agent's messages until the server disconnects it, or the time is over.
 void Send(const Connection& connection, const Wanted& wanted, Pace& pace) {
   std::string batch;
   uint64_t id = 0;

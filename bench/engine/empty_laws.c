@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/* LAWS force laws of empty body: what an engine spends on them is its own cost. */
+/* LAWS force laws with an empty body: the time measured is the cost of the engine. */
 #include "vesper/law.h"
 
 #define USE(property, components_, access_, unit_) \

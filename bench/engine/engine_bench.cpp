@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the engine itself costs per law and step: laws of empty body on 1,000 bodies, one thread,
-// next to one read of the columns that the engine has to check for NaN. Prints a table.
+// Measures the engine's own cost per law and step: laws with an empty body on 1,000 bodies, one
+// thread, compared with one read of the columns that the engine checks for NaN. Prints a table.
 #include <time.h>
 
 #include <algorithm>
@@ -18,12 +18,12 @@ namespace {
 
 constexpr uint64_t kRows = 1000;
 constexpr uint64_t kValues = 3 * kRows;
-constexpr int kRounds = 31;  // of A and B in turn
+constexpr int kRounds = 31;  // alternating between A and B
 constexpr double kRoundSeconds = 0.02;
 
 using Column = std::vector<double>;
 
-/// Processor time of this thread: what else runs on the machine does not count.
+/// Returns the processor time of this thread, which excludes other programs.
 double Now() {
   timespec time{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
@@ -37,7 +37,7 @@ double SecondsOf(Action&& action) {
   return Now() - start;
 }
 
-/// Repetitions that take about kRoundSeconds.
+/// Returns the number of repetitions that take about kRoundSeconds.
 template <class Action>
 uint32_t Calibrate(Action&& action) {
   uint32_t repetitions = 1;
@@ -56,7 +56,7 @@ struct Quartiles {
   }
 };
 
-/// Reads every value once, as fast as the cache gives it: no test can cost less.
+/// Reads every value once at cache speed, a lower bound for the cost of any test.
 [[gnu::noinline, gnu::optimize("O3")]] uint64_t Stream(const std::vector<Column>& columns) {
   using Lanes [[gnu::vector_size(16)]] = uint64_t;
   const auto read = [](const double* from) {
@@ -65,7 +65,7 @@ struct Quartiles {
     return lanes;
   };
   static_assert(kValues % 8 == 0);
-  Lanes a = {}, b = {}, c = {}, d = {};  // they need not wait for each other
+  Lanes a = {}, b = {}, c = {}, d = {};  // independent chains
   for (const Column& column : columns) {
     const double* values = column.data();
     for (uint64_t i = 0; i < kValues; i += 8) {
@@ -79,7 +79,7 @@ struct Quartiles {
   return all[0] | all[1];
 }
 
-/// An engine with `laws` empty laws over columns of its own.
+/// An engine with `laws` empty laws and its own columns.
 class EmptyWorld {
  public:
   explicit EmptyWorld(int laws) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A thousand icosahedra of springs and surfaces that fall on a ground and lie there, as frames of
-// 1/60 s per second. Prints a line of JSON; see docs/benchmarks.md.
+// Simulates a thousand icosahedra of springs and surfaces that fall on a ground and rest there.
+// Measures frames of 1/60 s per second. Prints a line of JSON; see docs/benchmarks.md.
 //   icosahedra_bench FOLDER_OF_LAWS si-f32|si-f64 THREADS [SPACING]
 #include <array>
 #include <chrono>
@@ -12,20 +12,18 @@
 #include <string>
 #include <vector>
 
+#include "icosahedron.hpp"
 #include "vesper/vesper.hpp"
 
 namespace {
 
+namespace icosahedron = vesper::icosahedron;
+
 constexpr int kIcosahedra = 1000;
 constexpr uint32_t kStepsPerFrame = 2;
 constexpr double kDt = 1.0 / 60 / kStepsPerFrame;  // [s]
-constexpr uint32_t kSettle = 60;                   // frames that are not timed
-constexpr uint32_t kFrames = 300;                  // that are
-
-constexpr std::array<std::array<uint32_t, 3>, 20> kFaces = {
-    {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
-     {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
-     {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}}};
+constexpr uint32_t kSettle = 60;                   // frames before the timed ones
+constexpr uint32_t kFrames = 300;                  // timed frames
 
 template <class Real>
 struct Icosahedra {
@@ -69,7 +67,8 @@ struct Icosahedra {
     return engine;
   }
 
-  /// Of all corners [m]: near 1, the radius, while they are whole and lie on the ground.
+  /// Returns the mean height of all corners [m]: near 1, the radius, while the bodies are intact
+  /// and on the ground.
   double MeanHeight() const {
     double sum = 0;
     for (size_t i = 3; i < mass.size(); ++i) sum += double{position[3 * i + 1]};
@@ -93,23 +92,13 @@ struct Icosahedra {
 
   void AddIcosahedron(double x, double y, double z) {
     const auto first = static_cast<uint32_t>(mass.size());
-    const double s = std::sqrt((5 - std::sqrt(5.0)) / 10), l = std::sqrt((5 + std::sqrt(5.0)) / 10);
-    for (int turn = 0; turn < 3; ++turn) {
-      for (int corner = 0; corner < 4; ++corner) {
-        const double p[3] = {corner % 2 == 0 ? -s : s, corner < 2 ? l : -l, 0};
-        AddBody(1, x + p[(3 - turn) % 3], y + p[(4 - turn) % 3], z + p[(5 - turn) % 3]);
-      }
-    }
-    for (const auto& face : kFaces) {
-      AddSurface(first, face);
-      for (int i = 0; i < 3; ++i) {
-        const uint32_t a = face[i], b = face[(i + 1) % 3];
-        if (a > b) continue;  // its other face adds it
-        endpoints.insert(endpoints.end(), {first + a, first + b});
-        length.push_back(Real(2 * s));
-        hooke.push_back(5000);
-        spring_damping.push_back(5);
-      }
+    for (const auto& p : icosahedron::Corners()) AddBody(1, x + p[0], y + p[1], z + p[2]);
+    for (const auto& face : icosahedron::kFaces) AddSurface(first, face);
+    for (const auto& [a, b] : icosahedron::Edges()) {
+      endpoints.insert(endpoints.end(), {first + a, first + b});
+      length.push_back(Real(2 * icosahedron::HalfEdge()));
+      hooke.push_back(5000);
+      spring_damping.push_back(5);
     }
   }
 };

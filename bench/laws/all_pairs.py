@@ -1,21 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""newton_gravitation through the engine next to a bare kernel, Numba and REBOUND, in turn.
+"""Compares newton_gravitation in the engine with a bare kernel, Numba and REBOUND, in turn.
 
-usage: all_pairs.py BENCH_PROGRAM FOLDER_OF_LAWS [BODIES...]
 Prints a table; see docs/benchmarks.md.
 """
-
-import sys
 
 import numba
 import numpy as np
 import rebound
-from sides import THREADS, Program, attract, errors, exact, in_turn, timed
+from sides import THREADS, Program, arguments, attract, errors, exact, in_turn, rounds, timed
 
 SOFTENING = 0.01
 LAWS = {"law": "newton_gravitation", "law, fast": "newton_gravitation fast=1"}
 KERNEL = "kernel for AVX-512"
-# A step of REBOUND takes minutes beyond that.
+# Maximum number of bodies; with more, a step of REBOUND takes minutes.
 MOST_FOR_REBOUND = 16384
 
 
@@ -39,17 +36,17 @@ def rebound_side(points):
     )
 
 
-def compare(program, laws, bodies, precision):
+def compare(given, bodies, precision):
     real = {"f32": np.float32, "f64": np.float64}[precision]
     points = np.random.default_rng(1).uniform(-1, 1, (bodies, 3)).astype(real)
     names = [*LAWS, KERNEL]
     peers = {"Numba": numba_side(points)}
     if precision == "f64" and bodies <= MOST_FOR_REBOUND:
         peers["REBOUND, 1 thread"] = rebound_side(points)
-    with Program(program, laws, precision, SOFTENING, points, *LAWS.values(), "kernel") as ours:
+    with Program(given, precision, SOFTENING, points, *LAWS.values(), "kernel") as ours:
         sides = {name: ours.side(k) for k, name in enumerate(names)}
         sides |= {name: run for name, (run, _) in peers.items()}
-        medians, others = in_turn(sides)
+        medians, others = in_turn(sides, **rounds(given, 5))
         found = dict(zip(names, ours.finish())) | {name: get() for name, (_, get) in peers.items()}
     rows = np.random.default_rng(3).choice(bodies, 100, replace=False)
     expected = exact(points, rows, SOFTENING, np.longdouble)
@@ -71,7 +68,7 @@ def compare(program, laws, bodies, precision):
 
 
 def main():
-    program, laws, *sizes = sys.argv[1:]
+    given = arguments(__doc__, (1536, 16384, 65536))
     numba.set_num_threads(THREADS)
     print(
         "| bodies | | side | steps/s | 10^9 interactions/s | error | law's ratio | "
@@ -79,9 +76,9 @@ def main():
         "|---:|---|---|---:|---:|---:|---:|---:|---:|---:|---:|",
         flush=True,
     )
-    for size in map(int, sizes or (1536, 16384, 65536)):
+    for size in given.bodies:
         for precision in ("f32", "f64"):
-            compare(program, laws, size, precision)
+            compare(given, size, precision)
 
 
 if __name__ == "__main__":

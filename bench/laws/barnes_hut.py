@@ -1,25 +1,22 @@
 # SPDX-License-Identifier: Apache-2.0
-"""barnes_hut_gravitation through the engine next to pytreegrav, in turn, at about equal errors.
+"""Compares barnes_hut_gravitation in the engine with pytreegrav, in turn, at similar errors.
 
-usage: barnes_hut.py BENCH_PROGRAM FOLDER_OF_LAWS [BODIES...]
 Prints a table; see docs/benchmarks.md.
 """
-
-import sys
 
 import numba
 import numpy as np
 import pytreegrav
-from sides import THREADS, Program, errors, exact, in_turn, timed
+from sides import THREADS, Program, arguments, errors, exact, in_turn, rounds, timed
 
 SOFTENING = 1e-4
-# pytreegrav's opening angle and whether it uses quadrupoles; the law's theta of about that error,
+# pytreegrav's opening angle and use of quadrupoles, and the law's theta with about the same error,
 # up to 100,000 bodies and beyond.
 CASES = [(0.7, False, (0.88, 0.78)), (0.5, True, (0.5, 0.48))]
 
 
 def plummer(bodies):
-    """Points of a Plummer sphere of radius 1 m, (bodies x 3)."""
+    """Returns points of a Plummer sphere of radius 1 m, (bodies x 3)."""
     random = np.random.default_rng(7)
     radius = 1 / np.sqrt(random.uniform(0.001, 0.99, bodies) ** (-2 / 3) - 1)
     direction = random.normal(size=(bodies, 3))
@@ -27,12 +24,12 @@ def plummer(bodies):
     return np.ascontiguousarray(direction * radius[:, None])
 
 
-def compare(program, laws, points, rows, expected, case):
+def compare(given, points, rows, expected, case):
     angle, quadrupole, thetas = case
     bodies = len(points)
     theta = thetas[bodies > 100_000]
     masses = np.full(bodies, 1 / bodies)
-    # Its softening is a cubic spline of this support, as soft in the middle as Plummer's.
+    # Its softening is a cubic spline with this support, as soft at the centre as Plummer's.
     softening = np.full(bodies, 2.8 * SOFTENING)
     peer = {}
 
@@ -49,13 +46,13 @@ def compare(program, laws, points, rows, expected, case):
 
     law = f"barnes_hut_gravitation theta={theta}"
     with (
-        Program(program, laws, "f32", SOFTENING, points, law) as single,
-        Program(program, laws, "f64", SOFTENING, points, law) as double,
+        Program(given, "f32", SOFTENING, points, law) as single,
+        Program(given, "f64", SOFTENING, points, law) as double,
     ):
-        accelerate()  # compiles
+        accelerate()  # triggers compilation
         medians, others = in_turn(
             {"f32": single.side(0), "f64": double.side(0), "peer": timed(accelerate)},
-            rounds=5 if bodies < 500_000 else 3,
+            **rounds(given, 5 if bodies < 500_000 else 3),
         )
         found = {"f32": single.finish()[0], "f64": double.finish()[0], "peer": peer["found"]}
     error = {side: np.median(errors(of, rows, expected)) for side, of in found.items()}
@@ -71,7 +68,7 @@ def compare(program, laws, points, rows, expected, case):
 
 
 def main():
-    program, laws, *sizes = sys.argv[1:]
+    given = arguments(__doc__, (100_000, 1_000_000))
     numba.set_num_threads(THREADS)
     print(
         "| bodies | law | its median error | pytreegrav's | law [1000 bodies/s] | "
@@ -79,12 +76,12 @@ def main():
         "|---:|---|---:|---:|---:|---:|---:|---:|---:|",
         flush=True,
     )
-    for size in map(int, sizes or (100_000, 1_000_000)):
+    for size in given.bodies:
         points = plummer(size)
         rows = np.random.default_rng(3).choice(size, 1000, replace=False)
         expected = exact(points, rows, SOFTENING)
         for case in CASES:
-            compare(program, laws, points, rows, expected, case)
+            compare(given, points, rows, expected, case)
 
 
 if __name__ == "__main__":

@@ -1,27 +1,24 @@
 # SPDX-License-Identifier: Apache-2.0
-"""barnes_hut_gravitation next to newton_gravitation, in turn, from few bodies to many.
+"""Compares barnes_hut_gravitation with newton_gravitation, in turn, from few bodies to many.
 
-usage: crossover.py BENCH_PROGRAM FOLDER_OF_LAWS [BODIES...]
 Prints a table; see docs/benchmarks.md.
 """
 
-import sys
-
 from barnes_hut import SOFTENING, plummer
-from sides import Program, in_turn
+from sides import Program, arguments, in_turn, rounds
 
 SIZES = (1000, 3000, 5000, 7000, 10_000, 30_000, 100_000, 300_000, 1_000_000)
-# Beyond it a step of all pairs in f64 takes minutes.
+# Maximum number of bodies in f64; with more, a step of all pairs takes minutes.
 MOST_IN_DOUBLE = 300_000
 
 
-def compare(program, laws, points, precision):
+def compare(given, points, precision):
     bodies = len(points)
     with Program(
-        program, laws, precision, SOFTENING, points, "barnes_hut_gravitation", "newton_gravitation"
+        given, precision, SOFTENING, points, "barnes_hut_gravitation", "newton_gravitation"
     ) as ours:
         sides = {"tree": ours.side(0), "pairs": ours.side(1)}
-        medians, others = in_turn(sides, rounds=9 if bodies < 100_000 else 1)
+        medians, others = in_turn(sides, **rounds(given, 9 if bodies < 100_000 else 1))
     (tree, tree_processor), (pairs, pairs_processor) = medians["tree"], medians["pairs"]
     print(
         f"| {bodies} | {precision} | {1000 * tree:.3g} | {1000 * pairs:.3g} | "
@@ -31,18 +28,18 @@ def compare(program, laws, points, precision):
 
 
 def main():
-    program, laws, *sizes = sys.argv[1:]
+    given = arguments(__doc__, SIZES)
     print(
         "| bodies | | barnes_hut_gravitation [ms/step] | newton_gravitation [ms/step] | ratio | "
         "ratio of processor time | others' processors |\n"
         "|---:|---|---:|---:|---:|---:|---:|",
         flush=True,
     )
-    for size in map(int, sizes or SIZES):
+    for size in given.bodies:
         points = plummer(size)
         for precision in ("f32", "f64"):
             if precision == "f32" or size <= MOST_IN_DOUBLE:
-                compare(program, laws, points, precision)
+                compare(given, points, precision)
 
 
 if __name__ == "__main__":

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ways to compute the gravitation of the same bodies, one beside the other.
+// Interchangeable implementations of gravitation for the same bodies.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@ namespace bench {
 
 inline constexpr uint32_t kThreads = 2;
 
-/// Bodies of equal mass, 1 kg together, with G = 1.
+/// Bodies of equal mass, total mass 1 kg, with G = 1.
 struct World {
   std::span<const double> position;  // (bodies x 3) [m]
   double softening;                  // [m]
@@ -22,12 +22,12 @@ class Side {
  public:
   virtual ~Side() = default;
   virtual void Run() = 0;
-  /// Accelerations of the last run, (bodies x 3) [m/s^2].
+  /// Returns the accelerations of the last run, (bodies x 3) [m/s^2].
   virtual std::vector<double> Accelerations() = 0;
 };
 
-/// A kernel tuned for AVX-512, without engine or law. Throws where the processor lacks AVX-512, or
-/// the number of bodies is no multiple of 64.
+/// Creates a kernel tuned for AVX-512, without engine or law. Throws if the processor lacks
+/// AVX-512, or the number of bodies is not a multiple of 64.
 std::unique_ptr<Side> MakeKernel(const World& world, bool single);
 
 }  // namespace bench

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Laws of gravitation through the engine, and a bare kernel, over the same bodies; see sides.py.
+// Runs laws of gravitation in the engine, and a bare kernel, on the same bodies; see sides.py.
 //   gravitation_bench FOLDER_OF_LAWS f32|f64 SOFTENING POSITIONS RESULT SIDE...
-// POSITIONS: a file of (bodies x 3) doubles [m]. SIDE: "kernel", or a law and perhaps one of its
-// parameters, "barnes_hut_gravitation theta=0.5". Each line of input, "SIDE CALLS" with the number
-// of a side, is answered with the seconds that a call took on the wall and of processor time. At
-// the end of its input writes (sides x bodies x 3) doubles, the accelerations, to RESULT.
+// POSITIONS: a file of (bodies x 3) doubles [m]. SIDE: "kernel", or a law with an optional
+// parameter, such as "barnes_hut_gravitation theta=0.5". Each input line is "SIDE CALLS" with the
+// number of a side. The program answers with the seconds per call in wall-clock and in processor
+// time. At the end of its input it writes the accelerations, (sides x bodies x 3) doubles, to
+// RESULT.
 #include <cstdlib>
 #include <exception>
 #include <fstream>
@@ -25,7 +26,7 @@ std::vector<double> ReadDoubles(const char* path) {
   return {values, values + bytes.size() / sizeof(double)};
 }
 
-/// A law, and newton_motion behind it.
+/// A law, followed by newton_motion.
 template <class Real>
 class Law : public bench::Side {
  public:
@@ -54,7 +55,7 @@ class Law : public bench::Side {
     engine_.LoadPhysicsLaw("newton_motion");
   }
 
-  /// A step so short that nothing moves: the other sides see the same places.
+  /// Runs a step so short that nothing moves, so that all sides use the same positions.
   void Run() override { engine_.Advance(1e-12); }
 
   std::vector<double> Accelerations() override {

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The OpenCL laws through the engine, next to the usual kernel without an engine; and mixed with a
-// law of the CPU, or with all arrays brought back, next to themselves. Prints a table.
-//   opencl_bench FOLDER_OF_LAWS [BODIES...]
+// Compares the OpenCL laws in the engine with the usual kernel without an engine. Also compares
+// them with themselves when mixed with a law of the CPU, or when all arrays are copied back. Prints
+// a table.
+//   opencl_bench FOLDER_OF_LAWS [--quick] [BODIES...]
 #include <cstdlib>
+#include <cstring>
 #include <initializer_list>
 #include <random>
 
@@ -14,7 +16,7 @@ namespace {
 
 constexpr float kSoftening = 0.01f;  // [m]
 
-/// Bodies of 1/n kg in a cube of 2 m.
+/// Bodies of mass 1/n kg in a cube of 2 m.
 class World {
  public:
   World(uint64_t n, const char* folder, std::initializer_list<const char*> laws)
@@ -39,13 +41,13 @@ class World {
     for (const char* law : laws) engine_.LoadPhysicsLaw(law);
   }
 
-  /// One frame: a step, and the positions come back.
+  /// Runs one frame: a step, and a copy of the positions to the host.
   void Advance() {
     engine_.Advance(1e-12);
     engine_.Synchronize({"position"});
   }
 
-  /// The same, and velocities and forces come back too.
+  /// Runs one frame, and copies velocities and forces too.
   void AdvanceAll() {
     engine_.Advance(1e-12);
     engine_.Synchronize();
@@ -70,11 +72,17 @@ void PrintRow(uint64_t n, const char* what, const bench::Comparison& result) {
 
 int main(int argc, char** argv) {
   if (argc < 2) {
-    std::fprintf(stderr, "usage: opencl_bench FOLDER_OF_LAWS [BODIES...]\n");
+    std::fprintf(stderr, "usage: opencl_bench FOLDER_OF_LAWS [--quick] [BODIES...]\n");
     return 2;
   }
   std::vector<uint64_t> sizes;
-  for (int i = 2; i < argc; ++i) sizes.push_back(std::strtoull(argv[i], nullptr, 10));
+  const bool quick = argc > 2 && std::strcmp(argv[2], "--quick") == 0;
+  for (int i = quick ? 3 : 2; i < argc; ++i) {
+    sizes.push_back(std::strtoull(argv[i], nullptr, 10));
+  }
+  const auto compare = [quick](auto&& a, auto&& b) {
+    return quick ? bench::SideBySide(a, b, 1, 0.02) : bench::SideBySide(a, b);
+  };
   if (sizes.empty()) sizes = {1536, 16384, 65536};
   std::printf(
       "| bodies | A, next to B | A, frames/s | B, frames/s | ratio | ratio of processor "
@@ -83,12 +91,11 @@ int main(int argc, char** argv) {
     World whole(n, argv[1], {"opencl_nbody"});
     World mixed(n, argv[1], {"opencl_gravitation", "newton_motion"});
     bench::SoaKernel kernel(whole.columns);
-    PrintRow(
-        n, "`opencl_nbody`, next to the bare kernel",
-        bench::SideBySide([&] { whole.Advance(); }, [&] { kernel.Run(kSoftening * kSoftening); }));
+    PrintRow(n, "`opencl_nbody`, next to the bare kernel",
+             compare([&] { whole.Advance(); }, [&] { kernel.Run(kSoftening * kSoftening); }));
     PrintRow(n, "`opencl_gravitation` and `newton_motion`, next to `opencl_nbody`",
-             bench::SideBySide([&] { mixed.Advance(); }, [&] { whole.Advance(); }));
+             compare([&] { mixed.Advance(); }, [&] { whole.Advance(); }));
     PrintRow(n, "`opencl_nbody` with all arrays back, next to positions only",
-             bench::SideBySide([&] { whole.AdvanceAll(); }, [&] { whole.Advance(); }));
+             compare([&] { whole.AdvanceAll(); }, [&] { whole.Advance(); }));
   }
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Times two programs for the same work in turn, A B A B ..., so that what else happens on the
-// machine falls on both, and says how much of it there was.
+// Times two programs for the same work in turn, A B A B ..., so that other activity of the machine
+// affects both, and measures that activity.
 #pragma once
 
 #include <sys/resource.h>
@@ -15,7 +15,7 @@
 namespace bench {
 
 struct Clock {
-  double wall, processor, busy;  // [s]; busy: of all processors, whoever used them
+  double wall, processor, busy;  // [s]; busy: all processors, all programs
 
   static Clock Now() {
     using namespace std::chrono;
@@ -50,15 +50,15 @@ struct Timing {
 };
 struct Comparison {
   Timing a, b;
-  double foreign;  // processors that other programs kept busy meanwhile
+  double foreign;  // processors used by other programs in the meantime
 };
 
-/// One side's rounds.
+/// Rounds of one side.
 class Series {
  public:
   explicit Series(uint64_t calls = 1) : calls_(calls) {}
 
-  /// Times one round, and returns how long it took [s].
+  /// Times one round, and returns its duration [s].
   template <class Action>
   double Measure(Action& action) {
     const Clock start = Clock::Now();
@@ -72,11 +72,12 @@ class Series {
   Timing Result() const { return {Median(wall_), Median(processor_)}; }
 
  private:
-  uint64_t calls_;  // per round
+  uint64_t calls_;  // calls per round
   std::vector<double> wall_, processor_;
 };
 
-/// Calls that take about so many seconds. The first one may have a lot to prepare: it says nothing.
+/// Returns the number of calls that take about this many seconds. Ignores the first call, which may
+/// include setup.
 template <class Action>
 uint64_t Calibrate(Action& action, double seconds) {
   action();
@@ -85,7 +86,7 @@ uint64_t Calibrate(Action& action, double seconds) {
   return calls;
 }
 
-/** Calls a and b in turn, each for about `seconds` a round; medians over the rounds. */
+/** Calls a and b in turn, each for about `seconds` per round; returns medians over the rounds. */
 template <class A, class B>
 Comparison SideBySide(A&& a, B&& b, int rounds = 9, double seconds = 0.1) {
   Series of_a(Calibrate(a, seconds)), of_b(Calibrate(b, seconds));

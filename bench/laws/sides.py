@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Sides that do the same work, timed in turn: those of gravitation_bench, and functions here."""
 
+import argparse
 import os
 import pathlib
 import statistics
@@ -14,17 +15,41 @@ import numpy as np
 THREADS = 2
 
 
-class Program:
-    """gravitation_bench with some sides over points, (bodies x 3) [m]. A context."""
+def arguments(description, sizes):
+    """Returns the arguments of a table's program: PROGRAM, FOLDER_OF_LAWS, numbers of bodies,
+    --quick."""
+    parser = argparse.ArgumentParser(description=description.splitlines()[0])
+    parser.add_argument("program", help="gravitation_bench")
+    parser.add_argument("laws", help="folder of laws")
+    parser.add_argument("bodies", nargs="*", type=int, default=sizes, help="numbers of bodies")
+    parser.add_argument("--quick", action="store_true", help="one short round")
+    return parser.parse_args()
 
-    def __init__(self, program, laws, precision, softening, points, *sides):
+
+def rounds(given, count):
+    """Returns the arguments of in_turn: a number of rounds, or one short round with --quick."""
+    return {"rounds": 1, "seconds": 0.02} if given.quick else {"rounds": count}
+
+
+class Program:
+    """A context that runs gravitation_bench with some sides over points, (bodies x 3) [m]."""
+
+    def __init__(self, given, precision, softening, points, *sides):
         self.folder = tempfile.TemporaryDirectory()
         self.result = pathlib.Path(self.folder.name) / "result"
         positions = pathlib.Path(self.folder.name) / "positions"
         points.astype(np.float64).tofile(positions)
         self.sides = len(sides)
         self.process = subprocess.Popen(
-            [program, laws, precision, str(softening), positions, self.result, *sides],
+            [
+                given.program,
+                given.laws,
+                precision,
+                str(softening),
+                positions,
+                self.result,
+                *sides,
+            ],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=True,
@@ -39,7 +64,7 @@ class Program:
         self.folder.cleanup()
 
     def side(self, number):
-        """The function that times so many calls: seconds of each, on the wall and of processor
+        """Returns a function that times a number of calls: [s] per call, wall clock and processor
         time."""
 
         def run(calls):
@@ -49,13 +74,13 @@ class Program:
         return run
 
     def finish(self):
-        """Ends the program; the accelerations that it found, (sides x bodies x 3)."""
+        """Ends the program; returns its accelerations, (sides x bodies x 3)."""
         self.process.communicate()
         return np.fromfile(self.result).reshape(self.sides, -1, 3)
 
 
 def timed(action):
-    """The function that times so many calls of a function of this process."""
+    """Returns a function that times a number of calls of a function of this process."""
 
     def run(calls):
         wall, processor = time.perf_counter(), time.process_time()
@@ -67,14 +92,17 @@ def timed(action):
 
 
 def busy():
-    """Seconds that the processors have been busy with anything."""
+    """Returns the busy time of all processors [s], with all programs."""
     ticks = list(map(int, pathlib.Path("/proc/stat").read_text().splitlines()[0].split()[1:9]))
     return (sum(ticks) - ticks[3] - ticks[4]) / os.sysconf("SC_CLK_TCK")
 
 
 def in_turn(sides, rounds=5, seconds=0.2):
-    """Runs the sides (a dictionary) round by round, each for about so long. The median seconds of a
-    call, on the wall and of processor time, by name, and how many processors others kept busy."""
+    """Runs the sides (a dictionary) in rounds, each for about `seconds`.
+
+    Returns, by name, the median seconds of a call in wall-clock and in processor time, and the
+    number of processors used by other programs.
+    """
     calls = {}
     for name, run in sides.items():
         calls[name] = 1
@@ -92,7 +120,7 @@ def in_turn(sides, rounds=5, seconds=0.2):
 
 @numba.njit(fastmath=True, parallel=True)
 def attract(x, y, z, m, ax, ay, az, softening2):
-    """Accelerations by the sum over all pairs, in the precision of the arrays."""
+    """Computes accelerations by the sum over all pairs, in the precision of the arrays."""
     for i in numba.prange(x.size):
         a = b = c = x.dtype.type(0)
         for j in range(x.size):
@@ -106,7 +134,7 @@ def attract(x, y, z, m, ax, ay, az, softening2):
 
 
 def exact(points, rows, softening, real=np.float64):
-    """Accelerations of some rows, in a precision; the bodies weigh 1 kg together, G = 1."""
+    """Returns accelerations of some rows in a precision; the total mass is 1 kg, and G = 1."""
     points = points.astype(real)
     out = np.zeros((len(rows), 3), real)
     for k, row in enumerate(rows):
@@ -116,6 +144,6 @@ def exact(points, rows, softening, real=np.float64):
 
 
 def errors(accelerations, rows, expected):
-    """Errors of the rows, relative to what is expected of each."""
+    """Returns the errors of the rows, relative to the expected values."""
     wrong = np.linalg.norm((accelerations[rows] - expected).astype(np.float64), axis=1)
     return wrong / np.linalg.norm(expected.astype(np.float64), axis=1)

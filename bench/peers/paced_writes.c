@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes to each client sixty times a second as much as it takes to tell it of five things that
-// move, as MessagePack; makes no world, reads nothing: what the machine alone does to the pace.
+// Writes a message of fixed size to each client sixty times per second: the size of an update of
+// five moving items in MessagePack. Makes no world and reads nothing; measures the jitter of the
+// machine alone.
 //   paced_writes PORT
 #define _GNU_SOURCE
 #include <arpa/inet.h>
@@ -56,7 +57,7 @@ int main(int count, char** arguments) {
   char message[kMessageBytes] = {0};
   memcpy(message, kBegin, sizeof kBegin);
   for (long long due = Now();; due += kSecond / 60) {
-    if (Now() - due > kSecond) due = Now();  // it was stopped
+    if (Now() - due > kSecond) due = Now();  // the process was stopped
     const struct timespec until = {due / kSecond, due % kSecond};
     clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, NULL);
     while (open < kMaxClients) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The fastest direct summation of softened gravitation that we could write for one kind of
-// processor: AVX-512 with approximate reciprocal roots and OpenMP. It is what the law is measured
-// against; its bits depend on the processor and on the number of threads.
+// The fastest direct summation of softened gravitation known to the authors for one type of
+// processor: AVX-512 with approximate reciprocal roots and OpenMP. It is the reference for the law.
+// Its bits depend on the processor and on the number of threads.
 #pragma once
 
 #include <immintrin.h>
@@ -13,7 +13,7 @@
 
 namespace bench {
 
-/// Columns of positions, masses and accelerations, a multiple of 64 bodies.
+/// Columns of positions, masses and accelerations; the number of bodies is a multiple of 64.
 template <class Real>
 struct Bodies {
   struct alignas(64) Line {
@@ -27,7 +27,8 @@ struct Bodies {
   std::vector<std::vector<Line>> columns;  // x y z mass, ax ay az
 };
 
-/// Each pair once, in float: 4 bodies against vectors of 16, reactions in a buffer per thread.
+/// Computes each pair once, in float: 4 bodies with vectors of 16, and reactions in a buffer per
+/// thread.
 class ThirdLawKernel {
  public:
   ThirdLawKernel(Bodies<float>& bodies, int threads) : bodies_(bodies), threads_(threads) {
@@ -58,7 +59,7 @@ class ThirdLawKernel {
   }
 
  private:
-  /// r^-3 with one correction of the 14 bits that the processor gives.
+  /// Returns r^-3 from the processor's 14-bit approximation with one correction.
   static __m512 InverseCube(__m512 r2) {
     const __m512 one = _mm512_set1_ps(1), guess = _mm512_rsqrt14_ps(r2);
     const __m512 square = _mm512_mul_ps(guess, guess);
@@ -72,7 +73,7 @@ class ThirdLawKernel {
     __m512 x[4], y[4], z[4];
   };
 
-  /// The rows [i, i + 4) with the 16 bodies from j on; `both`: these feel the reaction.
+  /// Adds the rows [i, i + 4) with the 16 bodies from j on; `both`: also adds the reactions.
   template <bool both>
   void Block(int64_t i, int64_t j, __m512 softening2, Sums& rows, float* const sums[3]) {
     const float *x = bodies_[0], *y = bodies_[1], *z = bodies_[2], *m = bodies_[3];
@@ -110,7 +111,7 @@ class ThirdLawKernel {
     Sums rows;
     for (int u = 0; u < 4; ++u) rows.x[u] = rows.y[u] = rows.z[u] = _mm512_setzero_ps();
     const int64_t own = i / 16 * 16, n = static_cast<int64_t>(bodies_.count);
-    Block<false>(i, own, softening2, rows, sums);  // here each pair comes up from both sides
+    Block<false>(i, own, softening2, rows, sums);  // here each pair occurs in both orders
     for (int64_t j = own + 16; j < n; j += 16) Block<true>(i, j, softening2, rows, sums);
     for (int u = 0; u < 4; ++u) {
       sums[0][i + u] += _mm512_reduce_add_ps(rows.x[u]);
@@ -124,7 +125,7 @@ class ThirdLawKernel {
   std::vector<std::vector<Bodies<float>::Line>> sums_;
 };
 
-/// Every pair from both sides, in double: 4 vectors of 8 bodies against one body.
+/// Computes every pair in both orders, in double: 4 vectors of 8 bodies with one body.
 inline void RunBothSides(Bodies<double>& bodies, double softening2, int threads) {
   const int64_t n = static_cast<int64_t>(bodies.count);
   const double *x = bodies[0], *y = bodies[1], *z = bodies[2], *m = bodies[3];

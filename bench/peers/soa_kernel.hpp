@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The usual OpenCL kernel for gravitation of all pairs: separate arrays of x, y, z and mass, a work
-// item for each body, relaxed mathematics. What one would write who needs no engine.
+// The usual OpenCL kernel for gravitation of all pairs, written without an engine: separate arrays
+// of x, y, z and mass, one work item for each body, relaxed mathematics.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@ namespace bench {
 
 class SoaKernel {
  public:
-  /// `columns`: x, y, z and mass of the bodies.
+  /// Uploads `columns`: x, y, z and mass of the bodies.
   explicit SoaKernel(const std::array<std::vector<float>, 4>& columns)
       : count_(columns[0].size()),
         kernel_(device_.Compile(kSource, "-cl-fast-relaxed-math", "attract")) {
@@ -20,7 +20,7 @@ class SoaKernel {
     for (auto& buffer : out_) buffer.Reserve(count_ * 4);
   }
 
-  /// Accelerations of all bodies, left on the device.
+  /// Computes the accelerations of all bodies, which stay on the device.
   void Run(float softening2) {
     (*kernel_)(count_, in_[0], in_[1], in_[2], in_[3], out_[0], out_[1], out_[2],
                static_cast<cl_uint>(count_), softening2);

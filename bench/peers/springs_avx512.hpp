@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The fastest loop over damped springs that we could write for one kind of processor: AVX-512 with
+// The fastest loop over damped springs known to the authors for one type of processor: AVX-512 with
 // approximate reciprocal roots, eight springs at a time, and OpenMP with a buffer of forces for
-// each thread. It is what the law is measured against; its bits depend on the processor and on the
-// number of threads.
+// each thread. It is the reference for the law. Its bits depend on the processor and on the number
+// of threads.
 #pragma once
 
 #include <immintrin.h>
@@ -14,7 +14,7 @@
 
 namespace bench {
 
-/// Bodies of four numbers, of which three count, and springs between them.
+/// Bodies of four numbers, of which three are used, and springs between them.
 class SpringsKernel {
  public:
   struct alignas(16) Body {
@@ -40,7 +40,7 @@ class SpringsKernel {
     }
   }
 
-  /// So many steps of semi-implicit Euler.
+  /// Runs this number of steps of semi-implicit Euler.
   void Advance(float dt, int steps) {
 #pragma omp parallel num_threads(threads_)
     {
@@ -60,12 +60,12 @@ class SpringsKernel {
   const std::vector<Body>& position() const { return position_; }
 
  private:
-  /// The k-th and the (k + 4)-th body.
+  /// Loads the k-th and the (k + 4)-th body.
   static __m256 Two(const float* values, const uint32_t* bodies, int k) {
     return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_load_ps(values + 4 * bodies[k])),
                                 _mm_load_ps(values + 4 * bodies[k + 4]), 1);
   }
-  /// Dot products of eight pairs of vectors.
+  /// Returns the dot products of eight pairs of vectors.
   static __m256 Dot(const __m256* a, const __m256* b) {
     return _mm256_hadd_ps(_mm256_hadd_ps(_mm256_mul_ps(a[0], b[0]), _mm256_mul_ps(a[1], b[1])),
                           _mm256_hadd_ps(_mm256_mul_ps(a[2], b[2]), _mm256_mul_ps(a[3], b[3])));
@@ -142,7 +142,7 @@ class SpringsKernel {
   std::vector<float> inverse_mass_;
   std::vector<uint32_t> first_, second_;
   std::vector<float> length_, hooke_, damping_;
-  std::vector<std::vector<Body>> force_;  // of each thread
+  std::vector<std::vector<Body>> force_;  // one for each thread
 };
 
 }  // namespace bench

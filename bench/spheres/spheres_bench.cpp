@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A block of balls, ten high, that falls on a floor and becomes a pile, as frames of 1/60 s per
-// second. Prints a line of JSON; see docs/benchmarks.md.
+// Simulates a block of balls, ten high, that falls on a floor and becomes a pile. Measures frames
+// of 1/60 s per second. Prints a line of JSON; see docs/benchmarks.md.
 //   spheres_bench FOLDER_OF_LAWS BODIES THREADS
 #include <algorithm>
 #include <chrono>
@@ -19,8 +19,8 @@ namespace {
 
 constexpr uint32_t kStepsPerFrame = 10;
 constexpr double kDt = 1.0 / 60 / kStepsPerFrame;  // [s]
-constexpr uint32_t kSettle = 60;                   // frames that are not timed
-constexpr uint32_t kFrames = 20;                   // that are
+constexpr uint32_t kSettle = 60;                   // frames before the timed ones
+constexpr uint32_t kFrames = 20;                   // timed frames
 constexpr double kStiffness = 6e4;                 // [N/m]
 constexpr int kLayers = 10;
 
@@ -68,7 +68,8 @@ struct Balls {
     return engine;
   }
 
-  /// Deepest of any two, or of one in the floor [m]. Looks at all pairs that are near in x.
+  /// Returns the largest overlap of two balls, or of a ball and the floor [m]. Checks all pairs
+  /// that are near in x.
   double DeepestOverlap() const {
     std::vector<size_t> rows(mass.size());
     for (size_t i = 0; i < rows.size(); ++i) rows[i] = i;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// hooke_spring and newton_motion through the engine on a square cloth, its springs given row by row
-// and in random order, next to a bare loop that was tuned for one processor. Prints a table.
-//   springs_bench FOLDER_OF_LAWS
+// Compares hooke_spring and newton_motion in the engine with a bare loop tuned for one processor,
+// on a square cloth whose springs are in row order or in random order. Prints a table.
+//   springs_bench FOLDER_OF_LAWS [SIDE...]
 #include <array>
 #include <cmath>
 #include <cstdlib>
@@ -19,7 +19,7 @@ constexpr float kSpacing = 0.01f;   // [m]
 constexpr float kHooke = 20;        // [N/m]
 constexpr float kDamping = 0.005f;  // [N s/m]
 
-/// side x side bodies of 1 g, each with springs to its neighbours along the sides and across.
+/// side x side bodies of 1 g, each with springs to its direct and diagonal neighbours.
 struct Cloth {
   std::vector<float> mass, position, length;
   std::vector<std::array<uint32_t, 2>> ends;
@@ -48,7 +48,7 @@ struct Cloth {
   }
 };
 
-/// The cloth in the engine.
+/// The cloth simulated by the engine.
 template <class Real>
 class Law {
  public:
@@ -89,7 +89,7 @@ bench::SpringsKernel MakeKernel(const Cloth& cloth, int threads) {
   return {cloth.mass, cloth.position, cloth.ends, cloth.length, kHooke, kDamping, threads};
 }
 
-/// Both must do the same: a hundredth of the spacing apart at most, after a hundred steps.
+/// Checks that both sides agree within a hundredth of the spacing after a hundred steps.
 void CheckAgreement(const Cloth& cloth, const char* laws) {
   Law<float> law(cloth, 1, laws);
   bench::SpringsKernel kernel = MakeKernel(cloth, 1);
@@ -111,7 +111,7 @@ void Measure(uint32_t side, uint32_t threads, const char* laws) {
   Law<float> grid(cloth, threads, laws), random(Cloth(side, true), threads, laws);
   Law<double> wide(cloth, threads, laws);
   bench::SpringsKernel kernel = MakeKernel(cloth, static_cast<int>(threads));
-  constexpr int kSteps = 16;  // a round trip of the loop's threads for each would be too slow
+  constexpr int kSteps = 16;  // starting the loop's threads for each step would be too slow
   const auto advance = [](auto& law) { return [&law] { law.Advance(kSteps); }; };
   const auto beside =
       bench::SideBySide(advance(grid), [&] { kernel.Advance(static_cast<float>(kDt), kSteps); });
@@ -130,12 +130,12 @@ void Measure(uint32_t side, uint32_t threads, const char* laws) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 2) {
-    std::fprintf(stderr, "usage: springs_bench FOLDER_OF_LAWS\n");
+  if (argc < 2) {
+    std::fprintf(stderr, "usage: springs_bench FOLDER_OF_LAWS [SIDE...]\n");
     return 2;
   }
   if (!__builtin_cpu_supports("avx512vl")) {
-    std::fprintf(stderr, "the loop to compare with needs AVX-512\n");
+    std::fprintf(stderr, "springs_bench: this processor has no AVX-512, which the loop needs\n");
     return 1;
   }
   CheckAgreement(Cloth(50, false), argv[1]);
@@ -143,7 +143,12 @@ int main(int argc, char** argv) {
       "| springs | | law, f32 [10^6 springs/s] | loop, f32 [10^6 springs/s] | ratio "
       "| ratio of processor time | random order / in order | law, f64 [10^6 springs/s] "
       "| others' processors |\n|---:|---|---:|---:|---:|---:|---:|---:|---:|\n");
-  for (const uint32_t side : {50, 158, 500}) {
+  std::vector<uint32_t> sides;  // bodies along a side of the cloth
+  for (int i = 2; i < argc; ++i) {
+    sides.push_back(static_cast<uint32_t>(std::strtoul(argv[i], nullptr, 10)));
+  }
+  if (sides.empty()) sides = {50, 158, 500};
+  for (const uint32_t side : sides) {
     for (const uint32_t threads : {1, 2}) Measure(side, threads, argv[1]);
   }
 }

@@ -6,6 +6,7 @@ import reve.core.frame.FramePhase;
 import reve.core.frame.Pacing;
 import reve.core.frame.Timing;
 import reve.core.space.Box;
+import reve.core.world.FrameControl;
 import reve.core.world.Item;
 import reve.core.world.ItemDefinition;
 import reve.core.world.OffHeapArena;
@@ -24,18 +25,21 @@ import java.util.List;
 import java.util.Random;
 
 /**
- * One row of bench/results/world_store.md: how long a world of moving balls takes to load in a new
- * process, what an item costs in memory, and what queries, updates and attached items cost. See
+ * Measures one row of bench/results/world_store.md: the load time of a world of moving balls in a
+ * new process, the memory of an item, and the cost of queries, updates and attached items. See
  * docs/benchmarks.md.
  *
- * <p>Memory is what further worlds of the same size add: outside the heap to what is resident, as
- * the heap is resident from the start, and in the heap to what is used after a collection.
+ * <p>Memory is what further worlds of the same size add. Outside the heap it is the growth of the
+ * resident set, because the heap is resident from the start. In the heap it is the growth of used
+ * memory after a collection.
  */
 final class StoreBench {
 
     private static final int SLOTS = 4;
 
-    /** Whose memory is averaged, as what the Java machine itself takes meanwhile varies. */
+    /**
+     * Number of worlds over which memory is averaged, because the memory of the JVM itself varies.
+     */
     private static final int WORLDS = 4;
 
     private static final int FRAMES = 200;
@@ -59,7 +63,7 @@ final class StoreBench {
     public static void main(String[] arguments) throws Exception {
         String prototype = arguments[0];
         int items = Integer.parseInt(arguments[1]);
-        var first = new StoreBench(prototype, items); // and whatever the Java machine itself needs
+        var first = new StoreBench(prototype, items); // also triggers the JVM's own allocations
         long start = System.nanoTime();
         first.load();
         double loadSeconds = (System.nanoTime() - start) / 1e9;
@@ -91,7 +95,7 @@ final class StoreBench {
                 last.attached());
     }
 
-    /** From code, as a world file is: all at once. */
+    /** Loads all items at once, as from a world file, but from code. */
     private void load() {
         List<ItemDefinition> definitions = new ArrayList<>();
         for (int i = 0; i < items; i++) {
@@ -110,7 +114,7 @@ final class StoreBench {
         world.addAll(definitions);
     }
 
-    /** Frames in which everything moves, and is published to readers. */
+    /** Runs frames in which all items move and which are published to readers. */
     private void run() {
         bus.subscribe(FramePhase.PHYSICS, "motion", event -> move(event.dtSeconds()));
         DerivedColumns.subscribeTo(bus);
@@ -121,7 +125,7 @@ final class StoreBench {
         loop.run(2 * SLOTS);
     }
 
-    /** Writes what a law of motion with forces writes. */
+    /** Writes the columns that a law of motion with forces writes. */
     private void move(double dtSeconds) {
         var bodies = world.table("body");
         var positions = bodies.column("position");
@@ -141,7 +145,7 @@ final class StoreBench {
         }
     }
 
-    /** Medians: bringing the tree up to date [ms], a region, the ten nearest [us]. */
+    /** Returns medians: update of the tree [ms], query of a region and of the ten nearest [us]. */
     private String space() {
         List<Double> updates = new ArrayList<>();
         List<Double> regions = new ArrayList<>();
@@ -168,7 +172,10 @@ final class StoreBench {
                         median(updates), median(regions), hits / FRAMES / QUERIES, median(nearest));
     }
 
-    /** Median of placing attached items [ns each]: a tenth of all on nine tenths of them. */
+    /**
+     * Returns the median time to place attached items [ns each]: a tenth of all items, on nine
+     * tenths.
+     */
     private String attached() {
         List<Item> all = world.items();
         int attached = items / 10;
@@ -179,7 +186,7 @@ final class StoreBench {
         List<Double> costs = new ArrayList<>();
         for (int i = 0; i < FRAMES; i++) {
             long start = System.nanoTime();
-            world.placeAttached();
+            FrameControl.of(world).placeAttached();
             costs.add((System.nanoTime() - start) / (double) attached);
         }
         return "%.0f".formatted(median(costs));

@@ -1,8 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Seconds from `./reve serve WORLD` to "ready": a new process each time, median of some runs.
-
-usage: bench/store/ready.py [ITEMS [RUNS]]
+"""Measures the time [s] from `./reve serve WORLD` to "ready", as a median over new processes.
 
 WORLD is a world file of a few lines that makes ITEMS moving balls by `repeat:`. Prints the time
 with one ball, which is what starting a server costs, and with all of them.
@@ -16,7 +14,9 @@ import tempfile
 import time
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+import harness
+
 WORLD = """\
 reve: 1
 name: many
@@ -32,20 +32,24 @@ items:
 
 def seconds_to_ready(world: Path) -> float:
     start = time.monotonic()
-    serve = [ROOT / "reve", "serve", world, "--port", "0", "--json", "--seconds", "0.02"]
+    serve = [harness.ROOT / "reve", "serve", world, "--port", "0", "--json", "--seconds", "0.02"]
     with subprocess.Popen(serve, stdout=subprocess.PIPE, text=True) as server:
         for line in server.stdout:
             if json.loads(line)["event"] == "ready":
                 ready = time.monotonic() - start
         if server.wait() != 0:
-            sys.exit(f"the server of {world} ended with exit code {server.returncode}")
+            harness.fail(f"the server of {world} ended with exit code {server.returncode}")
     return ready
 
 
 def main() -> None:
-    items = int(sys.argv[1]) if len(sys.argv) > 1 else 100_000
-    runs = int(sys.argv[2]) if len(sys.argv) > 2 else 5
-    subprocess.run([ROOT / "reve", "build"], check=True)
+    options = harness.arguments(__doc__, "5,000 items, one run")
+    options.add_argument("items", nargs="?", type=int, help="number of balls (100000)")
+    options.add_argument("runs", nargs="?", type=int, help="how many of each (5)")
+    chosen = options.parse_args()
+    items = chosen.items or (5_000 if chosen.quick else 100_000)
+    runs = chosen.runs or (1 if chosen.quick else 5)
+    harness.shell(harness.ROOT / "reve", "build")
     with tempfile.TemporaryDirectory() as folder:
         medians = []
         for count in (1, items):

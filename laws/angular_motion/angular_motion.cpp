@@ -8,14 +8,14 @@ namespace {
 
 using namespace vesper;
 
-// Bodies that a thread takes at once: about half a megabyte of columns.
+// Bodies per chunk of a thread: about half a megabyte of columns.
 constexpr uint64_t kGrain = 4096;
 
-// Rotations are computed in double for both precisions: a float's rounding, the same in every step,
-// would turn into drift.
+// Rotations are computed in double for both precisions: in float, a rounding error that is equal in
+// every step would cause drift.
 using Vector = Vec3<double>;
 
-/** A rotation, or a product of some that is not normalised yet: v sin(a/2), cos(a/2). */
+/** A rotation, or a product of rotations that is not normalised yet: v sin(a/2), cos(a/2). */
 struct Quaternion {
   Vector v;
   double w = 1;
@@ -34,9 +34,9 @@ struct Quaternion {
   }
 };
 
-/** The rotation by twice the vector `half` [rad]. The tangent of the half angle is its Pade
- *  approximant of order [3/2], right to 1e-7 up to 0.5 rad: no function of libm, whose bits differ
- *  from machine to machine. */
+/** Returns the rotation by twice the vector `half` [rad]. The tangent of the half angle is
+ *  computed by its Pade approximant of order [3/2], accurate to 1e-7 up to 0.5 rad, because the
+ *  bits of libm functions differ between machines. */
 Quaternion RotationBy(const Vector& half) {
   const double square = Dot(half, half);
   return Quaternion{half * (15 - square), 15 - 6 * square}.Normalised();
@@ -51,7 +51,8 @@ Vec3<Real> Narrow(const Vector& x) {
   return {static_cast<Real>(x.x), static_cast<Real>(x.y), static_cast<Real>(x.z)};
 }
 
-/** Euler's equations of a rigid body: a kick by the torque, then a step of the free body. */
+/** Euler's equations of a rigid body: the torque changes the angular velocity, then the body
+ *  rotates freely for a step. */
 template <class Real>
 struct AngularMotion {
   static constexpr auto kName = "angular_motion", kVersion = "1.0.0";
@@ -81,7 +82,7 @@ struct AngularMotion {
     });
   }
 
-  /** What Turn comes to if all moments are equal. */
+  /** Rotates a body with three equal moments, a special case of Turn. */
   void TurnBall(uint64_t i, double moment, double dt) const {
     const Vector spin = Wide(angular_velocity[i]) + Wide(torque[i]) * (dt / moment);
     angular_velocity[i] = Narrow<Real>(spin);
@@ -90,7 +91,7 @@ struct AngularMotion {
 
   void Turn(uint64_t i, const std::array<double, 3>& moments, double dt) const {
     Quaternion q = Load(i).Normalised();
-    // Angular momentum in the world frame; free motion leaves it alone.
+    // Angular momentum in the world frame, which free motion conserves.
     const Vector spin = q.Inverse().Rotate(Wide(angular_velocity[i]));
     const Vector momentum =
         q.Rotate({spin.x * moments[0], spin.y * moments[1], spin.z * moments[2]}) +
@@ -112,9 +113,9 @@ struct AngularMotion {
                       static_cast<Real>(q.w)};
   }
 
-  /** The free body splits into rotations that are exact: about the angular momentum, as a sphere of
-   *  the middle moment would turn, and about the axes of the two others by what they differ. With
-   *  two equal moments one of these vanishes, and the whole is exact. */
+  /** Returns the rotation of a free body as a product of exact rotations: about the angular
+   *  momentum, as a sphere of the middle moment rotates, and about the two other axes by the
+   *  differences. With two equal moments one of these is zero, and the product is exact. */
   static Quaternion Drift(Quaternion q, const Vector& momentum,
                           const std::array<double, 3>& moments, double dt) {
     std::array<int, 3> axis = {0, 1, 2};
@@ -127,7 +128,8 @@ struct AngularMotion {
     return RotationBy(momentum * (middle * dt / 2)) * q;
   }
 
-  /** By the angle of the body's momentum about that axis times `angle_per_momentum`. */
+  /** Rotates about one of the body's axes by its momentum about that axis times
+   *  `angle_per_momentum`. */
   static Quaternion TurnAboutOwnAxis(const Quaternion& q, const Vector& momentum, int axis,
                                      double angle_per_momentum) {
     const Vector in_body = q.Inverse().Rotate(momentum);

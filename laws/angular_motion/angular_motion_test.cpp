@@ -21,7 +21,7 @@ struct Rotation {
   Rotation Inverse() const { return {-v, w}; }
 };
 
-/// A body that nothing but its inertia turns.
+/// A body that rotates freely.
 template <class Real>
 struct Top {
   std::vector<Real> inertia, angular_velocity, orientation, torque{0, 0, 0};
@@ -71,8 +71,8 @@ void ExpectNear(const Vec3<double>& a, const Vec3<double>& b, double tolerance) 
   EXPECT_NEAR(a.z, b.z, tolerance);
 }
 
-// Landau-Lifshitz section 33: the axis of a symmetric top circles about L at |L| / I1, and the top
-// turns about its axis by what is left of its spin.
+// Landau-Lifshitz section 33: the axis of a symmetric top precesses about L at |L| / I1, and the
+// top rotates about its axis with the remainder of its spin.
 TYPED_TEST(AngularMotionTest, FreeSymmetricTopPrecessesAsTheClosedFormSays) {
   for (const int axis : {0, 1, 2}) {
     std::vector<TypeParam> moments(3, 2);
@@ -105,8 +105,8 @@ TYPED_TEST(AngularMotionTest, FreeBodyKeepsMomentumEnergyAndTheLengthOfItsQuater
   }
 }
 
-// Landau-Lifshitz section 37: spun about its middle axis, a body turns over again and again, with
-// the period of an elliptic function (known as the Dzhanibekov effect).
+// Landau-Lifshitz section 37: a body that rotates about its middle axis flips periodically, with
+// the period of an elliptic function (the Dzhanibekov effect).
 TYPED_TEST(AngularMotionTest, BodySpunAboutItsMiddleAxisTurnsOverWithThePeriodOfTheClosedForm) {
   Top<TypeParam> top({1, 2, 3}, {0, 10, 0.5});
   const double energy2 = 2 * top.Energy(), m2 = std::pow(Length(top.Momentum()), 2);
@@ -114,7 +114,7 @@ TYPED_TEST(AngularMotionTest, BodySpunAboutItsMiddleAxisTurnsOverWithThePeriodOf
   const double period =
       4 * std::comp_ellint_1(std::sqrt(k2)) * std::sqrt(1 * 2 * 3 / ((3 - 2) * (m2 - energy2 * 1)));
   const double dt = 1.0 / 2000;
-  std::vector<double> turns;  // when the middle axis points across the spin
+  std::vector<double> turns;  // times at which the middle axis is perpendicular to the spin
   double before = top.InBody().y;
   for (uint32_t step = 1; turns.size() < 5; ++step) {
     ASSERT_LT(step * dt, 4 * period) << "does not turn over";
@@ -139,7 +139,7 @@ TYPED_TEST(AngularMotionTest, SpinAboutTheOuterAxesIsStable) {
   }
 }
 
-/// Torques that the client applies, which the standard prototypes do not know.
+/// Torques applied by the client; the standard prototypes have no such property.
 constexpr const char* kDriven = R"(
 time [s]
 body inertia: real x3 [kg*m^2] read
@@ -180,7 +180,8 @@ TYPED_TEST(AngularMotionTest, BodyWithAMomentOfZeroKeepsItsBits) {
   EXPECT_EQ(top.angular_velocity, (std::vector<TypeParam>{1, 2, 3}));
 }
 
-/// Lets the turning body of `top` move, too, as that of `scene`, which has to outlive it.
+/// Adds linear motion to the rotating body of `top`, with the columns of `scene`, which must
+/// outlive it.
 template <class Real>
 void AddMotion(Top<Real>& top, Scene<Real>& scene) {
   PhysicalPropertyProvider provider = top.engine.PropertyProvider();

@@ -15,8 +15,8 @@ namespace {
 using namespace vesper;
 using namespace vesper::barnes_hut;
 
-/** Newton's gravitation among many bodies, after Barnes and Hut: a tree of cells stands for the
- *  bodies that are far away. */
+/** Newton's gravitation of many bodies by the method of Barnes and Hut: cells of a tree replace
+ *  distant bodies. */
 template <class Real>
 class BarnesHutGravitation {
  public:
@@ -52,7 +52,8 @@ class BarnesHutGravitation {
     });
   }
 
-  /** -G m m' / sqrt(r^2 + softening^2), summed over the pairs; of cells from their mass alone. */
+  /** Returns the sum of -G m m' / sqrt(r^2 + softening^2) over the pairs; for cells, only their
+   *  mass is used. */
   double PotentialEnergy() {
     if (gravitational_constant_.size() == 0) return 0;
     const double g = double{gravitational_constant_[0]};
@@ -73,12 +74,12 @@ class BarnesHutGravitation {
   }
 
  private:
-  // Bodies in a cell that is not cut further.
+  // Maximum number of bodies in a leaf cell.
   static constexpr uint32_t kLeaf = 16;
-  // Lists are worked off when they are full.
+  // Length of the interaction lists; full lists are evaluated.
   static constexpr uint32_t kList = 512;
 
-  /** Whether the sum over all pairs is faster than the tree; measured. */
+  /** Returns true if the sum over all pairs is faster than the tree; the limits are measured. */
   bool FewBodies() const {
     constexpr double kFew = std::is_same_v<Real, float> ? 2900 : 1600;
     return static_cast<double>(position_.size()) * theta_.value() <= kFew;
@@ -105,14 +106,14 @@ class BarnesHutGravitation {
   }
 
   double Softening() const { return softening_.size() == 0 ? 0 : double{softening_[0]}; }
-  /** Its square, in the units of the tree. */
+  /** Returns the softening squared, in the units of the tree. */
   double Softening2() const {
     const double softening = Softening() * tree_.scales().length;
     return softening * softening;
   }
   Real Theta2() const { return Real(theta_) * Real(theta_); }
 
-  /** Forces on bodies [first, last) of the sorted order, at most kGroup. */
+  /** Computes the forces on bodies [first, last) of the sorted order, at most kGroup. */
   void Pull(uint64_t first, uint64_t last) const {
     Targets<Real> targets;
     Box<Real> box;
@@ -180,8 +181,8 @@ class BarnesHutGravitation {
     add_bodies();
   }
 
-  /** Sum of m_j / sqrt(d^2 + softening^2) at the k-th body of the sorted order, without itself, in
-   *  the units of the tree. */
+  /** Returns the sum of m_j / sqrt(d^2 + softening^2) at the k-th body of the sorted order,
+   *  without the body itself, in the units of the tree. */
   double Potential(uint64_t k) const {
     const Vec3<Real> at = tree_.sources()[k].position;
     const double softening2 = Softening2();
@@ -223,7 +224,7 @@ class BarnesHutGravitation {
 
   const Interactions<Real> simd_ = AvailableInteractions<Real>().front();
   const Interactions<float> simd_single_ = AvailableInteractions<float>().front();
-  // Rebuilt by each call of Advance and of PotentialEnergy.
+  // Each call of Advance and PotentialEnergy rebuilds these.
   AllPairs<Real> pairs_;
   Octree<Real> tree_;
 };

@@ -11,7 +11,7 @@ namespace {
 
 constexpr uint32_t kSeed = 5;
 
-/// Bodies that attract one another; G = 1 unless said.
+/// Bodies that attract each other; G = 1 by default.
 template <class Real>
 struct Cloud : Scene<Real> {
   std::vector<Real> gravitational_constant = {1};  // (1) [m^3/(kg s^2)]
@@ -25,7 +25,7 @@ struct Cloud : Scene<Real> {
     return engine;
   }
 
-  /// Forces [N] on all bodies.
+  /// Returns the forces [N] on all bodies.
   std::vector<Real> Forces(double theta, uint32_t threads = 1) {
     MakeEngine(theta, threads).Advance(1);
     return this->external_force;
@@ -35,7 +35,7 @@ struct Cloud : Scene<Real> {
   Vec3<double> Position(uint64_t i) const { return this->Wide(this->At(this->position, i)); }
   Vec3<double> Force(uint64_t i) const { return this->Wide(this->At(this->external_force, i)); }
 
-  /// Force [N] on one body by the sum over all others, in double.
+  /// Returns the force [N] on one body, summed over all others in double.
   Vec3<double> Direct(uint64_t i) const {
     Vec3<double> sum;
     for (uint64_t j = 0; j < size(); ++j) {
@@ -46,7 +46,7 @@ struct Cloud : Scene<Real> {
     return sum * (double{gravitational_constant[0]} * double{this->mass[i]});
   }
 
-  /// Potential energy [J] by the sum over all pairs.
+  /// Returns the potential energy [J], summed over all pairs.
   double Potential() const {
     double sum = 0;
     for (uint64_t i = 0; i < size(); ++i) {
@@ -82,8 +82,8 @@ Vec3<Real> To(Vec3<double> v) {
   return {Real(v.x), Real(v.y), Real(v.z)};
 }
 
-/// H. C. Plummer's sphere of mass 1 kg and radius 1 m in equilibrium, by S. Aarseth, M. Henon and
-/// R. Wielen, Astron. Astrophys. 37 (1974) 183.
+/// Returns an H. C. Plummer sphere of mass 1 kg and radius 1 m in equilibrium, by S. Aarseth, M.
+/// Henon and R. Wielen, Astron. Astrophys. 37 (1974) 183.
 template <class Real>
 Cloud<Real> Plummer(uint64_t bodies) {
   Random random;
@@ -116,7 +116,7 @@ Cloud<Real> UniformBox(uint64_t bodies) {
   return cloud;
 }
 
-/// A wide cluster and a narrow one, ten metres apart.
+/// Returns a wide and a narrow cluster, ten metres apart.
 template <class Real>
 Cloud<Real> TwoClusters(uint64_t bodies) {
   Random random;
@@ -130,7 +130,7 @@ Cloud<Real> TwoClusters(uint64_t bodies) {
   return cloud;
 }
 
-/// |force - direct| / |direct| of every `stride`-th body, in rising order.
+/// Returns |force - direct| / |direct| of every `stride`-th body, in ascending order.
 template <class Real>
 std::vector<double> Errors(const Cloud<Real>& cloud, uint64_t stride) {
   std::vector<double> errors;
@@ -220,7 +220,7 @@ TYPED_TEST(BarnesHutGravitationTest, ForcesDoNotDependOnTheOrderOfTheRows) {
 TYPED_TEST(BarnesHutGravitationTest, UnitsOfAnySizeGiveTheSameForcesInThoseUnits) {
   auto cloud = Plummer<TypeParam>(5000);
   const auto forces = cloud.Forces(0.7);
-  // 2^60 m is 122 light years, 2^100 kg half the mass of the sun; G keeps the forces alike.
+  // 2^60 m is 122 light years, and 2^100 kg is half the mass of the sun; G keeps the forces equal.
   for (TypeParam& x : cloud.position) x *= TypeParam(0x1p60);
   for (TypeParam& m : cloud.mass) m *= TypeParam(0x1p100);
   cloud.softening[0] *= TypeParam(0x1p60);
@@ -289,7 +289,7 @@ TYPED_TEST(BarnesHutGravitationTest, BodiesInAPlaneAndOnALineStayThere) {
   EXPECT_LT(Errors(plane, 37)[81], 1e-3) << "seed " << kSeed;
 }
 
-// All but one body fall into one cell of the grid that the keys are places of.
+// All bodies but one have the same cell of the key grid.
 TYPED_TEST(BarnesHutGravitationTest, AFarOutlierCostsNoAccuracy) {
   auto cloud = Plummer<TypeParam>(6000);
   cloud.AddBody(1, {TypeParam(1e9), 0, 0});
@@ -324,7 +324,7 @@ TYPED_TEST(BarnesHutGravitationTest, ThePotentialEnergyIsThatOfThePairs) {
   EXPECT_NEAR(law.PotentialEnergy() / cloud.Potential(), 1, 1e-3);
 }
 
-// Relaxation and the scheme are far slower than the time of 6, about one period of the whole.
+// Relaxation and the scheme's errors are much slower than the duration of 6, about one period.
 TYPED_TEST(BarnesHutGravitationTest, APlummerSphereInEquilibriumKeepsItsEnergyAndMomentum) {
   auto cloud = Plummer<TypeParam>(4300);
   cloud.softening = {TypeParam(0.05)};
@@ -335,7 +335,7 @@ TYPED_TEST(BarnesHutGravitationTest, APlummerSphereInEquilibriumKeepsItsEnergyAn
   engine.Advance(0.04, 150);
   const double after = cloud.KineticEnergy() + cloud.Potential();
   EXPECT_NEAR(after / before, 1, 1e-3) << "seed " << kSeed;
-  // The law does not pair its forces, so momentum drifts with their error.
+  // The law's forces are not exactly opposite in pairs, so momentum drifts with their error.
   EXPECT_LT(Length(cloud.Momentum() - momentum), 1e-3) << "seed " << kSeed;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cells far away from a group of bodies, summed in single precision whatever the world's is.
+// Attraction of cells distant from a group of bodies, in single precision for worlds of either
+// precision.
 #pragma once
 
 #include <algorithm>
@@ -12,17 +13,20 @@
 
 namespace vesper::barnes_hut {
 
-/// Sums cells on a group in double: twice as fast in single precision, about the group's centre.
-/// The rounding, 1e-6 of a cell's pull at most, is far below what its expansion leaves out.
+/// Sum over cells for a group in double. It computes in single precision about the group's centre,
+/// which is twice as fast. The rounding, at most 1e-6 of a cell's attraction, is far below the
+/// truncation error of the cell's expansion.
 class DistantCells {
  public:
-  /// The group fills `box` and outlives this, which adds to its sums; softening2 [tree's length^2].
+  /// Creates the sum for a group that fills `box` and must outlive this object; results are added
+  /// to its sums. softening2 [tree's length^2].
   DistantCells(const Interactions<float>& simd, Targets<double>& targets, const Box<double>& box,
                double softening2)
       : simd_(simd),
         targets_(targets),
         centre_((box.low + box.high) * 0.5),
-        // Nearer, differences of rounded places would round too much, or leave the range of float.
+        // At shorter distances, differences of rounded positions are too inexact or leave the range
+        // of float.
         nearest2_(std::max(box.FarthestSquare(centre_) / 16, 0x1p-40)),
         softening2_(std::max(static_cast<float>(softening2), kLeastSoftening2<float>)) {
     for (uint32_t lane = 0; lane < kGroup; ++lane) {
@@ -33,7 +37,7 @@ class DistantCells {
     std::iota(list_.begin(), list_.end(), 0);
   }
 
-  /// Whether a cell is far enough, at this square of its distance from the box.
+  /// Returns true if a cell at this squared distance from the box is far enough.
   bool Takes(double distance2) const { return distance2 >= nearest2_; }
 
   void Add(const Multipole<double>& cell) {
@@ -51,8 +55,8 @@ class DistantCells {
     if (count_ == kList) Flush();
   }
 
-  /// Adds what the last cells pull to the sums of the group, in double: so many roundings do not
-  /// add up.
+  /// Adds the attraction of the last cells to the sums of the group in double, so that rounding
+  /// errors do not accumulate.
   void Flush() {
     std::fill_n(single_.ax, kGroup, 0.0f);
     std::fill_n(single_.ay, kGroup, 0.0f);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Places along the Hilbert curve.
+// Positions along the Hilbert curve.
 #pragma once
 
 #include <array>
@@ -8,16 +8,17 @@
 
 namespace vesper::barnes_hut {
 
-/// Bits of a place for each axis.
+/// Bits of a coordinate per axis.
 inline constexpr int kHilbertLevels = 21;
 
-/// The curve within one cube: each octant's place on it, and how the curve lies in that octant.
+/// The curve within one cube: the position of each octant on it, and the orientation of the curve
+/// in that octant.
 struct HilbertStep {
   uint8_t place, state;
 };
 
-/// For each of the 24 ways in which the curve may lie in a cube, and each octant. C. Hamilton and
-/// A. Rau-Chaplin, Compact Hilbert indices, Inf. Process. Lett. 105 (2008), for three dimensions.
+/// A table for the 24 orientations of the curve in a cube and each octant. C. Hamilton and A.
+/// Rau-Chaplin, Compact Hilbert indices, Inf. Process. Lett. 105 (2008), for three dimensions.
 inline constexpr auto kHilbertSteps = [] {
   const auto rotate = [](uint32_t bits, uint32_t by) {
     return (bits << by | bits >> (3 - by)) & 7u;
@@ -41,7 +42,7 @@ inline constexpr auto kHilbertSteps = [] {
   return steps;
 }();
 
-/// Every third bit of the result is a bit of x.
+/// Returns a number in which every third bit is a bit of x.
 constexpr uint64_t Spread(uint64_t x) {
   x = (x | x << 32) & 0x001f00000000ffff;
   x = (x | x << 16) & 0x001f0000ff0000ff;
@@ -51,8 +52,8 @@ constexpr uint64_t Spread(uint64_t x) {
   return x;
 }
 
-/// Place of the cell (x, y, z) along the curve through a grid of 2^21 cells on each side. Every
-/// three bits, from the highest on, choose an octant; cells that follow one another touch.
+/// Returns the position of the cell (x, y, z) on the curve through a grid of 2^21 cells per side.
+/// Every three bits, from the highest on, select an octant; consecutive cells touch.
 inline uint64_t HilbertPlace(uint64_t x, uint64_t y, uint64_t z) {
   const uint64_t octants = Spread(x) << 2 | Spread(y) << 1 | Spread(z);
   uint64_t place = 0;

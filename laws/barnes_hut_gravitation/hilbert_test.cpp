@@ -15,7 +15,7 @@ struct Place {
   int64_t x, y, z;
 };
 
-/// Cells of a grid of n^3, `size` fine cells wide, in the order of the curve.
+/// Returns the cells of a grid of n^3, `size` fine cells wide, in the order of the curve.
 std::vector<Place> Visit(int64_t n, int64_t size) {
   std::vector<Place> places;
   for (int64_t x = 0; x < n; ++x) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "interactions.cpp"
-// Beside these two only what every processor of the family has.
+// The targets are AVX2, AVX-512 and the baseline of the processor family.
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3_DL)
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>
@@ -18,7 +18,7 @@ using vesper::HWY_NAMESPACE::Fused;
 using vesper::HWY_NAMESPACE::FusedMinus;
 using vesper::HWY_NAMESPACE::PortableRoot;
 
-/// A vector of targets, held in registers while all sources pass by.
+/// A vector of targets, kept in registers while all sources are processed.
 template <class D>
 class Block {
  public:
@@ -41,7 +41,7 @@ class Block {
     hn::Store(az_, d, targets.az + at);
   }
 
-  /// w = m / (d^2 + softening2)^(3/2), a += w d
+  /// Computes w = m / (d^2 + softening2)^(3/2), a += w d.
   HWY_INLINE void Add(const Source<Real>& source, V softening2) {
     const D d;
     const V dx = hn::Sub(hn::Set(d, source.position.x), x_);
@@ -54,8 +54,8 @@ class Block {
     az_ = Fused(d, w, dz, az_);
   }
 
-  /// With r^2 = d^2 + softening2 and S the spread of the cell, q = S d / r^2:
-  /// a += m / r^3 [(1 + (5/2 (d.q) - 1/2 tr S) / r^2) d - q]
+  /// With r^2 = d^2 + softening2, S the spread of the cell and q = S d / r^2, computes a += m / r^3
+  /// [(1 + (5/2 (d.q) - 1/2 tr S) / r^2) d - q].
   HWY_INLINE void Add(const Multipole<Real>& cell, V softening2) {
     const D d;
     const V dx = hn::Sub(hn::Set(d, cell.centre.x), x_);
@@ -87,7 +87,7 @@ class Block {
   V x_, y_, z_, ax_, ay_, az_;
 };
 
-/// Calls each(block, block) for all targets, two vectors at a time: enough to hide the latency of a
+/// Calls each(block, block) for all targets, two vectors at a time, which hides the latency of a
 /// square root.
 template <class Real, class Each>
 HWY_INLINE void ForBlocks(Targets<Real>& targets, const Each& each) {
@@ -140,7 +140,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace vesper::barnes_hut {
 
-// Highway's own dispatch lives in a shared library, which a law must not need.
+// Highway's own dispatch is in a shared library, which a law must not need.
 template <class Real>
 std::vector<Interactions<Real>> AvailableInteractions() {
   std::vector<Interactions<Real>> available;

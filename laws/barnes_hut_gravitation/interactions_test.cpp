@@ -43,7 +43,7 @@ class InteractionsTest : public ::testing::Test {
     return sources;
   }
 
-  /// Mass, centre and spread by their definition.
+  /// Returns mass, centre and spread, computed from their definitions.
   static Multipole<Real> Whole(const std::vector<Source<Real>>& sources) {
     double mass = 0;
     Vec3<double> centre;
@@ -71,7 +71,7 @@ class InteractionsTest : public ::testing::Test {
             Real(spread[0][0] + spread[1][1] + spread[2][2])};
   }
 
-  /// The softened sum over all sources at one target, in double.
+  /// Returns the softened sum over all sources at one target, in double.
   static Vec3<double> Direct(const Targets<Real>& targets, uint32_t i,
                              const std::vector<Source<Real>>& sources, double softening2) {
     Vec3<double> sum;
@@ -145,7 +145,7 @@ TYPED_TEST(InteractionsTest, ABodyOnTopOfATargetPullsWithNothing) {
 
 using CellTest = InteractionsTest<double>;
 
-// The first term left out is of third order: a cell of half the size is wrong by an eighth.
+// The first neglected term is of third order: half the size gives an eighth of the error.
 TEST_F(CellTest, ErrorOfACellFallsWithTheCubeOfItsSize) {
   const auto sources = RandomSources(20, {}, 1);
   const auto error = [&](double size, double softening2) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The tree of cells over all bodies, built anew from their positions.
+// The tree of cells over all bodies, rebuilt from their positions.
 #pragma once
 
 #include <algorithm>
@@ -29,7 +29,7 @@ struct Box {
     Include(other.low);
     Include(other.high);
   }
-  /// Square of the distance from a point to the nearest point of the box.
+  /// Returns the squared distance from a point to the nearest point of the box.
   Real NearestSquare(Vec3<Real> p) const {
     const auto gap = [](Real low, Real high, Real at) {
       return std::max(std::max(low - at, at - high), Real{0});
@@ -37,7 +37,7 @@ struct Box {
     const Vec3<Real> d{gap(low.x, high.x, p.x), gap(low.y, high.y, p.y), gap(low.z, high.z, p.z)};
     return Dot(d, d);
   }
-  /// Square of the distance from a point to the farthest corner.
+  /// Returns the squared distance from a point to the farthest corner.
   Real FarthestSquare(Vec3<Real> p) const {
     const Vec3<Real> d{std::max(p.x - low.x, high.x - p.x), std::max(p.y - low.y, high.y - p.y),
                        std::max(p.z - low.z, high.z - p.z)};
@@ -48,29 +48,30 @@ struct Box {
   static constexpr Real kMost = std::numeric_limits<Real>::max();
 };
 
-/// Factors, powers of two, between the world's units and those of the tree, in which the longest
-/// coordinate and the heaviest body are near to fixed numbers: so that powers of distances stay
-/// within the range of Real, whatever the world is measured in.
+/// Factors, powers of two, between the units of the world and those of the tree. In the tree's
+/// units the largest coordinate and the heaviest body are near fixed numbers, so that powers of
+/// distances stay within the range of Real for any units of the world.
 struct Scales {
   double length = 1, mass = 1;
 };
 
-/// What a walk needs to know of a cell.
+/// The data of a cell that a traversal reads.
 template <class Real>
 struct Cell {
-  Vec3<Real> centre;      // of mass
-  Real reach2;            // square of the distance within which all of its bodies lie
-  uint32_t first, count;  // its bodies, in the sorted order
-  uint32_t next;          // the cell that follows its descendants
+  Vec3<Real> centre;      // centre of mass
+  Real reach2;            // squared radius of a ball that contains all of its bodies
+  uint32_t first, count;  // its bodies in the sorted order
+  uint32_t next;          // index of the cell after its descendants
 };
 
-/// Cells in the order of a walk, parents before children, in scaled units. Memory grows with the
-/// number of bodies and is kept from build to build.
+/// The cells of the tree in traversal order, parents before children, in scaled units. Memory grows
+/// with the number of bodies and is reused.
 template <class Real>
 class Octree {
  public:
-  /// Sorts the bodies along the Hilbert curve and cuts them into cells until they hold at most
-  /// `leaf_size`, or bodies at one point. The result does not depend on `parallel` (see RadixSort).
+  /// Sorts the bodies along the Hilbert curve, and splits them into cells until each contains at
+  /// most `leaf_size` bodies, or bodies at one point. The result does not depend on `parallel` (see
+  /// RadixSort).
   template <class Parallel>
   void Build(const Parallel& parallel, std::span<const Vec3<Real>> position,
              std::span<const Real> mass, uint32_t leaf_size);
@@ -78,14 +79,14 @@ class Octree {
   const Scales& scales() const { return scales_; }
   const std::vector<Cell<Real>>& cells() const { return cells_; }
   const std::vector<Multipole<Real>>& multipoles() const { return multipoles_; }
-  /// Bodies in the sorted order.
+  /// Returns the bodies in the sorted order.
   const std::vector<Source<Real>>& sources() const { return sources_; }
-  /// Row of the k-th body of the sorted order.
+  /// Returns the row of the k-th body of the sorted order.
   uint32_t Row(uint64_t k) const { return items_[k].row; }
 
-  /// Walks down until cells look small from everywhere in the box: reach <= theta * distance. Calls
-  /// far(cell index, distance^2) for those, and near(run of bodies) for leaves that are too close
-  /// or hold one body.
+  /// Traverses cells until they are small as seen from everywhere in the box: reach <= theta *
+  /// distance. Calls far(cell index, distance^2) for those, and near(run of bodies) for leaves that
+  /// are too close or contain one body.
   template <class Far, class Near>
   void Walk(const Box<Real>& from, Real theta2, const Far& far, const Near& near) const {
     for (uint32_t c = 0; c < cells_.size();) {
@@ -153,8 +154,8 @@ void Octree<Real>::Build(const Parallel& parallel, std::span<const Vec3<Real>> p
   Weigh(parallel);
 }
 
-/// Brings the longest coordinate to about 2^kExtent, and the heaviest body to about 2^-32, so that
-/// all bodies together weigh less than 1.
+/// Scales the largest coordinate to about 2^kExtent and the heaviest body to about 2^-32, so that
+/// the total mass is less than 1.
 template <class Real>
 template <class Parallel>
 void Octree<Real>::Scale(const Parallel& parallel, std::span<const Vec3<Real>> position,
@@ -181,13 +182,13 @@ void Octree<Real>::Scale(const Parallel& parallel, std::span<const Vec3<Real>> p
   scales_ = {scale(length, kExtent), scale(heaviest, -32)};
 }
 
-/// Sorts items [first, last) by their place in the box that they fill.
+/// Sorts items [first, last) by their position in their bounding box.
 template <class Real>
 template <class Parallel>
 void Octree<Real>::Sort(const Parallel& parallel, std::span<const Vec3<Real>> position,
                         uint64_t first, uint64_t last) {
   const Box<Real> box = Bounds(parallel, position, first, last);
-  // In double and halved, so that no extent overflows.
+  // Computed in double and halved, so that no extent overflows.
   const auto half = [](Real high, Real low) { return 0.5 * double{high} - 0.5 * double{low}; };
   const double extent = std::max(
       {half(box.high.x, box.low.x), half(box.high.y, box.low.y), half(box.high.z, box.low.z)});
@@ -221,8 +222,8 @@ Box<Real> Octree<Real>::Bounds(const Parallel& parallel, std::span<const Vec3<Re
   return all;
 }
 
-/// Appends the cell of items [first, last) and its descendants. Items that agree in all of their
-/// key are keyed anew within the box that they fill, so a far outlier costs a sort and no accuracy.
+/// Appends the cell of items [first, last) and its descendants. Items with equal keys get new keys
+/// within their own bounding box, so a distant outlier costs a sort but no accuracy.
 template <class Real>
 template <class Parallel>
 void Octree<Real>::Cut(const Parallel& parallel, std::span<const Vec3<Real>> position,
@@ -279,7 +280,7 @@ void Octree<Real>::Weigh(const Parallel& parallel) {
   }
 }
 
-/// Adds a mass at a distance d from the centre of the whole.
+/// Adds a mass at distance d from the common centre.
 template <class Real>
 void AddSpread(Multipole<Real>& whole, Vec3<Real> d, Real weight) {
   whole.xx += weight * d.x * d.x;
@@ -300,7 +301,7 @@ void Octree<Real>::WeighLeaf(uint32_t c) {
     whole.mass += body.mass;
     box.Include(body.position);
   }
-  // Relative to a body, so that the sum rounds with the size of the cell, not with its place.
+  // Relative to a body, so that rounding depends on the size of the cell, not on its position.
   const Vec3<Real> origin = bodies[0].position;
   const Real each = whole.mass > 0 ? 1 / whole.mass : 0;
   for (const Source<Real>& body : bodies) {

@@ -11,17 +11,17 @@
 
 namespace vesper::barnes_hut {
 
-/// A row with the key that it is sorted by.
+/// A row with its sort key.
 struct Keyed {
   uint64_t key;
   uint32_t row;
 };
 
-/// Least significant digit first, 8 bits at a time. Keeps its memory from call to call.
+/// Radix sort, least significant digit first, 8 bits at a time. Its memory is reused.
 class RadixSort {
  public:
-  /// `parallel(count, grain, body)` calls body(begin, end) for ranges of `grain` that cover
-  /// [0, count). Rows of equal keys keep their order.
+  /// Sorts items. `parallel(count, grain, body)` calls body(begin, end) for ranges of `grain` that
+  /// cover [0, count). Rows with equal keys keep their order.
   template <class Parallel>
   void operator()(const Parallel& parallel, std::span<Keyed> items) {
     if (spare_.size() < items.size()) spare_.resize(items.size());
@@ -54,7 +54,7 @@ class RadixSort {
     });
   }
 
-  /// Turns counts into places. False if all items have the same digit.
+  /// Converts counts to offsets. Returns false if all items have the same digit.
   bool MakeOffsets(uint64_t items) {
     uint32_t place = 0;
     bool moves = true;

@@ -5,7 +5,7 @@ namespace {
 
 using namespace vesper;
 
-/** Coulomb's law between all pairs of charges, softened as gravitation is. */
+/** Coulomb's law between all pairs of charges, with the softening of gravitation. */
 template <class Real>
 struct Coulomb {
   static constexpr auto kName = "coulomb", kVersion = "1.0.0";
@@ -34,7 +34,7 @@ struct Coulomb {
     pairs_.Attract(step, root, -double{coulomb_constant[0]}, Softening(), charge, position, force);
   }
 
-  /** k q q' / sqrt(r^2 + softening^2), summed over the pairs. */
+  /** Returns the sum of k q q' / sqrt(r^2 + softening^2) over the pairs. */
   double PotentialEnergy() const {
     if (coulomb_constant.size() == 0) return 0;
     return double{coulomb_constant[0]} * pairs_.SumOfPotentials(Softening(), charge, position);

@@ -6,7 +6,7 @@
 namespace vesper {
 namespace {
 
-/// Charges with k = 1 unless said otherwise.
+/// Charges; k = 1 by default.
 template <class Real>
 struct Charges : Scene<Real> {
   std::vector<Real> charge;                  // (bodies) [C]
@@ -94,7 +94,7 @@ TYPED_TEST(CoulombTest, BodiesWithoutChargeFeelNothing) {
   EXPECT_EQ(charges.external_force, std::vector<TypeParam>(6, 0));
 }
 
-// Four charges q on the corners of a square about -q (1 + 2 sqrt 2) / 4: every force is zero.
+// Four charges q at the corners of a square around -q (1 + 2 sqrt 2) / 4: every force is zero.
 TYPED_TEST(CoulombTest, ChargesOfASquareBalanceTheOneAtItsCentre) {
   using Real = TypeParam;
   Charges<Real> charges;
@@ -107,14 +107,15 @@ TYPED_TEST(CoulombTest, ChargesOfASquareBalanceTheOneAtItsCentre) {
   for (int i = 0; i < 5; ++i) EXPECT_LT(Length(charges.Force(i)), Rounding<Real>(8)) << i;
 }
 
-// Gauss: outside an even shell the field is that of its charge at the centre; inside it is zero.
+// Gauss's law: outside a uniform shell the field is that of its charge at the centre; inside it is
+// zero.
 TYPED_TEST(CoulombTest, ShellActsAsGaussSays) {
   using Real = TypeParam;
   const int shell = 2000;
   Charges<Real> charges;
   charges.Add(1, 1, {Real(0.2), Real(-0.1), Real(0.3)});
   charges.Add(1, 1, {0, 5, 0});
-  for (int i = 0; i < shell; ++i) {  // along Fibonacci's spiral
+  for (int i = 0; i < shell; ++i) {  // on a Fibonacci spiral
     const double z = 1 - (2 * i + 1.0) / shell, r = std::sqrt(1 - z * z);
     const double angle = i * std::numbers::pi * (3 - std::sqrt(5.0));
     charges.Add(1, Real(1.0 / shell),
@@ -122,13 +123,14 @@ TYPED_TEST(CoulombTest, ShellActsAsGaussSays) {
   }
   PhysicsEngine engine = charges.MakeEngine();
   engine.Advance(0.01);
-  const Vec3<double> away = charges.Place(0) - charges.Place(1);  // the other probe's own push
+  const Vec3<double> away = charges.Place(0) - charges.Place(1);  // subtracts the force of the
+                                                                  // other probe
   const double cube = std::pow(Length(away), 3);
   EXPECT_LT(Length(charges.Force(0) - away * (1 / cube)), 1e-3);
   EXPECT_LT(Length(charges.Force(1) + away * (1 / cube) - Vec3<double>{0, 1 / 25.0, 0}), 1e-5);
 }
 
-// Bohr's circle: m v^2 / r = k q q' / r^2.
+// Circular orbit: m v^2 / r = k q q' / r^2.
 TYPED_TEST(CoulombTest, ChargeCirclesAnImmovableOneInTheClosedFormsPeriod) {
   using Real = TypeParam;
   Charges<Real> charges;
@@ -140,7 +142,7 @@ TYPED_TEST(CoulombTest, ChargeCirclesAnImmovableOneInTheClosedFormsPeriod) {
   EXPECT_EQ(charges.Place(0), Vec3<double>{});
 }
 
-// Head on, a charge turns where its kinetic energy has become k q q' / r.
+// In a head-on approach, a charge turns back where its kinetic energy equals k q q' / r.
 TYPED_TEST(CoulombTest, ChargeTurnsAtTheClosestApproach) {
   using Real = TypeParam;
   Charges<Real> charges;

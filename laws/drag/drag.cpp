@@ -5,10 +5,10 @@ namespace {
 
 using namespace vesper;
 
-// Bodies that a thread takes at once: about half a megabyte of columns.
+// Bodies per chunk of a thread: about half a megabyte of columns.
 constexpr uint64_t kGrain = 16384;
 
-/** Resistance of a medium at rest: F = -(c1 + c2 |v|) v. */
+/** Drag of a medium at rest: F = -(c1 + c2 |v|) v. */
 template <class Real>
 struct Drag {
   static constexpr auto kName = "drag", kVersion = "1.0.0";

@@ -62,8 +62,8 @@ TYPED_TEST(DragTest, EitherCoefficientMayBeAbsent) {
   EXPECT_EQ(scene.external_force, (std::vector<TypeParam>{-7.5, 0, 10}));
 }
 
-// Where drag and weight balance, the scheme stands still: its terminal speed is the exact one, but
-// for the rounding of the steps that it takes to forget (32 and 64 of them).
+// Where drag and weight balance, the scheme is stationary. Its terminal speed is exact except for
+// the rounding of the steps in which the initial error decays (32 and 64 steps).
 TYPED_TEST(DragTest, FallingBodiesReachTheirTerminalSpeed) {
   DragScene<TypeParam> scene;
   scene.AddDragged(3, 12, 0, {});

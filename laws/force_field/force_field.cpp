@@ -7,10 +7,11 @@ namespace {
 
 using namespace vesper;
 
-// Bodies that one call of the field takes, and bodies that a thread takes at once.
+// Bodies per call of the field, and bodies per chunk of a thread.
 constexpr uint64_t kBatch = 128, kGrain = 8 * kBatch;
 
-/** A force that is any function of position: F(x), given by the client or by a law library. */
+/** A force that is an arbitrary function of position: F(x), provided by the client or by a law
+ *  library. */
 template <class Real>
 struct ForceField {
   static constexpr auto kName = "force_field", kVersion = "1.0.0";

@@ -6,7 +6,7 @@
 namespace vesper {
 namespace {
 
-/// f(x) = -k (x - centre), as a client gives it.
+/// The field f(x) = -k (x - centre), provided by a client.
 struct Trap {
   double stiffness;
   Vec3<double> centre;

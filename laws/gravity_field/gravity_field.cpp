@@ -5,10 +5,10 @@ namespace {
 
 using namespace vesper;
 
-// Bodies that a thread takes at once: about half a megabyte of columns.
+// Bodies per chunk of a thread: about half a megabyte of columns.
 constexpr uint64_t kGrain = 16384;
 
-/** A uniform field: F = m g. */
+/** A uniform gravitational field: F = m g. */
 template <class Real>
 struct GravityField {
   static constexpr auto kName = "gravity_field", kVersion = "1.0.0";
@@ -31,7 +31,7 @@ struct GravityField {
     });
   }
 
-  /** -sum of m g.x: zero for a body at the origin. */
+  /** Returns minus the sum of m g.x, which is zero for a body at the origin. */
   double PotentialEnergy() const {
     if (gravity.size() == 0) return 0;
     double energy = 0;

@@ -59,7 +59,7 @@ TYPED_TEST(GravityFieldTest, ProjectileFollowsTheParabolaOfTheScheme) {
   EXPECT_NEAR(scene.position[2], -5 * t, rounding);
 }
 
-// The scheme's energy is off by -m g^2 t dt / 2: first order in dt, and known.
+// The scheme has an energy error of -m g^2 t dt / 2, of first order in dt.
 TYPED_TEST(GravityFieldTest, EnergyErrorOfFreeFallMatchesClosedForm) {
   Scene<TypeParam> scene;
   scene.AddBody(2, {0, 0, 0}, {0, 5, 0});

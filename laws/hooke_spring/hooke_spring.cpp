@@ -15,19 +15,19 @@ namespace {
 using namespace vesper;
 using namespace vesper::hooke_spring;
 
-// Rows that a thread compares at once.
+// Rows that a thread compares per chunk.
 constexpr uint64_t kGrain = 16384;
-// Threads that can work at the same time: memory is reserved for so many of the largest tile.
+// Maximum number of concurrent threads, and thus of workspaces for the largest tile.
 constexpr uint64_t kMostPlaces = 64;
-// Calls without an edit after which copying columns that are in order pays.
+// Number of calls without an edit after which a copy of ordered columns pays off.
 constexpr uint64_t kSettled = 16;
 constexpr uint64_t kUnknown = UINT64_MAX;
 
-/** Springs with viscous damping along their axis. The bodies are cut into tiles; for each, all
- *  springs that hold one of its bodies are computed and summed in a fixed order, and what they do
- *  to bodies of other tiles is left to those. Springs given in an order that jumps about among the
- *  bodies are worked on from copies of their columns in the order of tiles; others too, once nobody
- *  has edited them for a while. */
+/** Springs with viscous damping along their axis. The bodies are divided into tiles. For each
+ *  tile, all springs attached to one of its bodies are computed, and their forces on these
+ *  bodies are summed in a fixed order; other tiles compute the forces on their own bodies. If
+ *  the order of the springs jumps between bodies, copies of their columns in tile order are
+ *  used. Ordered columns are also copied, after a while without edits. */
 template <class Real>
 struct HookeSpring {
   static constexpr auto kName = "hooke_spring", kVersion = "1.0.0";
@@ -68,7 +68,7 @@ struct HookeSpring {
     });
   }
 
-  /** Half the square of each strain, times its Hooke constant. */
+  /** Returns half the sum of the squared strains times their Hooke constants. */
   double PotentialEnergy() const {
     double energy = 0;
     for (uint64_t spring = 0; spring < endpoints.size(); ++spring) {
@@ -80,18 +80,18 @@ struct HookeSpring {
   }
 
  private:
-  /** A column as it was when it was copied, by rows and by slots; all are empty if there is
-   *  none. */
+  /** The contents of a column when it was copied, by rows and by slots; empty if there is no
+   *  copy. */
   struct Copied {
     const Real* column = nullptr;
     uint64_t version = 0;
-    bool stale = false;  // perhaps
+    bool stale = false;  // the copy may be out of date
     std::vector<Real> rows;
     LargeArray<Real> slots;
   };
 
   void BuildTiles() {
-    endpoints_version_ = kUnknown;  // until all is done: memory may run out meanwhile
+    endpoints_version_ = kUnknown;  // valid only at the end, because an allocation may fail before
     if (tiles_.Build({endpoints.data(), endpoints.size()}, position.size()) || !taken_) Reserve();
     bodies_ = position.size();
     endpoints_version_ = endpoints.version();
@@ -99,21 +99,21 @@ struct HookeSpring {
 
   void Reserve() {
     copies_ = {};
-    for (Copied& copy : copies_) {  // Advance allocates nothing
+    for (Copied& copy : copies_) {  // so that Advance allocates no memory
       copy.rows.reserve(endpoints.size());
       copy.slots.reserve(tiles_.rows().size());
     }
     taken_.reset();
     const uint64_t count = tiles_.tiles().size();
     tiles_at_once_ = std::max<uint64_t>(1, (count + kMostPlaces - 1) / kMostPlaces);
-    // Of the places to work at, only those are ever touched that threads need at the same time.
+    // Only as many workspaces are touched as threads run at once.
     const uint64_t places = (count + tiles_at_once_ - 1) / tiles_at_once_;
     motions_ = std::make_unique_for_overwrite<Motion<Real>[]>(places * tiles_.most_bodies());
     forces_ = std::make_unique_for_overwrite<Forces<Real>[]>(places * tiles_.most_slots() / kBatch);
     taken_ = std::make_unique<std::atomic_flag[]>(places);
   }
 
-  /** The version says whether the column may have been edited since it was copied. */
+  /** Marks the copy as possibly out of date if the version of the column has changed. */
   template <class Column>
   void Follow(const Column& column, int place) {
     Copied& copy = copies_[place];
@@ -124,8 +124,8 @@ struct HookeSpring {
     copy.version = column.version();
   }
 
-  /** Copies the column again if it was edited: reading the rows one after the other to see that
-   *  costs little next to reading them in another order. */
+  /** Copies the column again if it was edited. To detect this, it reads the rows in order, which
+   *  costs little compared with reads in another order. */
   void Update(Copied& copy, const Step& step) {
     const uint64_t count = copy.column != nullptr ? endpoints.size() : 0;
     if (copy.rows.size() != count || Differ(copy, step)) {
@@ -149,9 +149,9 @@ struct HookeSpring {
     return differ;
   }
 
-  /** Adds the forces of a tile's springs to its own bodies. */
+  /** Adds the forces of a tile's springs to the tile's own bodies. */
   void PullAt(const Tile& tile, uint64_t place) {
-    if (tile.part_count == 0) return;  // nor is there room reserved for its bodies
+    if (tile.part_count == 0) return;  // its bodies have no reserved memory either
     Motion<Real>* motions = motions_.get() + place * tiles_.most_bodies();
     Forces<Real>* forces = forces_.get() + place * tiles_.most_slots() / kBatch;
     compiled_.take(position.data(), velocity.data(), position.size(), nullptr, tile.first_body,
@@ -188,17 +188,17 @@ struct HookeSpring {
   }
 
   const TileForces<Real> compiled_ = AvailableTileForces<Real>().front();
-  // All of it is rebuilt by Bind or by each Advance.
+  // Bind or each Advance rebuilds all of these.
   SpringTiles tiles_;
-  uint64_t endpoints_version_ = kUnknown;  // that the tiles are of
+  uint64_t endpoints_version_ = kUnknown;  // version from which the tiles were built
   uint64_t bodies_ = 0;
-  uint64_t tiles_at_once_ = 1;                 // that a thread takes
+  uint64_t tiles_at_once_ = 1;                 // tiles per chunk of a thread
   std::array<Copied, 3> copies_;               // length, hooke, damping
-  bool from_copies_ = false;                   // springs are read
-  uint64_t calls_since_edit_ = 0;              // of one of these columns
+  bool from_copies_ = false;                   // springs read the copies
+  uint64_t calls_since_edit_ = 0;              // calls since the last edit of one of these columns
   std::unique_ptr<Motion<Real>[]> motions_;    // (places x most_bodies of tiles_)
   std::unique_ptr<Forces<Real>[]> forces_;     // (places x most_slots / kBatch)
-  std::unique_ptr<std::atomic_flag[]> taken_;  // (places); null: nothing is reserved
+  std::unique_ptr<std::atomic_flag[]> taken_;  // (places); null: no memory is reserved
 };
 
 }  // namespace

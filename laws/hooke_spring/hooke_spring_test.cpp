@@ -35,7 +35,7 @@ struct Oscillator {
   }
 };
 
-// Semi-implicit Euler turns the oscillator by theta a step, where 2 sin(theta / 2) = omega dt:
+// Semi-implicit Euler advances the oscillator by theta per step, where 2 sin(theta / 2) = omega dt:
 // x(n) = x cos((n + 1/2) theta) / cos(theta / 2).
 TYPED_TEST(HookeSpringTest, OscillationMatchesTheClosedFormOfTheScheme) {
   Oscillator<TypeParam> oscillator(0.5);
@@ -51,7 +51,7 @@ TYPED_TEST(HookeSpringTest, PeriodMatchesClosedForm) {
   Oscillator<TypeParam> oscillator(0.5);
   const double dt = 1.0 / 1024;
   double before = oscillator.Strain(), first = 0, last = 0;
-  int falls = 0;  // through rest length, from long to short
+  int falls = 0;  // passes through the rest length, from long to short
   for (int n = 1; falls < 5; ++n) {
     oscillator.engine.Advance(dt);
     const double strain = oscillator.Strain();
@@ -83,7 +83,7 @@ TYPED_TEST(HookeSpringTest, DampedOscillationHasTheLogarithmicDecrementOfClosedF
   EXPECT_NEAR(std::log(peaks.front() / peaks.back()) / 3, expected, 2e-3 * expected);
 }
 
-// v' = v - (k x + c v) dt / m, x' = x + v' dt shrinks areas by 1 - c dt / m each step.
+// The map v' = v - (k x + c v) dt / m, x' = x + v' dt contracts areas by 1 - c dt / m per step.
 TYPED_TEST(HookeSpringTest, DampingShrinksPhaseSpaceAsTheSchemeSays) {
   const double dt = 0.01, c = 2;
   Oscillator<TypeParam> a(0.5, TypeParam(c)), b(0.0, TypeParam(c));
@@ -105,7 +105,7 @@ TYPED_TEST(HookeSpringTest, EnergyOfTheUndampedSpringStaysBounded) {
     oscillator.engine.Advance(dt, 10);
     worst = std::max(worst, std::abs(oscillator.Energy() - before));
   }
-  // The scheme conserves E - (omega dt / 2) omega x v m, so E swings by about omega dt / 2.
+  // The scheme conserves E - (omega dt / 2) omega x v m, so E oscillates by about omega dt / 2.
   EXPECT_LT(worst, 1.1 * before * 5 * dt / 2);
 }
 
@@ -123,7 +123,7 @@ TYPED_TEST(HookeSpringTest, MomentumAndAngularMomentumAreConserved) {
   auto scene = RandomNetwork<TypeParam>(40, seed);
   scene.mass[0] = 2;
   double scale = 0;
-  for (const TypeParam m : scene.mass) scale += 10 * double{m};  // speeds reach some 10 m/s
+  for (const TypeParam m : scene.mass) scale += 10 * double{m};  // speeds reach about 10 m/s
   PhysicsEngine engine = scene.MakeEngine();
   engine.LoadPhysicsLaw("hooke_spring");
   engine.LoadPhysicsLaw("newton_motion");
@@ -207,7 +207,7 @@ TYPED_TEST(HookeSpringTest, SpringsThatShareABodyAddUp) {
   EXPECT_EQ(scene.external_force, (std::vector<TypeParam>{11, 20, 0, -11, 0, 0, 0, -20, 0}));
 }
 
-/// A chain of 5000 bodies with springs of lengths of their own, given from end to end or shuffled.
+/// Returns a chain of 5000 bodies with springs of different lengths, in order or shuffled.
 template <class Real>
 Scene<Real> Chain(bool shuffled) {
   const uint32_t bodies = 5000;
@@ -219,13 +219,13 @@ Scene<Real> Chain(bool shuffled) {
   std::iota(order.begin(), order.end(), 0);
   if (shuffled) std::shuffle(order.begin(), order.end(), std::mt19937(11));
   for (const uint32_t i : order) {
-    const uint32_t end = i % 2;  // every other spring the other way round
+    const uint32_t end = i % 2;  // every other spring has swapped ends
     scene.AddSpring(i + end, i + 1 - end, Real(1 + i % 3), Real(100 + i), Real(i % 4));
   }
   return scene;
 }
 
-// A body between two springs sums two forces, and a + b is b + a.
+// A body between two springs sums two forces, and a + b equals b + a.
 TYPED_TEST(HookeSpringTest, OrderOfTheSpringsOfAChainChangesNoBit) {
   auto chain = Chain<TypeParam>(false), shuffled = Chain<TypeParam>(true);
   for (auto* scene : {&chain, &shuffled}) {
@@ -256,7 +256,8 @@ TYPED_TEST(HookeSpringTest, BitsDoNotDependOnTheNumberOfThreads) {
   }
 }
 
-// However many steps nothing was edited; by a client that says what it edits, and by others.
+// After any number of steps without edits; with a client that touches its edits, and with one that
+// does not.
 TYPED_TEST(HookeSpringTest, ValuesEditedInPlaceActInTheNextStep) {
   for (const bool shuffled : {false, true}) {
     for (const bool deferred : {false, true}) {
@@ -278,7 +279,7 @@ TYPED_TEST(HookeSpringTest, ValuesEditedInPlaceActInTheNextStep) {
   }
 }
 
-/// A network that a client edits in place, makes longer and shorter, and its forces by the
+/// A network whose values a client edits, lengthens and shortens, with forces computed from the
 /// equation.
 template <class Real>
 class EditedNetwork {
@@ -361,7 +362,7 @@ class EditedNetwork {
     return static_cast<Real>(low + (high - low) * random_() / 4294967296.0);
   }
   uint32_t AnyBody() { return static_cast<uint32_t>(random_() % scene_.mass.size()); }
-  /// Only a client that promised so has to.
+  /// Touches a value if the client promised to touch its edits.
   void TouchValue(const char* name) {
     if (deferred_) Provider().Touch({name});
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Memory for arrays that are read from one end to the other, again and again.
+// Memory for arrays that are repeatedly read in sequence.
 #pragma once
 
 #include <sys/mman.h>
@@ -11,8 +11,8 @@
 
 namespace vesper::hooke_spring {
 
-/// Lays long arrays in large pages, where the system has them to give: the processor then has
-/// few addresses to look up, and can read ahead for longer.
+/// Allocator that puts long arrays into large pages, if the system has any. The processor then
+/// needs fewer address translations and can prefetch across longer ranges.
 template <class T>
 struct LargePages {
   using value_type = T;
@@ -28,7 +28,9 @@ struct LargePages {
     const size_t size = (count * sizeof(T) + alignment - 1) / alignment * alignment;
     void* memory = std::aligned_alloc(alignment, size);
     if (memory == nullptr) throw std::bad_alloc();
-    if (alignment == kPage) madvise(memory, size, MADV_HUGEPAGE);  // refused: small pages will do
+    if (alignment == kPage)
+      madvise(memory, size, MADV_HUGEPAGE);  // if the request is refused,
+                                             // small pages are used
     return static_cast<T*>(memory);
   }
   void deallocate(T* memory, size_t) { std::free(memory); }

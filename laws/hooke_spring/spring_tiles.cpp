@@ -12,14 +12,15 @@ namespace {
 
 constexpr uint32_t kNowhere = UINT32_MAX;
 constexpr uint64_t kUnknown = UINT64_MAX;
-// Bodies of a tile: enough for its springs to be worth a task, and so few that they stay in the
-// second-level cache. More where many springs would hold bodies of two tiles.
+// Bodies per tile: enough springs to justify a task, but few enough to stay in the second-level
+// cache. Tiles are larger if many springs would connect two tiles.
 constexpr uint64_t kFewestBodies = 1024, kFewestIfFar = 2048, kMostBodies = 8192;
-// Bodies between the ends of a spring, on average, up to which few springs do.
+// Maximum average distance between the ends of a spring [bodies] at which few springs connect
+// tiles.
 constexpr uint64_t kNear = 128;
-// Tiles to aim at: enough for the processors of a desktop.
+// Number of tiles to aim at: enough for the processors of a desktop.
 constexpr uint64_t kTiles = 8;
-// Bodies from one spring to the next, on average, beyond which memory is worth a new order.
+// Average distance between consecutive springs [bodies] above which reordering pays off.
 constexpr uint64_t kFar = 64;
 
 bool VisitsInOrder(std::span<const Ends> endpoints) {
@@ -37,7 +38,7 @@ bool HoldsNear(std::span<const Ends> endpoints) {
   return reach <= kNear * endpoints.size();
 }
 
-/// Rows by the lower of their ends; those where it is the same stay in order.
+/// Returns rows sorted by their lower end; rows with the same lower end stay in order.
 std::vector<uint32_t> SortByLowerEnd(std::span<const Ends> endpoints, uint64_t bodies) {
   std::vector<uint32_t> next(bodies + 1, 0);
   for (const auto& [a, b] : endpoints) ++next[std::min(a, b) + 1];
@@ -55,7 +56,7 @@ std::vector<uint32_t> SortByLowerEnd(std::span<const Ends> endpoints, uint64_t b
 bool SpringTiles::Build(std::span<const Ends> endpoints, uint64_t bodies) {
   if (endpoints.size() > uint64_t{1} << 29) throw std::length_error("more than 2^29 springs");
   if (bodies == bodies_ && std::ranges::equal(endpoints, endpoints_)) return false;
-  bodies_ = kUnknown;  // until all is done: memory may run out meanwhile
+  bodies_ = kUnknown;  // valid only at the end, because an allocation may fail before
   in_row_order_ = VisitsInOrder(endpoints);
   std::vector<uint32_t> order;
   if (in_row_order_) {
@@ -79,7 +80,7 @@ bool SpringTiles::Build(std::span<const Ends> endpoints, uint64_t bodies) {
   return true;
 }
 
-/// Lays out the tiles, with room for their springs.
+/// Creates the tiles, with space for their springs.
 void SpringTiles::Cut(std::span<const Ends> endpoints, uint64_t bodies) {
   const uint64_t fewest_bodies = HoldsNear(endpoints) ? kFewestBodies : kFewestIfFar;
   const uint64_t fewest = std::bit_ceil((bodies + kMostBodies - 1) / kMostBodies);
@@ -106,7 +107,7 @@ void SpringTiles::Cut(std::span<const Ends> endpoints, uint64_t bodies) {
   first_rows_.resize(slots / kBatch);
 }
 
-/// Gives each tile its springs, and fills up its last batch.
+/// Assigns the springs to tiles, and fills up the last batch of each tile.
 void SpringTiles::Deal(std::span<const Ends> endpoints, std::span<const uint32_t> order) {
   std::vector<uint64_t> used(tiles_.size(), 0);
   const auto put = [&](uint64_t tile, uint32_t row) {
@@ -131,7 +132,7 @@ void SpringTiles::Deal(std::span<const Ends> endpoints, std::span<const uint32_t
   }
 }
 
-/// Cuts a tile's springs into parts.
+/// Splits a tile's springs into parts.
 void SpringTiles::Split(std::span<const Ends> endpoints, Tile& tile) {
   tile.first_part = parts_.size();
   const uint64_t end = tile.first_slot + tile.slot_count;
@@ -147,13 +148,13 @@ void SpringTiles::Split(std::span<const Ends> endpoints, Tile& tile) {
   tile.part_count = parts_.size() - tile.first_part;
 }
 
-/// Whether another batch may be too much.
+/// Returns true if another batch might exceed the limits of the part.
 bool SpringTiles::IsFull(const Tile& tile, const Part& part) const {
   return part.slot_count + kBatch > kMost ||
          tile.body_count + part.other_count + 2 * kBatch > kMost;
 }
 
-/// Adds a batch to a part, and turns its ends into places.
+/// Adds a batch to a part, and converts its ends to places.
 void SpringTiles::Localize(std::span<const Ends> endpoints, const Tile& tile, Part& part) {
   const auto place = [&](uint32_t body) {
     if (body - tile.first_body < tile.body_count) return body - tile.first_body;

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "tile_forces.cpp"
-// Beside AVX2 and AVX-512 only what every processor of the family has.
+// The targets are AVX2, AVX-512 and the baseline of the processor family.
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3_DL)
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>
 
 #include <algorithm>
 
-#include "all_pairs/instruction_set.hpp"
+#include "simd/instruction_set.hpp"
 #include "tile_forces.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -16,11 +16,11 @@ namespace vesper::hooke_spring::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// How far ahead memory is asked for [bytes]. What is read in order is longer than a page, where the
-// processor stops looking ahead.
+// Prefetch distance [bytes]. Sequential reads are longer than a page, where the hardware prefetch
+// stops.
 constexpr uint64_t kAhead = 1024;
 
-/// Asks for the memory of `count` values beyond what is read now.
+/// Prefetches `count` values beyond the current position.
 template <class T>
 HWY_INLINE void AskAhead(const T* values, uint64_t count) {
   for (uint64_t byte = 0; byte < count * sizeof(T); byte += 64) {
@@ -29,23 +29,23 @@ HWY_INLINE void AskAhead(const T* values, uint64_t count) {
 }
 
 #if HWY_MAX_BYTES >= 32
-/// Vectors of 256 bits: a body in float, half of one in double.
+/// Vectors of 256 bits: one body in float, half a body in double.
 template <class Real>
 using Lanes = hn::CappedTag<Real, 32 / sizeof(Real)>;
-#else  // vectors too short to hold a body
+#else  // vectors too short for a body
 template <class Real>
 using Lanes = hn::CappedTag<Real, 1>;
 #endif
 template <class Real>
 using V = hn::Vec<Lanes<Real>>;
 
-/// Components of as many springs as there are lanes.
+/// Components of one spring per lane.
 template <class Real>
 struct Axes {
   V<Real> x, y, z;
 };
 
-/// From the first to the second end of each spring: where, and how fast.
+/// Difference from the first to the second end of each spring, in position and velocity.
 template <class Real>
 struct Stretch {
   Axes<Real> way, speed;  // [m], [m/s]
@@ -53,11 +53,12 @@ struct Stretch {
 
 #if HWY_MAX_BYTES >= 32
 
-/// The four numbers that belong to a body.
+/// The four numbers of a body.
 template <class Real>
 using Four = hn::CappedTag<Real, 4>;
 
-/// Rows of three numbers, and what is behind them, as columns: per half of the vectors in float.
+/// Transposes rows of three numbers and a fourth value to columns, within each half of the vectors
+/// in float.
 HWY_INLINE Axes<float> Transpose(V<float> a, V<float> b, V<float> c, V<float> d) {
   const Lanes<float> l;
   const auto ac = hn::InterleaveLower(l, a, c), bd = hn::InterleaveLower(l, b, d);
@@ -72,7 +73,7 @@ HWY_INLINE Axes<double> Transpose(V<double> a, V<double> b, V<double> c, V<doubl
           hn::ConcatUpperUpper(l, cd, ab)};
 }
 
-/// Second minus first end, of positions or velocities of motions.
+/// Returns second minus first end, for positions or velocities.
 template <class Real>
 HWY_INLINE V<Real> Difference(const Real* values, uint16_t first, uint16_t second) {
   constexpr uint64_t kStride = sizeof(Motion<Real>) / sizeof(Real);
@@ -80,11 +81,12 @@ HWY_INLINE V<Real> Difference(const Real* values, uint16_t first, uint16_t secon
   return hn::Sub(hn::Load(l, values + kStride * second), hn::Load(l, values + kStride * first));
 }
 
-/// Of the springs between a[i] and b[i], one for each lane; the speed only if damped.
+/// Computes the difference for the springs between a[i] and b[i], one per lane; the speed only if
+/// damped.
 template <bool damped>
 HWY_INLINE Stretch<float> Take(const uint16_t* a, const uint16_t* b, const Motion<float>* motions) {
   const Lanes<float> l;
-  const float* p = motions->position;  // and the velocity in the upper half
+  const float* p = motions->position;  // the upper half contains the velocity
   const auto low = Transpose(Difference(p, a[0], b[0]), Difference(p, a[1], b[1]),
                              Difference(p, a[2], b[2]), Difference(p, a[3], b[3]));
   const auto high = Transpose(Difference(p, a[4], b[4]), Difference(p, a[5], b[5]),
@@ -112,7 +114,7 @@ HWY_INLINE Stretch<double> Take(const uint16_t* a, const uint16_t* b,
   return taken;
 }
 
-/// Stores the forces of as many springs as there are lanes.
+/// Stores the forces of one spring per lane.
 HWY_INLINE void Give(const Axes<float>& force, float (*forces)[4]) {
   const Lanes<float> l;
   const auto zero = hn::Zero(l);
@@ -140,7 +142,7 @@ HWY_INLINE void Give(const Axes<double>& force, double (*forces)[4]) {
   hn::Store(hn::ConcatUpperUpper(l, z02, xy2), l, forces[3]);
 }
 
-/// Of a body before the last row: what is behind its three numbers is read, too.
+/// Loads a row before the last one; also reads the value after its three numbers.
 template <class Real>
 HWY_INLINE void TakeMotion(const Vec3<Real>& position, const Vec3<Real>& velocity,
                            Motion<Real>& motion) {
@@ -175,7 +177,7 @@ void TakeMotions(const Vec3<Real>* position, const Vec3<Real>* velocity, uint64_
   }
 }
 
-/// Calls visit(pull) for those from `at` up to `end`; several in a round, for that costs less.
+/// Calls visit(pull) for the pulls from `at` to `end`, several per iteration, which is faster.
 template <class Visit>
 HWY_INLINE const uint16_t* ForEachPull(const uint16_t* at, const uint16_t* end, Visit&& visit) {
   constexpr int kRound = 4;
@@ -206,7 +208,7 @@ void SumUp(const Forces<Real>* forces, const uint16_t* pulls, const uint16_t* pu
   }
 }
 
-#else  // vectors too short to hold a body
+#else  // vectors too short for a body
 
 template <bool damped, class Real>
 Stretch<Real> Take(const uint16_t* a, const uint16_t* b, const Motion<Real>* motions) {
@@ -253,7 +255,7 @@ void SumUp(const Forces<Real>* forces, const uint16_t* pulls, const uint16_t* pu
 
 #endif
 
-/// Of the springs from a slot on; beyond the last ones, of these.
+/// Loads the ends of the springs from a slot on; beyond the last slots, those of the last ones.
 template <bool damped, class Real>
 HWY_INLINE Stretch<Real> TakeFrom(const TileSprings<Real>& springs, uint64_t slot,
                                   const Motion<Real>* motions) {
@@ -271,7 +273,7 @@ HWY_INLINE Axes<Real> Scale(const Axes<Real>& a, V<Real> factor) {
   return {hn::Mul(a.x, factor), hn::Mul(a.y, factor), hn::Mul(a.z, factor)};
 }
 
-/// A stretch with its length [m], and the inverse of that.
+/// A distance vector with its length [m] and the inverse of the length.
 template <class Real>
 struct Measured {
   Stretch<Real> stretch;
@@ -284,13 +286,13 @@ HWY_INLINE Measured<Real> Measure(const Stretch<Real>& stretch) {
   return {stretch, distance, hn::Div(hn::Set(Lanes<Real>(), Real(1)), distance)};
 }
 
-/// Of the springs of a batch.
+/// Properties of the springs of a batch.
 template <class Real>
 struct Values {
   const Real *length, *hooke, *damping;  // [m], [N/m], [N s/m]
 };
 
-/// Copies what does not lie together.
+/// Gathers values that are not adjacent.
 template <class Real>
 Values<Real> Collect(const TileSprings<Real>& springs, const uint32_t* rows,
                      Real (&copies)[3][kBatch]) {
@@ -301,7 +303,8 @@ Values<Real> Collect(const TileSprings<Real>& springs, const uint32_t* rows,
   return {copies[0], copies[1], copies[2]};
 }
 
-/// Of the batch from `slot` on, in the columns or in `copies`; asks ahead for the next ones.
+/// Returns the properties of the batch from `slot` on, in the columns or gathered in `copies`;
+/// prefetches the next ones.
 template <bool damped, class Real>
 HWY_INLINE Values<Real> ValuesOf(const TileSprings<Real>& springs, uint64_t slot,
                                  Real (&copies)[3][kBatch]) {
@@ -318,8 +321,8 @@ HWY_INLINE Values<Real> ValuesOf(const TileSprings<Real>& springs, uint64_t slot
   return {springs.length + row, springs.hooke + row, damped ? springs.damping + row : nullptr};
 }
 
-/** What springs exert on their first ends [N]; they are those from `first` on of their batch. One
- *  whose ends coincide has no direction, and exerts nothing. */
+/** Computes the forces of springs on their first ends [N], for the springs from `first` on of
+ *  their batch. A spring with coincident ends has no direction and exerts no force. */
 template <bool damped, class Real>
 HWY_INLINE Axes<Real> Pull(const Measured<Real>& measured, const Values<Real>& values,
                            uint32_t first) {
@@ -337,10 +340,9 @@ HWY_INLINE Axes<Real> Pull(const Measured<Real>& measured, const Values<Real>& v
           hn::IfThenZeroElse(none, force.z)};
 }
 
-/** Each spring goes through three steps, of which each waits for the one before: its ends are
- *  taken, it is measured, and it pulls. So that the processor need not wait, too, it has three
- *  groups of springs before it, as many in each as there are lanes: while one pulls, the next is
- *  measured, and the one after it taken. */
+/** Processes springs in three dependent stages: load the ends, measure, and compute the force.
+ *  To hide latencies, three groups of springs, of one spring per lane, are in the pipeline:
+ *  while one is in the last stage, the next is measured and the third is loaded. */
 template <bool damped, class Real>
 void PullAll(TileSprings<Real> springs, const Motion<Real>* motions, Forces<Real>* forces) {
   constexpr uint32_t kLanes = hn::MaxLanes(Lanes<Real>());
@@ -380,7 +382,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace vesper::hooke_spring {
 
-// Highway's own dispatch lives in a shared library, which a law must not need.
+// Highway's own dispatch is in a shared library, which a law must not need.
 template <class Real>
 std::vector<TileForces<Real>> AvailableTileForces() {
   std::vector<TileForces<Real>> available;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr uint32_t kSeed = 31;
 
-/// Springs between random bodies; a fifth from a body to itself or between bodies at one place.
+/// Springs between random bodies; a fifth connect a body with itself or bodies at one place.
 template <class Real>
 struct Network {
   explicit Network(uint32_t bodies, uint32_t springs, bool in_order) {
@@ -37,7 +37,7 @@ struct Network {
     tiles.Build(endpoints, bodies);
   }
 
-  /// As the law does it.
+  /// Returns the forces as the law computes them.
   std::vector<Vec3<Real>> Forces(const TileForces<Real>& compiled, bool damped) const {
     std::vector<Vec3<Real>> sums(position.size());
     std::vector<Motion<Real>> motions(tiles.most_bodies());
@@ -72,7 +72,7 @@ struct Network {
     return springs;
   }
 
-  /// By the equation, spring by spring in double.
+  /// Returns the forces by the equation, for each spring in double.
   std::vector<Vec3<double>> Expected(bool damped) const {
     std::vector<Vec3<double>> sums(position.size());
     for (uint64_t s = 0; s < endpoints.size(); ++s) {
@@ -163,7 +163,7 @@ TEST(SpringTilesTest, EachBodyIsOfOneTileThatHasAllItsSprings) {
   }
 }
 
-// More than 16 bits can tell apart, too: then its tile has several parts.
+// Also for more springs than 16 bits can count: the tile then has several parts.
 TEST(SpringTilesTest, ABodyThatHoldsManySpringsFeelsThemAll) {
   for (const uint32_t springs : {30000u, 200000u}) {
     Network<double> star(9000, springs, true);
@@ -175,14 +175,14 @@ TEST(SpringTilesTest, ABodyThatHoldsManySpringsFeelsThemAll) {
       const auto sums = star.Forces(compiled, true);
       for (uint32_t i = 0; i < sums.size(); ++i) {
         ASSERT_LT(Length(Network<double>::Wide(sums[i]) - expected[i]),
-                  1e-2)  // of springs that pull with some hundred N each
+                  1e-2)  // for springs with forces of some hundred N each
             << compiled.instruction_set << ", body " << i << ", seed " << kSeed;
       }
     }
   }
 }
 
-// A tile that knows many bodies of others.
+// A tile that is connected with many bodies of other tiles.
 TEST(SpringTilesTest, ABodyHeldFromEverywhereFeelsAll) {
   Network<double> star(150000, 150000, true);
   for (uint32_t i = 0; i < star.endpoints.size(); ++i) star.endpoints[i] = {i, 70000};
@@ -191,7 +191,7 @@ TEST(SpringTilesTest, ABodyHeldFromEverywhereFeelsAll) {
   EXPECT_LE(star.tiles.most_bodies(), kMost);
   const Vec3<double> sum = star.Forces(AvailableTileForces<double>().front(), true)[70000];
   EXPECT_LT(Length(Network<double>::Wide(sum) - star.Expected(true)[70000]),
-            1e-2)  // of springs that pull with some hundred N each
+            1e-2)  // for springs with forces of some hundred N each
       << "seed " << kSeed;
 }
 

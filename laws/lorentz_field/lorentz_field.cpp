@@ -5,10 +5,10 @@ namespace {
 
 using namespace vesper;
 
-// Bodies that a thread takes at once: about half a megabyte of columns.
+// Bodies per chunk of a thread: about half a megabyte of columns.
 constexpr uint64_t kGrain = 16384;
 
-/** Charges in a uniform electric and a uniform magnetic field: F = q (E + v x B). */
+/** Force on charges in a uniform electric and a uniform magnetic field: F = q (E + v x B). */
 template <class Real>
 struct LorentzField {
   static constexpr auto kName = "lorentz_field", kVersion = "1.0.0";
@@ -32,7 +32,8 @@ struct LorentzField {
     });
   }
 
-  /** -sum of q E.x: zero for a charge at the origin. The magnetic field does no work. */
+  /** Returns minus the sum of q E.x, which is zero for a charge at the origin. The magnetic
+   *  field does no work. */
   double PotentialEnergy() const {
     const Vec3<Real> e = OfTheWorld(electric);
     double energy = 0;
@@ -42,7 +43,7 @@ struct LorentzField {
     return energy;
   }
 
-  /** A world without this field, or without its one row, has none. */
+  /** Returns the field; zero in a world without this property or without its one row. */
   static Vec3<Real> OfTheWorld(const OptionalRead<Vec3<Real>>& field) {
     return field.size() == 0 ? Vec3<Real>{} : field[0];
   }

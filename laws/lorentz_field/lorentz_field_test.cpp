@@ -6,7 +6,7 @@
 namespace vesper {
 namespace {
 
-/// Bodies with charge in the fields of their world.
+/// Charged bodies and the fields of their world.
 template <class Real>
 struct ChargedScene : Scene<Real> {
   std::vector<Real> charge;                // (bodies) [C]
@@ -66,7 +66,8 @@ TYPED_TEST(LorentzFieldTest, WorldWithoutFieldsExertsNoForce) {
   EXPECT_EQ(scene.external_force, (std::vector<TypeParam>{0, 0, 0}));
 }
 
-// omega = |q| B / m = 6 rad/s and radius v / omega = 0.5 m; a negative charge turns with B.
+// omega = |q| B / m = 6 rad/s and radius v / omega = 0.5 m; a negative charge rotates in the sense
+// of B.
 TYPED_TEST(LorentzFieldTest, ChargeCirclesAtTheCyclotronFrequency) {
   ChargedScene<TypeParam> scene;
   scene.AddCharge(-3, 2, {0.5, 0, 0}, {0, 3, 0.25});
@@ -75,7 +76,7 @@ TYPED_TEST(LorentzFieldTest, ChargeCirclesAtTheCyclotronFrequency) {
   const double omega = 6, turns = 2.25, time = turns * 2 * std::numbers::pi / omega;
   const uint32_t steps = 900;
   engine.Advance(time / steps, steps);
-  // Runge-Kutta 4 is late by (omega dt)^4 / 120 of the angle.
+  // Runge-Kutta 4 lags by (omega dt)^4 / 120 of the angle.
   const double angle = turns * 2 * std::numbers::pi, each = angle / steps;
   const double tolerance = angle * std::pow(each, 4) / 60 + Rounding<TypeParam>(steps);
   EXPECT_NEAR(scene.position[0], 0, 0.5 * tolerance);
@@ -85,7 +86,7 @@ TYPED_TEST(LorentzFieldTest, ChargeCirclesAtTheCyclotronFrequency) {
   EXPECT_NEAR(scene.velocity[1], 0, 3 * tolerance);
 }
 
-// Both start at rest: cycloids that meet the line of their start again after each period.
+// Both start at rest: cycloids that return to the starting line after each period.
 TYPED_TEST(LorentzFieldTest, CrossedFieldsMakeChargesOfEitherSignDriftAlike) {
   ChargedScene<TypeParam> scene;
   scene.AddCharge(-3, 2, {0, 0, 0}, {});

@@ -5,7 +5,7 @@ namespace {
 
 using namespace vesper;
 
-/** Newton's law of gravitation between all pairs of bodies, softened as Plummer did. */
+/** Newton's law of gravitation between all pairs of bodies, with Plummer softening. */
 template <class Real>
 struct NewtonGravitation {
   static constexpr auto kName = "newton_gravitation", kVersion = "1.0.0";
@@ -36,7 +36,7 @@ struct NewtonGravitation {
                    force);
   }
 
-  /** -G m m' / sqrt(r^2 + softening^2), summed over the pairs. */
+  /** Returns the sum of -G m m' / sqrt(r^2 + softening^2) over the pairs. */
   double PotentialEnergy() const {
     if (gravitational_constant.size() == 0) return 0;
     return -double{gravitational_constant[0]} * pairs_.SumOfPotentials(Softening(), mass, position);

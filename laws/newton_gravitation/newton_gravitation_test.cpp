@@ -6,7 +6,7 @@
 namespace vesper {
 namespace {
 
-/// Bodies that attract each other with G = 1 unless said otherwise.
+/// Bodies that attract each other; G = 1 by default.
 template <class Real>
 struct Heavens : Scene<Real> {
   std::vector<Real> gravitational_constant = {1};  // (1) [m^3/(kg s^2)]
@@ -25,7 +25,7 @@ struct Heavens : Scene<Real> {
   Vec3<double> Place(uint64_t row) const { return this->Wide(this->At(this->position, row)); }
   Vec3<double> Force(uint64_t row) const { return this->Wide(this->At(this->external_force, row)); }
 
-  /// Kinetic plus -G m m' / sqrt(r^2 + softening^2).
+  /// Returns kinetic energy plus the sum of -G m m' / sqrt(r^2 + softening^2).
   double Energy() const {
     double energy = this->KineticEnergy();
     for (uint64_t i = 0; i < this->mass.size(); ++i) {
@@ -42,10 +42,10 @@ struct Heavens : Scene<Real> {
 template <class Real>
 class NewtonGravitationTest : public ::testing::Test {
  protected:
-  /// Two bodies of 3 kg and 1 kg, starting at their least distance of 1 m on an orbit of this
+  /// Returns two bodies of 3 kg and 1 kg at their minimum distance of 1 m, on an orbit of this
   /// eccentricity about their centre of mass at rest.
   static Heavens<Real> Pair(double eccentricity) {
-    const double speed = std::sqrt(4 * (1 + eccentricity));  // of one against the other
+    const double speed = std::sqrt(4 * (1 + eccentricity));  // relative speed
     Heavens<Real> heavens;
     heavens.AddBody(3, {Real(-0.25), 0, 0}, {0, Real(-0.25 * speed), 0});
     heavens.AddBody(1, {Real(0.75), 0, 0}, {0, Real(0.75 * speed), 0});
@@ -104,8 +104,8 @@ TYPED_TEST(NewtonGravitationTest, EnergyDoesNotDriftOverAThousandOrbits) {
   const double period = 2 * std::numbers::pi * std::sqrt(axis * axis * axis / 4);
   auto heavens = this->Pair(eccentricity);
   PhysicsEngine engine = heavens.MakeEngine("velocity_verlet");
-  // Of one orbit: within it the energy swings by the order of dt^2, and with the turning of the
-  // ellipse what the samples meet of that.
+  // The mean over one orbit: within an orbit the energy oscillates in the order of dt^2, and as the
+  // ellipse precesses, the samples meet other phases of that.
   const auto mean = [&] {
     double sum = 0;
     for (int i = 0; i < 100; ++i) {
@@ -130,7 +130,7 @@ TYPED_TEST(NewtonGravitationTest, ThreeBodiesDanceTheFigureEight) {
   heavens.AddBody(1, {}, moving);
   PhysicsEngine engine = heavens.MakeEngine("runge_kutta4");
   const double period = 6.32591398;
-  engine.Advance(period / 3000, 1000);  // each has taken the place of another
+  engine.Advance(period / 3000, 1000);  // each body is at the initial place of another
   EXPECT_NEAR(
       Length(heavens.Place(2) - heavens.Wide(at)) * Length(heavens.Place(2) + heavens.Wide(at)), 0,
       this->Single(1e-4, 1e-6));
@@ -139,7 +139,7 @@ TYPED_TEST(NewtonGravitationTest, ThreeBodiesDanceTheFigureEight) {
   EXPECT_NEAR(Length(heavens.Place(2)), 0, this->Single(1e-4, 1e-6));
 }
 
-// J.-L. Lagrange 1772: any three masses may turn as an equilateral triangle, omega^2 = G M / a^3.
+// J.-L. Lagrange 1772: any three masses can rotate as an equilateral triangle, omega^2 = G M / a^3.
 TYPED_TEST(NewtonGravitationTest, LagrangesTriangleTurnsAsARigidBody) {
   using Real = TypeParam;
   const double masses[] = {1, 2, 3}, omega = std::sqrt(6.0), side = 1;
@@ -154,7 +154,7 @@ TYPED_TEST(NewtonGravitationTest, LagrangesTriangleTurnsAsARigidBody) {
   }
   PhysicsEngine engine = heavens.MakeEngine("runge_kutta4");
   const double period = 2 * std::numbers::pi / omega;
-  engine.Advance(period / 1000, 500);  // unstable for such masses, so half a turn
+  engine.Advance(period / 1000, 500);  // unstable for such masses, so only half a revolution
   for (int i = 0; i < 3; ++i) {
     EXPECT_NEAR(Length(heavens.Place(i) - heavens.Place((i + 1) % 3)), side,
                 this->Single(1e-4, 1e-9));
@@ -198,7 +198,8 @@ TYPED_TEST(NewtonGravitationTest, FastModeGivesTheSameBitsForAnyNumberOfThreads)
   EXPECT_EQ(one.position, three.position);
 }
 
-// In SI units, where masses and lengths lie far apart; their products and cubes are no floats.
+// In SI units, masses and lengths have very different magnitudes; their products and cubes exceed
+// the range of float.
 TYPED_TEST(NewtonGravitationTest, SunPullsEarthAndNeptune) {
   using Real = TypeParam;
   const double g = 6.6743e-11, sun = 1.98847e30, earth = 5.9722e24, neptune = 1.02413e26;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "moves.cpp"
-// Beside AVX2 and AVX-512 only what every processor of the family has.
+// The targets are AVX2, AVX-512 and the baseline of the processor family.
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3_DL)
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>
 
-#include "all_pairs/instruction_set.hpp"
 #include "moves.hpp"
+#include "simd/instruction_set.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace vesper::newton_motion::HWY_NAMESPACE {
@@ -16,7 +16,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 #if HWY_MAX_BYTES >= 32
 
-/// Of each component of as many bodies as there are lanes, which body's it is.
+/// Maps each component of one body per lane to the index of its body.
 template <class Real, size_t lanes>
 struct Owners {
   alignas(64) hwy::MakeSigned<Real> body[3 * lanes];
@@ -25,7 +25,7 @@ struct Owners {
   }
 };
 
-/// Moves as many bodies as there are lanes, from `row` on.
+/// Moves one body per lane, from `row` on.
 template <class D, class Real = hn::TFromD<D>>
 HWY_INLINE void MoveLanes(D d, const Bodies<Real>& bodies, uint64_t row, Real dt) {
   constexpr size_t kLanes = hn::MaxLanes(D());
@@ -75,7 +75,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace vesper::newton_motion {
 
-// Highway's own dispatch lives in a shared library, which a law must not need.
+// Highway's own dispatch is in a shared library, which a law must not need.
 template <class Real>
 std::vector<Moves<Real>> AvailableMoves() {
   std::vector<Moves<Real>> available;

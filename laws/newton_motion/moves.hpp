@@ -9,7 +9,7 @@
 
 namespace vesper::newton_motion {
 
-/// The columns of the bodies that move.
+/// The columns of the moving bodies.
 template <class Real>
 struct Bodies {
   const Real* mass;         // [kg]
@@ -18,15 +18,15 @@ struct Bodies {
   Vec3<Real>* position;     // [m]
 };
 
-/// The function, compiled for one instruction set.
+/// The function for one instruction set.
 template <class Real>
 struct Moves {
   const char* instruction_set;
-  /// Moves the bodies in the rows from `begin` up to `end`; those of mass 0 keep their bits.
+  /// Moves the bodies in the rows from `begin` up to `end`; bodies of mass 0 keep their bits.
   void (*move)(const Bodies<Real>& bodies, uint64_t begin, uint64_t end, Real dt);
 };
 
-/// Those that this processor can run, the fastest first.
+/// Returns the functions that this processor supports, the fastest first.
 template <class Real>
 std::vector<Moves<Real>> AvailableMoves();
 

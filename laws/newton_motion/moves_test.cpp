@@ -29,7 +29,7 @@ struct Crowd {
     compiled.move({mass.data(), force.data(), velocity.data(), position.data()}, begin, end, kDt);
   }
 
-  /// By the equation, body by body.
+  /// Moves each body by the equation.
   void MoveEach(uint64_t begin, uint64_t end) {
     for (uint64_t i = begin; i < end; ++i) {
       if (mass[i] == 0) continue;
@@ -54,7 +54,7 @@ class MovesTest : public ::testing::Test {};
 using Precisions = ::testing::Types<float, double>;
 TYPED_TEST_SUITE(MovesTest, Precisions);
 
-// Whole vectors of bodies, less than one, and ranges that begin in the middle.
+// Whole vectors of bodies, less than one vector, and ranges that begin in the middle.
 TYPED_TEST(MovesTest, EveryInstructionSetMovesToTheBitAsTheEquationSays) {
   for (const auto& compiled : AvailableMoves<TypeParam>()) {
     for (const bool some_immovable : {false, true}) {

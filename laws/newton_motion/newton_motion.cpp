@@ -11,10 +11,11 @@ using newton_motion::AvailableMoves;
 using newton_motion::Bodies;
 using newton_motion::Moves;
 
-// Bodies so few that waking another thread is not worth it; how many a thread takes at once, at
-// most and, so that none is in a rest that fills no vector, as a multiple of.
+// kFew: number of bodies up to which one thread is used. kGrain: maximum bodies per chunk of a
+// thread. kVectors: chunks are a multiple of it, so that only the last one has an incomplete
+// vector.
 constexpr uint64_t kFew = 2048, kGrain = 2048, kVectors = 64;
-// Chunks to aim at, for the processors of a desktop.
+// Number of chunks to aim at, for the processors of a desktop.
 constexpr uint64_t kChunks = 8;
 
 uint64_t Grain(uint64_t bodies) {

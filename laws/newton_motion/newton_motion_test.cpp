@@ -8,7 +8,7 @@ template <class Real>
 class NewtonMotionTest : public ::testing::Test {};
 TYPED_TEST_SUITE(NewtonMotionTest, Precisions);
 
-/// One body of 2 kg under a constant force; its x after `steps` that make up `duration`.
+/// Returns x of one body of 2 kg under a constant force, after `steps` steps in `duration`.
 template <class Real>
 double XUnderConstantForce(double duration, uint32_t steps) {
   Scene<Real> scene;
@@ -78,7 +78,7 @@ TYPED_TEST(NewtonMotionTest, MassZeroNeverMoves) {
   EXPECT_EQ(scene.velocity, velocity);
 }
 
-// More bodies than move at once, all movable or with immovable ones in between.
+// More bodies than one vector, all movable or with immovable ones among them.
 TYPED_TEST(NewtonMotionTest, ManyBodiesMoveToTheBitAsEachOneAlone) {
   const uint32_t seed = 17, bodies = 10000;
   for (const uint32_t movable_before : {bodies, 9950u, 64u, 7u}) {

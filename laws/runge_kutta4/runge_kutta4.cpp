@@ -5,10 +5,10 @@ namespace {
 
 using namespace vesper;
 
-// Bodies that a thread takes at once: about a megabyte of columns.
+// Bodies per chunk of a thread: about a megabyte of columns.
 constexpr uint64_t kGrain = 4096;
 
-/** The classical Runge-Kutta scheme of fourth order for x' = v, v' = F(x, v) / m. */
+/** The classical fourth-order Runge-Kutta scheme for x' = v, v' = F(x, v) / m. */
 template <class Real>
 struct RungeKutta4 {
   static constexpr auto kName = "runge_kutta4", kVersion = "1.0.0";
@@ -22,7 +22,7 @@ struct RungeKutta4 {
   Read<Vec3<Real>> force{"externalForce", "body", units::newton};
   ReadWrite<Vec3<Real>> velocity{"velocity", "body", units::metre_per_second};
   ReadWrite<Vec3<Real>> position{"position", "body", units::metre};
-  // Where the step began, and the weighted sums of the slopes of its stages so far.
+  // The state at the start of the step, and the weighted sums of the slopes of its stages so far.
   Scratch<Vec3<Real>> x0{"startPosition", "body", units::metre};
   Scratch<Vec3<Real>> v0{"startVelocity", "body", units::metre_per_second};
   Scratch<Vec3<Real>> dx{"slopeOfPosition", "body", units::metre_per_second};
@@ -49,7 +49,8 @@ struct RungeKutta4 {
     dx[i] = dv[i] = {};
   }
 
-  /** Takes the slope where the stage stands, and goes where the next one evaluates it. */
+  /** Adds the slope at the present stage, and moves to the point where the next stage is
+   *  evaluated. */
   void Evaluate(uint64_t i, uint32_t stage, Real dt) const {
     const Vec3<Real> slope_x = velocity[i];
     const Vec3<Real> slope_v = force[i] * (1 / mass[i]);

@@ -12,10 +12,10 @@ using namespace vesper;
 
 constexpr uint64_t kGrain = 512;
 
-// Contacts that a sphere remembers: as many equal or larger ones can touch it at a time.
+// Contacts stored per sphere: at most so many equal or larger spheres can touch it at a time.
 constexpr uint32_t kSlots = 12;
 
-// What stands for the floor among partners: after all bodies.
+// Partner id of the floor; greater than all bodies.
 constexpr uint32_t kFloor = UINT32_MAX;
 
 /** Contact of spheres by springs and dashpots, with the friction of Cundall and Strack. */
@@ -43,8 +43,8 @@ struct SphereContact {
   OptionalRead<Vector> spin{"angularVelocity", "body", units::radian_per_second};
   Accumulate<Vector> force{"externalForce", "body", units::newton};
   OptionalAccumulate<Vector> torque{"torque", "body", units::newton_metre};
-  // Of each contact that a sphere is the smaller one of: the other's row plus one, ascending and
-  // ended by 0, and how far its surface has slipped while they touched.
+  // For each contact in which a sphere is the smaller one: the other's row plus one, in ascending
+  // order and terminated by 0, and the slip of the surfaces during the contact.
   Scratch<std::array<uint32_t, kSlots>> partner{"partner", "body", units::one};
   Scratch<std::array<Real, 3 * kSlots>> slip{"slip", "body", units::metre};
 
@@ -60,7 +60,7 @@ struct SphereContact {
     pairs_.Update(AllSpheres(), for_each);
     balls_.resize(mass.size());
     contacts_.resize(pairs_.pair_count());
-    // Stages after the first see the same contacts again: only the first lets them slip.
+    // Later stages process the same contacts again: only the first stage adds to their slip.
     const Real dt = step.stage == 1 ? static_cast<Real>(step.dt) : 0;
     for_each(mass.size(), [&](uint64_t begin, uint64_t end) {
       for (uint64_t i = begin; i < end; ++i) balls_[i] = BallOf(i);
@@ -73,7 +73,8 @@ struct SphereContact {
     });
   }
 
-  /** Of the springs along the normals; those of friction are not counted. */
+  /** Returns the energy of the springs along the normals; the springs of friction are not
+   *  included. */
   double PotentialEnergy() {
     pairs_.Update(AllSpheres(), [](uint64_t count, auto&& body) { body(0, count); });
     double squares = 0;
@@ -90,26 +91,27 @@ struct SphereContact {
   }
 
  private:
-  /** What a contact reads of a body, together in memory. */
+  /** The properties of a body that a contact reads, adjacent in memory. */
   struct Ball {
     Vector position, velocity, spin;
     Real radius, inverse_mass;
   };
-  /** A contact as its larger sphere finds it. */
+  /** A contact as computed for its larger sphere. */
   struct Contact {
-    Vector force;   // on the larger one [N]
-    Vector moment;  // normal x force, to be scaled by the arm of either [N]
-    Real depth;     // [m]; not above 0: none
+    Vector force;   // on the larger sphere [N]
+    Vector moment;  // normal x force, to be multiplied by the arm of either sphere [N]
+    Real depth;     // [m]; 0 or less: no contact
   };
-  /** How a ball meets another, or the floor. */
+  /** Geometry and relative motion of a ball and another ball or the floor. */
   struct Meeting {
-    Vector normal;    // from the ball to the other
-    Vector velocity;  // of the other's surface relative to the ball's, where they meet
+    Vector normal;    // from the ball to the other body
+    Vector velocity;  // velocity of the other's surface relative to the ball's, at the contact
+                      // point
     Real depth;
     Real inverse_mass;  // 1 / reduced mass
   };
 
-  /** The contacts that a sphere remembers, read and written in the order of their partners. */
+  /** The stored contacts of a sphere, read and written in the order of their partners. */
   class Memory {
    public:
     Memory(std::array<uint32_t, kSlots>& ids, std::array<Real, 3 * kSlots>& slips)
@@ -129,7 +131,7 @@ struct SphereContact {
       while (next_ < count_ && old_ids_[next_] < id) ++next_;
       return next_ < count_ && old_ids_[next_] == id ? old_slips_[next_] : Vector{};
     }
-    /** A contact beyond the last slot is forgotten. */
+    /** Stores a contact; drops it if all slots are used. */
     void Keep(uint32_t id, const Vector& slip) {
       if (kept_ == kSlots) return;
       ids_[kept_] = id;
@@ -158,7 +160,8 @@ struct SphereContact {
             mass[i] == 0 ? 0 : 1 / mass[i]};
   }
 
-  /** Contacts of a ball with larger ones and with the floor: what it feels, and what they will. */
+  /** Computes the contacts of a ball with larger balls and with the floor; adds its forces, and
+   *  stores those on the partners. */
   void TouchLarger(uint64_t i, Real dt) {
     const Ball& ball = balls_[i];
     Memory memory(partner[i], slip[i]);
@@ -191,7 +194,7 @@ struct SphereContact {
     if (torque.present()) torque[i] += turn;
   }
 
-  /** The other sides of the contacts in which a ball is the larger one. */
+  /** Adds the forces of the contacts in which a ball is the larger one. */
   void TakeReactions(uint64_t i) const {
     for (const uint32_t pair : pairs_.PairsAsLarger(i)) {
       const Contact& contact = contacts_[pair];
@@ -201,11 +204,11 @@ struct SphereContact {
     }
   }
 
-  /** From the centre to the middle of the overlap. */
+  /** Returns the distance from the centre to the middle of the overlap. */
   static Real Arm(const Ball& ball, Real depth) { return ball.radius - depth / 2; }
 
   static Meeting Meet(const Ball& ball, const Ball& other, const Vector& way, Real distance) {
-    // Two balls at one place have no direction; the upper one is as good as any.
+    // Two balls at one place have no direction; an arbitrary one is used.
     const Vector normal = distance > 0 ? way * (1 / distance) : Vector{0, 1, 0};
     const Real depth = ball.radius + other.radius - distance;
     const Vector turning = ball.spin * Arm(ball, depth) + other.spin * Arm(other, depth);
@@ -213,8 +216,8 @@ struct SphereContact {
             ball.inverse_mass + other.inverse_mass};
   }
 
-  /** Force on the other: spring and dashpot along the normal, never a pull; across it a weaker
-   *  spring and dashpot that give way at the limit of friction. */
+  /** Returns the force on the other body: spring and dashpot along the normal, never attractive,
+   *  and a weaker tangential spring and dashpot that slip at the limit of friction. */
   Vector Press(const Meeting& meeting, uint32_t id, Real dt, Memory& memory) const {
     const Real k(stiffness);
     const Real critical = 2 * std::sqrt(k / meeting.inverse_mass);
@@ -238,7 +241,7 @@ struct SphereContact {
     return normal * press + rub;
   }
 
-  // Of the normal stiffness: a solid ball then swings as fast across as along the normal.
+  // Fraction of the normal stiffness: a solid ball then oscillates equally fast in both directions.
   static constexpr Real kTangential = Real{2} / 7;
 
   SpherePairs<Real> pairs_;

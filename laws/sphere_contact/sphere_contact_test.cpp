@@ -10,7 +10,8 @@ template <class Real>
 class SphereContactTest : public ::testing::Test {};
 TYPED_TEST_SUITE(SphereContactTest, Precisions);
 
-/// Of a spring and dashpot that only push (Schwager and Poeschel 2007).
+/// Returns the coefficient of restitution of a spring and dashpot that never attract (Schwager and
+/// Poeschel 2007).
 double Restitution(double damping_ratio) {
   return std::exp(-2 * damping_ratio * std::acos(damping_ratio) /
                   std::sqrt(1 - damping_ratio * damping_ratio));
@@ -46,10 +47,11 @@ TYPED_TEST(SphereContactTest, SlidingBallComesToRollWithFiveSeventhsOfItsSpeed) 
   PhysicsEngine engine = scene.MakeSphereEngine({{"floorHeight", 0.0}, {"stiffness", 2e4}});
   engine.Advance(1.0 / 1000, 1000);
   EXPECT_NEAR(scene.velocity[0], 5, 0.02);
-  EXPECT_NEAR(scene.spin[2], -scene.velocity[0] / 0.499, 0.02);  // rolls: v = omega x r
+  EXPECT_NEAR(scene.spin[2], -scene.velocity[0] / 0.499, 0.02);  // it rolls: v = omega x r
 }
 
-// Gravity is turned instead of the floor. Balls that cannot turn slide as blocks do.
+// The direction of gravity is tilted instead of the floor. Balls that cannot rotate slide like
+// blocks.
 TYPED_TEST(SphereContactTest, BlockRestsBelowTheAngleOfFrictionAndSlidesAboveIt) {
   for (const double angle : {0.40, 0.52}) {  // tan: 0.423, 0.573; friction 0.5
     SphereScene<TypeParam> scene;
@@ -62,7 +64,7 @@ TYPED_TEST(SphereContactTest, BlockRestsBelowTheAngleOfFrictionAndSlidesAboveIt)
     const double x = scene.position[0], v = scene.velocity[0];
     engine.Advance(1.0 / 500, 30 * 500);
     if (angle < std::atan(0.5)) {
-      EXPECT_NEAR(scene.position[0], x, 1e-6);  // in half a minute
+      EXPECT_NEAR(scene.position[0], x, 1e-6);  // for half a minute
     } else {
       const double a = g * (std::sin(angle) - 0.5 * std::cos(angle));
       EXPECT_NEAR(scene.velocity[0], v + a * 30, 1e-3 * a * 30);
@@ -109,7 +111,8 @@ TYPED_TEST(SphereContactTest, WithoutDampingAndFrictionEnergyIsKept) {
               0.01);
 }
 
-// Every pair by itself, without grids and lists: radii over three orders of magnitude.
+// The expected forces come from all pairs, without grids and lists; radii span three orders of
+// magnitude.
 TYPED_TEST(SphereContactTest, ForcesAreThoseOfAllPairs) {
   for (const uint32_t seed : {1u, 2u, 3u}) {
     SphereScene<TypeParam> scene = RandomSpheres<TypeParam>(300, seed);
@@ -147,7 +150,7 @@ TYPED_TEST(SphereContactTest, BallsWithoutMassBearOthersAndStay) {
   const size_t ground = 3 * 49;
   EXPECT_TRUE(std::equal(start.begin(), start.begin() + ground, scene.position.begin()));
   EXPECT_GT(scene.position[ground + 1], 0.7);
-  EXPECT_LT(Length(scene.At(scene.velocity, 49)), 0.2);  // may go on rocking between them
+  EXPECT_LT(Length(scene.At(scene.velocity, 49)), 0.2);  // it may continue to rock between them
 }
 
 TYPED_TEST(SphereContactTest, ClientWithoutRotationHasFrictionOfPoints) {
@@ -162,7 +165,7 @@ TYPED_TEST(SphereContactTest, ClientWithoutRotationHasFrictionOfPoints) {
   EXPECT_NEAR(scene.velocity[0], 8 - 0.5 * 10, 0.02);
 }
 
-/// 468 balls in a block above a rough disc of immovable ones, over whose edge some will fall.
+/// Returns a block of 468 balls above a rough disc of immovable balls; some fall over its edge.
 template <class Real>
 SphereScene<Real> Block() {
   SphereScene<Real> scene;
@@ -181,10 +184,11 @@ SphereScene<Real> Block() {
   return scene;
 }
 
-// Nearer to the edge of the disc than this, balls may roll over it at any time [m].
+// [m], closer to the edge of the disc, balls may roll over it at any time.
 constexpr double kHeapRadius = 5;
 
-/// From the axis of the heap to its outermost metre [degrees], by the highest ball of either.
+/// Returns the slope [degrees] from the axis of the heap to its outermost metre, by the highest
+/// ball of each.
 template <class Real>
 double SlopeDegrees(const SphereScene<Real>& scene) {
   double inner = 0, outer = 0;
@@ -197,7 +201,7 @@ double SlopeDegrees(const SphereScene<Real>& scene) {
   return std::atan((inner - outer) / (kHeapRadius - 1)) * 180 / std::numbers::pi;
 }
 
-/// How far any ball of the heap has gone since [m].
+/// Returns the largest displacement of a ball of the heap since then [m].
 template <class Real>
 double LargestWay(const SphereScene<Real>& scene, const std::vector<Real>& since) {
   double largest = 0;
@@ -219,7 +223,7 @@ TEST(SpherePile, ComesToRestAtItsAngleOfReposeAndKeepsIt) {
   EXPECT_LT(scene.LargestOverlap(), 0.02);  // 2 % of the diameter
   const auto before = scene.position;
   engine.Advance(1.0 / 600, 4 * 600);
-  EXPECT_LT(LargestWay(scene, before), 1e-6);  // less than a diameter in a month
+  EXPECT_LT(LargestWay(scene, before), 1e-6);  // less than a diameter per month
 }
 
 TYPED_TEST(SphereContactTest, BitsDependNeitherOnThreadsNorOnWhenNeighboursWereListed) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which spheres may touch, by grids of cells; the same lists for any number of threads.
+// Search for pairs of spheres that may touch, with grids of cells; the lists are equal for any
+// number of threads.
 #pragma once
 
 #include <algorithm>
@@ -20,51 +21,53 @@ template <class Real>
 struct Spheres {
   uint64_t count;
   const Vec3<Real>* centre;
-  const Real* radius;  // 0: takes no part
-  const Real* mass;    // 0: immovable; two of those are no pair
+  const Real* radius;  // 0: the sphere is ignored
+  const Real* mass;    // 0: immovable; two immovable spheres form no pair
 };
 
-/** The pairs of spheres that are nearer than a margin, kept until some sphere has moved through
- *  half of it. Every pair is listed once, with its smaller sphere, the lower row of two equal ones;
- *  so no sphere has more than 12 partners that touch it, unless they overlap much.
+/** The pairs of spheres that are closer than a margin. The list is valid until a sphere has
+ *  moved by half of the margin. Every pair is listed once, with its smaller sphere, or the lower
+ *  row of two equal ones. Therefore at most 12 partners touch a sphere, unless they overlap
+ *  deeply.
  *
- *  Lists are in ascending order of rows: what is summed over the touching ones of a list does not
- *  depend on when it was made. */
+ *  Lists are in ascending order of rows, so sums over the touching pairs of a list do not depend
+ *  on the time when the list was built. */
 template <class Real>
 class SpherePairs {
  public:
-  /** Makes the lists good for these spheres. `for_each(count, body)` calls body(begin, end) for
-   *  ranges that cover [0, count), perhaps at the same time. Throws if a centre or radius is not
-   *  finite, or more pairs are near each other than fit in memory. */
+  /** Updates the lists for these spheres. `for_each(count, body)` calls body(begin, end) for
+   *  ranges that cover [0, count), possibly concurrently. Throws if a centre or radius is not
+   *  finite, or if there are more pairs than fit in memory. */
   template <class ForEach>
   void Update(const Spheres<Real>& spheres, const ForEach& for_each) {
     if (StillGood(spheres, for_each)) return;
-    built_.clear();  // so that a failure leaves nothing that looks good
+    built_.clear();  // a failure must not leave lists that look valid
     MakeGrids(spheres);
     ListPartners(spheres, for_each);
     ListReverse(spheres.count);
     Remember(spheres);
   }
 
-  /** Rows of the spheres that `row` is listed with as the smaller one. */
+  /** Returns the rows of the spheres in pairs with `row` as the smaller one. */
   std::span<const uint32_t> PartnersOf(uint64_t row) const {
     return {partners_.data() + first_[row], partners_.data() + first_[row + 1]};
   }
-  /** Number of the first of those pairs; the others follow it. */
+  /** Returns the number of the first of those pairs; the others follow it. */
   uint32_t FirstPair(uint64_t row) const { return first_[row]; }
-  /** Numbers of the pairs in which `row` is the larger one. */
+  /** Returns the numbers of the pairs with `row` as the larger one. */
   std::span<const uint32_t> PairsAsLarger(uint64_t row) const {
     return {reverse_.data() + reverse_first_[row], reverse_.data() + reverse_first_[row + 1]};
   }
   uint64_t pair_count() const { return partners_.size(); }
 
  private:
-  // Of the median radius: wide enough to last for many steps, narrow enough for short lists.
+  // Margin relative to the median radius: large enough for many steps, small enough for short
+  // lists.
   static constexpr Real kMarginPerRadius = Real{0.25};
   static constexpr uint64_t kMaxPairs = uint64_t{1} << 28;
 
-  /** Spheres whose radii have the same power of two, in cells wide enough that all which are near
-   *  one of them, or a smaller one, lie in the cells around its own. */
+  /** Spheres whose radii have the same power of two. The cells are large enough that all spheres
+   *  near one of these or a smaller one are in the cells around its own. */
   struct Grid {
     int level;
     Real largest_radius;
@@ -133,7 +136,7 @@ class SpherePairs {
     FillBuckets(spheres);
   }
 
-  /** The grid for that radius, made if there is none; grids are in ascending order. */
+  /** Returns the grid for a radius, and creates it if necessary; grids are in ascending order. */
   Grid& GridOf(Real radius) {
     const int level = std::ilogb(radius);
     const auto at = std::lower_bound(grids_.begin(), grids_.end(), level,
@@ -142,8 +145,8 @@ class SpherePairs {
     return *grids_.insert(at, {level, radius, 0});
   }
 
-  /** Entries by bucket, by counting. Cells wrap around in a cube of buckets, at least 4 each way,
-   *  so that the cells around one have buckets of their own. */
+  /** Sorts entries by bucket, with a counting sort. Cells wrap around in a cube of buckets, at
+   *  least 4 per axis, so that a cell and its neighbours have different buckets. */
   void FillBuckets(const Spheres<Real>& spheres) {
     uint64_t side = 4;
     while (side * side * side < spheres.count) side *= 2;
@@ -168,7 +171,7 @@ class SpherePairs {
   static Cell CellAt(const Vec3<Real>& at, const Grid& grid) {
     return {Coordinate(at.x, grid), Coordinate(at.y, grid), Coordinate(at.z, grid)};
   }
-  /** What is farther off than 2^60 cells shares the last one. */
+  /** Returns the coordinate of a cell; all positions beyond 2^60 cells share the last one. */
   static int64_t Coordinate(Real x, const Grid& grid) {
     constexpr Real kLimit = Real{1ll << 60};
     return static_cast<int64_t>(std::clamp(std::floor(x / grid.cell_size), -kLimit, kLimit));
@@ -212,7 +215,7 @@ class SpherePairs {
     });
   }
 
-  /** Calls visit(partner) for all that `row` is the smaller one of, in no particular order. */
+  /** Calls visit(partner) for all pairs with `row` as the smaller one, in no particular order. */
   template <class Visit>
   void ForPartners(const Spheres<Real>& spheres, uint64_t row, const Visit& visit) const {
     const Real radius = spheres.radius[row];
@@ -259,12 +262,12 @@ class SpherePairs {
   }
 
   Real margin_ = 0;
-  std::vector<Built> built_;             // (rows) as the lists were made
+  std::vector<Built> built_;             // (rows), the spheres when the lists were built
   std::vector<uint32_t> first_;          // (rows + 1) into partners_
   std::vector<uint32_t> partners_;       // (pairs)
   std::vector<uint32_t> reverse_first_;  // (rows + 2) into reverse_
   std::vector<uint32_t> reverse_;        // (pairs)
-  // Of the making only; kept for their memory.
+  // Used during a build only; reused to avoid allocations.
   std::vector<Grid> grids_;
   std::vector<Real> radii_;
   std::vector<Entry> entries_;       // by bucket

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Balls that roll, for the tests of sphere_contact.
+// Scenes of rolling balls, for the tests of sphere_contact.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +18,7 @@ struct SphereScene : Scene<Real> {
   std::vector<Real> orientation;  // (bodies x 4)
   std::vector<Real> torque;       // (bodies x 3) [N m]
 
-  /// A solid ball.
+  /// Adds a solid ball.
   void AddSphere(Real m, Real r, Vec3<Real> at, Vec3<Real> moving = {}, Vec3<Real> turning = {}) {
     this->AddBody(m, at, moving);
     radius.push_back(r);
@@ -29,7 +29,7 @@ struct SphereScene : Scene<Real> {
     torque.insert(torque.end(), {0, 0, 0});
   }
 
-  /// An engine with gravity, the contact law and both motions.
+  /// Creates an engine with gravity, the contact law, and laws for linear and angular motion.
   PhysicsEngine MakeSphereEngine(const std::map<std::string, double>& parameters = {},
                                  uint32_t threads = 1, bool validate = true) {
     PhysicsEngine engine = this->MakeEngine(threads, validate);
@@ -71,7 +71,7 @@ struct SphereScene : Scene<Real> {
     return largest;
   }
 
-  /// Of springs of that stiffness between all that overlap [J].
+  /// Returns the energy [J] of springs of this stiffness between all overlapping spheres.
   double ElasticEnergy(double stiffness) const {
     double energy = 0;
     ForPairs(this->position, [&](size_t, size_t, const Vec3<double>&, double depth) {
@@ -80,7 +80,7 @@ struct SphereScene : Scene<Real> {
     return energy;
   }
 
-  /// Of any two, one of them movable [m].
+  /// Returns the largest overlap [m] of two spheres of which one is movable.
   double LargestOverlap() const {
     double largest = 0;
     ForPairs(this->position, [&](size_t, size_t, const Vec3<double>&, double depth) {
@@ -89,7 +89,8 @@ struct SphereScene : Scene<Real> {
     return largest;
   }
 
-  /// Forces of springs between all that overlap at these positions (bodies x 3) [N].
+  /// Returns the forces [N] of springs between all spheres that overlap at these positions (bodies
+  /// x 3).
   std::vector<double> ElasticForces(const std::vector<Real>& at, double stiffness) const {
     std::vector<double> forces(at.size());
     ForPairs(at, [&](size_t i, size_t j, const Vec3<double>& normal, double depth) {
@@ -118,7 +119,8 @@ struct SphereScene : Scene<Real> {
   }
 };
 
-/// Balls of 1 to 3 kg and 0.3 to 0.6 m in a box of 4 m, flying and turning about.
+/// Returns balls of 1 to 3 kg and 0.3 to 0.6 m in a box of 4 m, with random velocities and
+/// rotations.
 template <class Real>
 SphereScene<Real> RandomSpheres(uint32_t count, uint32_t seed) {
   std::mt19937 random(seed);

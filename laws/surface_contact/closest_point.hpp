@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The point of a triangle that is closest to a given point.
+// The point of a triangle closest to a given point.
 #pragma once
 
 #include <array>
@@ -9,17 +9,17 @@
 
 namespace vesper::surface_contact {
 
-/// Part of a triangle: its inside, the edge from corner i to the next, or corner i.
+/// Part of a triangle: its interior, the edge from corner i to the next, or corner i.
 enum Feature : uint8_t { kFace, kEdge0, kEdge1, kEdge2, kCorner0, kCorner1, kCorner2 };
 
 template <class Real>
 struct Closest {
-  std::array<Real, 3> weights;  // of the corners; not negative, their sum is 1
+  std::array<Real, 3> weights;  // weights of the corners; not negative, their sum is 1
   Feature feature;
 };
 
-/** Closest point to p of the triangle abc, which must have an area, by the Voronoi regions of its
- *  features (C. Ericson, Real-Time Collision Detection, 2005, section 5.1.5). */
+/** Returns the point of the triangle abc closest to p, by the Voronoi regions of its features
+ *  (C. Ericson, Real-Time Collision Detection, 2005, section 5.1.5). The area must not be 0. */
 template <class Real>
 Closest<Real> ClosestOnTriangle(Vec3<Real> p, Vec3<Real> a, Vec3<Real> b, Vec3<Real> c) {
   const Vec3<Real> ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;

@@ -7,17 +7,18 @@
 #include <optional>
 #include <utility>
 
+#include "icosahedron.hpp"
 #include "scene.hpp"
 
 namespace vesper {
 
-/// Of a regular icosahedron whose corners lie at distance 1 from its centre.
+/// Half edge, midradius and inradius of a regular icosahedron whose corners are at distance 1.
 template <class Real>
-inline const Real kHalfEdge = static_cast<Real>(std::sqrt((5 - std::sqrt(5.0)) / 10));
+inline const Real kHalfEdge = static_cast<Real>(icosahedron::HalfEdge());
 template <class Real>
-inline const Real kMidsphere = static_cast<Real>(std::sqrt((5 + std::sqrt(5.0)) / 10));
+inline const Real kMidsphere = static_cast<Real>(icosahedron::Midsphere());
 template <class Real>
-inline const Real kInsphere = static_cast<Real>(std::sqrt((5 + 2 * std::sqrt(5.0)) / 15));
+inline const Real kInsphere = static_cast<Real>(icosahedron::Insphere());
 
 struct Material {
   double hardness;  // [N/m]
@@ -25,14 +26,14 @@ struct Material {
   double friction;  // [1]
 };
 
-/// Of an icosahedron: 12 equal masses, 30 equal springs.
+/// Masses and springs of an icosahedron: 12 equal masses, 30 equal springs.
 struct Frame {
-  double mass;     // of a corner [kg]
+  double mass;     // mass of a corner [kg]
   double hooke;    // [N/m]
   double damping;  // [N s/m]
 };
 
-/// Rows of bodies that follow one another.
+/// Consecutive rows of bodies.
 struct Rows {
   uint32_t first, count;
 };
@@ -51,7 +52,7 @@ struct ContactScene : Scene<Real> {
     friction.push_back(static_cast<Real>(material.friction));
   }
 
-  /// A triangle of 346 m in the plane y = 0, facing up, of three immovable masses.
+  /// Adds a triangle of 346 m in the plane y = 0, facing up, with three immovable masses.
   void AddGround(const Material& material) {
     const uint32_t a = this->AddBody(0, {-173, 0, -100});
     this->AddBody(0, {0, 0, 200});
@@ -59,24 +60,24 @@ struct ContactScene : Scene<Real> {
     AddSurface({a, a + 1, a + 2}, material);
   }
 
-  /// Gravity as on a slope that falls along +x.
+  /// Sets gravity as on a slope that descends along +x.
   void Tilt(double angle, double g) {
     this->gravity = {static_cast<Real>(g * std::sin(angle)),
                      static_cast<Real>(-g * std::cos(angle)), 0};
   }
 
-  /// Corners at distance 1 from the centre.
+  /// Adds an icosahedron with corners at distance 1 from the centre.
   Rows AddIcosahedron(Vec3<Real> centre, Vec3<Real> speed, const Frame& frame,
                       const Material& material) {
     const auto corners = Corners();
     return Add(corners, centre, speed, frame, material);
   }
 
-  /// On y = 0 with a face, whose middle is below the origin and whose one edge lies along z at
-  /// x = kHalfEdge / sqrt(3).
+  /// Adds an icosahedron with a face on y = 0. The middle of the face is below the origin, and one
+  /// of its edges is along z at x = kHalfEdge / sqrt(3).
   Rows AddIcosahedronOnFace(const Frame& frame, const Material& material) {
     auto corners = Corners();
-    const auto [a, b, c] = Faces()[0];
+    const auto [a, b, c] = icosahedron::kFaces[0];
     const auto down = Unit(corners[a] + corners[b] + corners[c]);
     const auto along = Unit(corners[b] - corners[a]);
     const auto across = Cross(along, down);
@@ -88,18 +89,19 @@ struct ContactScene : Scene<Real> {
     return Add(corners, {0, kInsphere<Real>, 0}, {}, frame, material);
   }
 
-  /// How far a point is behind the nearest of the 20 planes of the icosahedron at the origin.
+  /// Returns the distance of a point behind the nearest of the 20 planes of the icosahedron at the
+  /// origin.
   double DepthInIcosahedron(Vec3<Real> p) const {
     const auto corners = Corners();
     double depth = 2;
-    for (const auto& [a, b, c] : Faces()) {
+    for (const auto& [a, b, c] : icosahedron::kFaces) {
       const auto normal = Unit(corners[a] + corners[b] + corners[c]);
       depth = std::min(depth, kInsphere<double> - Dot(normal, this->Wide(p)));
     }
     return depth;
   }
 
-  /// In validate mode; see Scene::MakeEngine.
+  /// Creates an engine in validate mode; see Scene::MakeEngine.
   PhysicsEngine MakeEngine(uint32_t threads = 1) {
     PhysicsEngine engine = Scene<Real>::MakeEngine(threads);
     PhysicalPropertyProvider provider = engine.PropertyProvider();
@@ -119,7 +121,7 @@ struct ContactScene : Scene<Real> {
   Vec3<Real> Centre(Rows of) const { return Mean(this->position, of); }
   Vec3<Real> CentreVelocity(Rows of) const { return Mean(this->velocity, of); }
 
-  /// Kinetic, of springs and of weight, and of points behind y = 0 [J].
+  /// Returns the energy [J] of motion, springs and weight, and of points behind y = 0.
   double MechanicalEnergy() const {
     double energy = this->KineticEnergy();
     for (uint64_t s = 0; s < this->length.size(); ++s) {
@@ -143,26 +145,10 @@ struct ContactScene : Scene<Real> {
   static Vec3<double> Unit(Vec3<double> v) { return v * (1 / Length(v)); }
 
   static std::array<Vec3<double>, 12> Corners() {
-    const double s = kHalfEdge<double>, l = kMidsphere<double>;
-    return {{{-s, l, 0},
-             {s, l, 0},
-             {-s, -l, 0},
-             {s, -l, 0},
-             {0, -s, l},
-             {0, s, l},
-             {0, -s, -l},
-             {0, s, -l},
-             {l, 0, -s},
-             {l, 0, s},
-             {-l, 0, -s},
-             {-l, 0, s}}};
-  }
-
-  /// Counter-clockwise seen from outside.
-  static std::array<std::array<uint32_t, 3>, 20> Faces() {
-    return {{{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
-             {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
-             {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}}};
+    std::array<Vec3<double>, 12> corners;
+    std::ranges::transform(icosahedron::Corners(), corners.begin(),
+                           [](const auto& p) { return Vec3<double>{p[0], p[1], p[2]}; });
+    return corners;
   }
 
   Rows Add(const std::array<Vec3<double>, 12>& corners, Vec3<Real> centre, Vec3<Real> speed,
@@ -174,14 +160,12 @@ struct ContactScene : Scene<Real> {
                                         static_cast<Real>(p.z)},
                     speed);
     }
-    for (const auto& face : Faces()) {
-      for (int i = 0; i < 3; ++i) {
-        const uint32_t a = face[i], b = face[(i + 1) % 3];
-        if (a > b) continue;  // its other face adds it
-        this->AddSpring(first + a, first + b, 2 * kHalfEdge<Real>, static_cast<Real>(frame.hooke),
-                        static_cast<Real>(frame.damping));
-      }
-      AddSurface({first + face[0], first + face[1], first + face[2]}, material);
+    for (const auto& [a, b] : icosahedron::Edges()) {
+      this->AddSpring(first + a, first + b, 2 * kHalfEdge<Real>, static_cast<Real>(frame.hooke),
+                      static_cast<Real>(frame.damping));
+    }
+    for (const auto& [a, b, c] : icosahedron::kFaces) {
+      AddSurface({first + a, first + b, first + c}, material);
     }
     return {first, 12};
   }

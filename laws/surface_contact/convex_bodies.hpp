@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Convex meshes of springs for tests, and how far two of them reach into each other.
+// Convex meshes of springs for tests, and the penetration depth of two of them.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 
 namespace vesper {
 
-/// Corners [m] about a centre, and faces counter-clockwise seen from outside.
+/// Corners [m] about a centre, and faces, counter-clockwise as seen from outside.
 struct ConvexBody {
   std::vector<Vec3<double>> corners;
   std::vector<std::array<uint32_t, 3>> faces;
@@ -20,7 +20,8 @@ struct ConvexBody {
 
 inline Vec3<double> Unit(Vec3<double> v) { return v * (1 / Length(v)); }
 
-/// Two of its edges lie along x, at y = h, and along z, at y = -h, with h of an edge over sqrt(8).
+/// Returns a tetrahedron with one edge along x at y = h and one along z at y = -h, with h = edge /
+/// sqrt(8).
 inline ConvexBody Tetrahedron(double edge) {
   const double s = edge / 2, h = edge / std::sqrt(8.0);
   return {{{-s, h, 0}, {s, h, 0}, {0, -h, -s}, {0, -h, s}},
@@ -51,7 +52,7 @@ inline ConvexBody Octahedron() {
   return body;
 }
 
-/// Turned by the rotation that a unit quaternion (x, y, z, w) stands for.
+/// Returns the body, rotated by a unit quaternion (x, y, z, w).
 inline ConvexBody Turned(ConvexBody body, std::array<double, 4> q) {
   const Vec3<double> axis{q[0], q[1], q[2]};
   for (auto& p : body.corners) {
@@ -61,7 +62,7 @@ inline ConvexBody Turned(ConvexBody body, std::array<double, 4> q) {
   return body;
 }
 
-/// What the tests draw: the same numbers with every standard library.
+/// Random numbers for the tests, equal with every standard library.
 class Random {
  public:
   explicit Random(uint32_t seed) : engine_(seed) {}
@@ -73,8 +74,8 @@ class Random {
       if (const double length = Length(v); length > 0.1 && length < 1) return v * (1 / length);
     }
   }
-  /// A tetrahedron, box or octahedron, longer and shorter along three axes, and turned; between
-  /// 0.3 m and 1.3 m from its centre.
+  /// Returns a tetrahedron, box or octahedron, scaled along three axes and rotated; its corners are
+  /// between 0.3 m and 1.3 m from its centre.
   ConvexBody Body() {
     ConvexBody body;
     switch (engine_() % 3) {
@@ -99,7 +100,7 @@ class Random {
   std::mt19937 engine_;
 };
 
-/// Adds a body whose corners are all tied to each other; returns its rows.
+/// Adds a body with springs between all its corners; returns its rows.
 template <class Real>
 Rows AddBody(ContactScene<Real>& scene, const ConvexBody& body, Vec3<double> centre,
              Vec3<double> speed, const Frame& frame, const Material& material) {
@@ -124,9 +125,9 @@ Rows AddBody(ContactScene<Real>& scene, const ConvexBody& body, Vec3<double> cen
   return {first, count};
 }
 
-/** How far two convex bodies reach into each other [m], by every direction that can tell them
- *  apart: the normals of all faces and what is across an edge of each. Negative: how far they are
- *  apart, at least. `first` and `second` are their corners now. */
+/** Returns the penetration of two convex bodies [m], over all separating directions: the normals
+ *  of all faces and the cross products of edges. Negative: a lower bound of their distance.
+ *  `first` and `second` are the current corners. */
 inline double Overlap(const std::vector<Vec3<double>>& first, const ConvexBody& first_shape,
                       const std::vector<Vec3<double>>& second, const ConvexBody& second_shape) {
   std::vector<Vec3<double>> directions;

@@ -11,29 +11,31 @@
 
 namespace vesper::surface_contact {
 
-/// Two faces that meet in a convex edge: behind it an edge of another mesh may be deepest.
+/// Two faces with a common convex edge. Behind it, an edge of another mesh may be deepest between
+/// its ends.
 template <class Real>
 struct Ridge {
   Vec3<Real> start;
-  Vec3<Real> along;                   // the edge, over the square of its length [1/m]
+  Vec3<Real> along;                   // the edge divided by the square of its length [1/m]
   std::array<Vec3<Real>, 2> normals;  // of the faces, outwards, length 1
 };
 
-/// Where an edge is deepest behind a mesh: as far behind a face that lies ahead as behind one that
-/// lies back.
+/// The point of an edge that is deepest behind a mesh: equally deep behind a face ahead and a face
+/// behind.
 template <class Real>
 struct DeepestPoint {
-  Real depth = 0;                          // [m]; 0: the edge is nowhere deeper than it had to be
-  Real place = 0;                          // along the edge, from 0 to 1
-  std::array<Immersion<Real>, 2> faces{};  // of this point
-  std::array<Real, 2> shares{};  // of the faces in `depth`; so weighted, their normals are across
-                                 // the edge
+  Real depth = 0;                          // [m]; 0: no point of the edge is deeper than required
+  Real place = 0;                          // position along the edge, from 0 to 1
+  std::array<Immersion<Real>, 2> faces{};  // the faces at this point
+  std::array<Real, 2> shares{};  // weights of the faces in `depth`; the weighted sum of their
+                                 // normals is perpendicular to the edge
 };
 
-/** Looks for the deepest point of an edge behind a mesh that has these ridges and faces. Along the
- *  edge, the depth behind a convex part of a mesh is the least of its depths below the faces'
- *  planes: the search cuts down to it plane by plane (J. E. Kelley, The Cutting-Plane Method for
- *  Solving Convex Programs, 1960), from where the planes of each ridge meet. */
+/** Search for the deepest point of an edge behind a mesh with these ridges and faces. Along the
+ *  edge, the depth behind a convex part of a mesh is the minimum of its depths below the planes
+ *  of the faces. The search is the cutting-plane method (J. E. Kelley, The Cutting-Plane Method
+ *  for Solving Convex Programs, 1960), starting at the intersections of the planes of each
+ *  ridge. */
 template <class Real>
 class DeepestPointSearch {
  public:
@@ -41,7 +43,8 @@ class DeepestPointSearch {
                      std::span<const Face<Real>> faces)
       : skin_(skin), ridges_(ridges), faces_(faces) {}
 
-  /** Of the edge from `start` to `end`, if deeper than `least` and less deep than `most` [m]. */
+  /** Returns the deepest point of the edge from `start` to `end`, if its depth is above `least`
+   *  and below `most` [m]. */
   DeepestPoint<Real> Find(Vec3<Real> start, Vec3<Real> end, Real least, Real most) const {
     DeepestPoint<Real> deepest;
     Real bar = least;
@@ -59,15 +62,15 @@ class DeepestPointSearch {
 
  private:
   static constexpr int kRounds = 12;
-  /// Of a depth; where planes cut off no more, it is found.
+  /// Relative tolerance of the depth; the search stops if planes cut off no more.
   static constexpr Real kTolerance = Real(1e-4);
 
-  /// A depth below a plane along the edge: at its start, and how it grows to the end [m].
+  /// Depth below a plane along the edge: at its start, and the change up to the end [m].
   struct Slope {
     Real at_start, growth;
     Real At(Real place) const { return at_start + place * growth; }
   };
-  /// Of a plane that the edge goes down from and of one that it comes up to.
+  /// Slopes of a plane that the edge descends from and of one that it ascends to.
   struct Slopes {
     Slope down, up;
     Real Meeting() const { return (up.at_start - down.at_start) / (down.growth - up.growth); }
@@ -117,7 +120,7 @@ class DeepestPointSearch {
     }
   }
 
-  /** The nearest points of the mesh from which the edge goes down, and to which it comes up. */
+  /** Finds the nearest points of the mesh from which the edge descends, and to which it ascends. */
   void FindNearest(Vec3<Real> point, Vec3<Real> edge, Nearest<Real>& down,
                    Nearest<Real>& up) const {
     for (const Face<Real>& face : faces_) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Edges of meshes against each other.
+// Tests contacts between edges of meshes.
 #include <array>
 #include <numbers>
 #include <random>
@@ -17,8 +17,9 @@ template <class Real>
 class EdgeContactTest : public ::testing::Test {};
 TYPED_TEST_SUITE(EdgeContactTest, Precisions);
 
-// Forces of random pairs that reach into each other, with corners and edges, against differences of
-// the energy. Depths of up to 0.25 m are rounded like coordinates of 1 m, twice in a difference.
+// Compares the forces of random pairs that penetrate each other, with corners and edges, with
+// differences of the energy. Depths of up to 0.25 m have the rounding of coordinates of 1 m, twice
+// in a difference.
 TYPED_TEST(EdgeContactTest, ForcesAreTheSlopeOfTheEnergy) {
   const uint32_t seed = 11;
   const double hardness = 1000, rounding = 2 * Rounding<TypeParam>(hardness * 0.25);
@@ -51,7 +52,7 @@ TYPED_TEST(EdgeContactTest, ForcesAreTheSlopeOfTheEnergy) {
   EXPECT_GT(felt, 100);
 }
 
-/// All corners of a body, as they are now.
+/// Returns the current corners of a body.
 template <class Real>
 std::vector<Vec3<double>> CornersNow(const ContactScene<Real>& scene, Rows rows) {
   std::vector<Vec3<double>> corners;
@@ -61,10 +62,11 @@ std::vector<Vec3<double>> CornersNow(const ContactScene<Real>& scene, Rows rows)
   return corners;
 }
 
-/// Half of the angle by which a bar is turned to stand on an edge [rad].
+/// Half of the angle [rad] by which a bar is rotated to stand on an edge.
 const double kEighth = std::numbers::pi / 8;
 
-/// A square bar along x that stands on an edge; its upper and lower edge are `half` from its axis.
+/// Returns a square bar along x that stands on an edge; its upper and lower edge are `half` from
+/// its axis.
 ConvexBody BarAlongX(double length, double half) {
   const double side = half / std::numbers::sqrt2;
   return Turned(Box({length / 2, side, side}), {std::sin(kEighth), 0, 0, std::cos(kEighth)});
@@ -74,8 +76,8 @@ ConvexBody BarAlongZ(double length, double half) {
   return Turned(Box({side, side, length / 2}), {0, 0, std::sin(kEighth), std::cos(kEighth)});
 }
 
-// Behind a right angle, an edge that crosses it d below is d / sqrt(2) deep, and feels k times that
-// from faces that stand at 45 degrees: k d / 2 upwards. Each bar presses into the other.
+// Behind a right angle, an edge that crosses it d below is d / sqrt(2) deep. The faces, inclined by
+// 45 degrees, push it with k times that: k d / 2 upwards. Each bar presses into the other.
 TYPED_TEST(EdgeContactTest, CrossedBarsHoldWhereHardnessCarriesTheWeight) {
   const double k = 1e4, mass = 8;
   ContactScene<TypeParam> scene;
@@ -93,9 +95,9 @@ TYPED_TEST(EdgeContactTest, CrossedBarsHoldWhereHardnessCarriesTheWeight) {
   EXPECT_NEAR(Length(scene.CentreVelocity(upper)), 0, 1e-3);
 }
 
-// Of a regular tetrahedron, faces stand at an angle to the middle of their edge whose sine squared
-// is 1/3: the push is 2/3 of k d from both together, and the damping as much of c v. The rest is
-// the bounce of a spring with a damper; see surface_contact_test.cpp.
+// In a regular tetrahedron, the squared sine of the angle between a face and the middle plane of
+// its edge is 1/3. The push of both faces together is 2/3 of k d, and the damping the same fraction
+// of c v. The rest is the bounce of a spring with a damper; see surface_contact_test.cpp.
 TYPED_TEST(EdgeContactTest, TetrahedraThatMeetEdgeFirstBounceByTheClosedForm) {
   const double k = 2000, c = 8, speed = 0.5, mass = 4;
   ContactScene<TypeParam> scene;
@@ -118,8 +120,8 @@ TYPED_TEST(EdgeContactTest, TetrahedraThatMeetEdgeFirstBounceByTheClosedForm) {
   EXPECT_NEAR(bounce / (2 * speed), std::exp(-beta / omega * phase), 0.01);
 }
 
-/// Two masses on a line across a fixed ridge along x: the lower edge of a surface whose third
-/// corner is held above. Its weight pulls along the ridge with the sine of the angle.
+/// Two masses on a line across a fixed ridge along x. The line is the lower edge of a surface whose
+/// third corner is fixed above. Its weight pulls along the ridge with the sine of the angle.
 template <class Real>
 struct Slider {
   Slider(double tangent, double coefficient) {
@@ -162,7 +164,7 @@ TYPED_TEST(EdgeContactTest, EdgeSlidesAboveTheFrictionAngleAsCoulombSays) {
   EXPECT_NEAR(slider.Speed() - speed, kGravity * (std::sin(angle) - 0.5 * std::cos(angle)), 1e-3);
 }
 
-// A plank lies flat on two ridges. No corner is inside anything: its long edges carry it.
+// A plank lies flat on two ridges. No corner is inside a body: the long edges carry the plank.
 TYPED_TEST(EdgeContactTest, PlankComesToRestOnTwoRidges) {
   const double k = 2e4, mass = 8;
   ContactScene<TypeParam> scene;
@@ -175,14 +177,14 @@ TYPED_TEST(EdgeContactTest, PlankComesToRestOnTwoRidges) {
   PhysicsEngine engine = scene.MakeEngine();
   scene.LoadAllLaws(engine);
   engine.Advance(2e-4, 10000);
-  const double depth = mass * kGravity / (2 * 2 * k / 2);  // 2 ridges, 2 edges, k / 2 of each
+  const double depth = mass * kGravity / (2 * 2 * k / 2);  // 2 ridges, 2 edges, k / 2 for each
   for (const auto& p : CornersNow(scene, plank)) {
     EXPECT_NEAR(p.y < 0.3 ? p.y : p.y - 0.2, 0.25 - depth, 0.1 * depth);
   }
   EXPECT_LT(scene.KineticEnergy(), 1e-6);
 }
 
-// Of a box that lies flat, all edges are as deep as their corners: the corners alone carry it.
+// All edges of a box that lies flat are as deep as their corners: only the corners carry it.
 TYPED_TEST(EdgeContactTest, WhatCornersCarryIsNotCarriedTwice) {
   const double k = 1e4, mass = 8;
   ContactScene<TypeParam> scene;
@@ -199,7 +201,7 @@ TYPED_TEST(EdgeContactTest, WhatCornersCarryIsNotCarriedTwice) {
   EXPECT_NEAR(0.5 - lowest, depth, 0.01 * depth);
 }
 
-/// Two random bodies that fly at each other.
+/// Two random bodies that move towards each other.
 template <class Real>
 struct Meeting {
   Meeting(Random& random, const Frame& frame, const Material& material)
@@ -228,7 +230,7 @@ struct Meeting {
   vesper_library_id springs = 0, contact = 0;
 };
 
-// At these speeds, masses of 6 kg and more are stopped within a tenth of a metre by hardness.
+// At these speeds, the hardness stops masses of 6 kg and more within a tenth of a metre.
 TYPED_TEST(EdgeContactTest, ConvexBodiesNeverPassThroughEachOther) {
   const uint32_t seed = 3;
   Random random(seed);

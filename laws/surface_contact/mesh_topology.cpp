@@ -37,7 +37,7 @@ void MeshTopology::FindNeighbours(std::span<const Vertices> surfaces) {
                     [](const Side& e) { return std::tuple(e.low, e.high, e.surface, e.number); });
   neighbours_.assign(surfaces.size(), {kNone, kNone, kNone});
   owns_.assign(surfaces.size(), {});
-  std::vector<char> owned(surfaces.size(), 0);  // edges that the surface has been given
+  std::vector<char> owned(surfaces.size(), 0);  // number of edges assigned to the surface
   for (size_t i = 0, end; i < sides.size(); i = end) {
     const Side& a = sides[i];
     for (end = i + 1; end < sides.size() && sides[end].low == a.low && sides[end].high == a.high;) {
@@ -71,7 +71,7 @@ void MeshTopology::ListAround(std::span<const Vertices> surfaces) {
   }
 }
 
-// Walks each mesh breadth first, so that the faces of a patch lie close together.
+// Traverses each mesh breadth first, so that the faces of a patch are close together.
 void MeshTopology::CutIntoPatches(std::span<const Vertices> surfaces) {
   std::vector<char> seen(surfaces.size(), 0);
   for (uint32_t start = 0; start < surfaces.size(); ++start) {
@@ -104,7 +104,8 @@ void MeshTopology::CutIntoPatches(std::span<const Vertices> surfaces) {
   }
 }
 
-// At most kPatchFaces of the faces from `first_face` on; what is behind them is of the same mesh.
+// Adds a patch of at most kPatchFaces faces, from `first_face` on; later faces belong to the same
+// mesh.
 void MeshTopology::AddPatch(uint32_t mesh, uint32_t first_face,
                             std::span<const Vertices> surfaces) {
   const auto faces = std::span(faces_)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which surfaces hang together, and in what order the law looks at them.
+// Connected surfaces, and the order in which the law processes them.
 #pragma once
 
 #include <array>
@@ -11,59 +11,60 @@ namespace vesper::surface_contact {
 
 inline constexpr uint32_t kNone = UINT32_MAX;
 
-/// Rows of the three bodies that span a surface.
+/// Rows of the three bodies at the corners of a surface.
 using Vertices = std::array<uint32_t, 3>;
 
-/// Up to kPatchFaces neighbouring faces of one mesh, or one body that no surface holds.
+/// Up to kPatchFaces neighbouring faces of one mesh, or one body without surfaces.
 struct Patch {
-  uint32_t mesh;                        // kNone: a loose body
-  uint32_t first_face, face_count;      // in MeshTopology::faces
-  uint32_t first_corner, corner_count;  // in MeshTopology::corners
-  uint32_t own_count;                   // of the corners: the first ones; each body is owned once
-  uint32_t first_edge, edge_count;      // in MeshTopology::edges; each edge is owned once
+  uint32_t mesh;                        // kNone: a body without surfaces
+  uint32_t first_face, face_count;      // indices into MeshTopology::faces
+  uint32_t first_corner, corner_count;  // indices into MeshTopology::corners
+  uint32_t own_count;                   // number of owned corners, which are the first ones; each
+                                        // body has one owner
+  uint32_t first_edge, edge_count;      // indices into MeshTopology::edges; each edge has one owner
 };
 
-/// Two corners of a surface, which owns the edge.
+/// Two corners of the surface that owns the edge.
 struct Edge {
-  std::array<uint32_t, 2> ends;  // places in CornersOf(the patch that the surface belongs to)
-  uint32_t surface, number;      // from the surface's corner `number` to the next
+  std::array<uint32_t, 2> ends;  // indices into CornersOf(the patch of the surface)
+  uint32_t surface, number;      // the edge goes from corner `number` of the surface to the next
 };
 
 struct Mesh {
   uint32_t face_count;
-  bool closed;  // it has no border
+  bool closed;  // the mesh has no border
 };
 
-/** A mesh is what surfaces make that share bodies. An edge is inner if exactly two surfaces share
- *  it, in opposite directions; a body at which a surface has another edge lies on a border. */
+/** The meshes formed by surfaces that share bodies. An edge is inner if exactly two surfaces
+ *  share it, in opposite directions. A body with any other edge is on a border. */
 class MeshTopology {
  public:
   static constexpr uint32_t kPatchFaces = 32;
 
-  /// Allocates; time grows with n log n.
+  /// Builds the topology. Allocates; time is O(n log n).
   void Build(std::span<const Vertices> surfaces, uint64_t bodies);
 
   std::span<const Patch> patches() const { return patches_; }
   std::span<const Mesh> meshes() const { return meshes_; }
-  /// Rows of surfaces.
+  /// Returns rows of surfaces.
   std::span<const uint32_t> FacesOf(const Patch& patch) const {
     return std::span(faces_).subspan(patch.first_face, patch.face_count);
   }
-  /// Rows of bodies.
+  /// Returns rows of bodies.
   std::span<const uint32_t> CornersOf(const Patch& patch) const {
     return std::span(corners_).subspan(patch.first_corner, patch.corner_count);
   }
-  /// The corners that this patch answers for.
+  /// Returns the corners that this patch owns.
   std::span<const uint32_t> PointsOf(const Patch& patch) const {
     return std::span(corners_).subspan(patch.first_corner, patch.own_count);
   }
   std::span<const Edge> EdgesOf(const Patch& patch) const {
     return std::span(edges_).subspan(patch.first_edge, patch.edge_count);
   }
-  /// The surface behind the edge from corner `edge` to the next, or kNone at a border.
+  /// Returns the surface across the edge from corner `edge` to the next, or kNone at a border.
   uint32_t Neighbour(uint32_t surface, uint32_t edge) const { return neighbours_[surface][edge]; }
   bool OnBorder(uint32_t body) const { return on_border_[body]; }
-  /// Surfaces that hold the body, in the order of their rows.
+  /// Returns the surfaces attached to the body, in row order.
   std::span<const uint32_t> Around(uint32_t body) const {
     return std::span(around_).subspan(first_around_[body],
                                       first_around_[body + 1] - first_around_[body]);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The broad phase: which boxes overlap.
+// The broad phase: search for overlapping boxes.
 #pragma once
 
 #include <algorithm>
@@ -36,8 +36,9 @@ struct Box {
     return low.x <= other.high.x && other.low.x <= high.x && low.y <= other.high.y &&
            other.low.y <= high.y && low.z <= other.high.z && other.low.z <= high.z;
   }
-  /// Whether the line from p to q meets the box: no axis, and no direction across an axis and the
-  /// line, may tell them apart (C. Ericson, Real-Time Collision Detection, 2005, section 5.3.3).
+  /// Returns true if the line from p to q intersects the box: no axis of the box, and no cross
+  /// product of an axis and the line, separates them (C. Ericson, Real-Time Collision Detection,
+  /// 2005, section 5.3.3).
   bool Meets(Vec3<Real> p, Vec3<Real> q) const {
     const Vec3<Real> line = q - p, middle = p + q - low - high, size = high - low;
     const Vec3<Real> reach{std::abs(line.x), std::abs(line.y), std::abs(line.z)};
@@ -54,14 +55,13 @@ struct Box {
   Vec3<Real> Centre() const { return low * Real(0.5) + high * Real(0.5); }
 };
 
-/** A uniform grid of cells that are found by a hash of their coordinates (M. Teschner et al.,
- *  Optimized Spatial Hashing for Collision Detection of Deformable Objects, 2003). A box lies in
- *  the cell of its centre. Cells are twice the size of the median box; what is larger than a cell
- *  is kept in a list that everybody looks through. */
+/** A uniform grid with cells in a hash table (M. Teschner et al., Optimized Spatial Hashing for
+ *  Collision Detection of Deformable Objects, 2003). A box is in the cell of its centre. Cells
+ *  are twice the size of the median box; larger boxes are in a list that every query scans. */
 template <class Real>
 class PatchGrid {
  public:
-  /// Makes room for so many boxes.
+  /// Allocates space for this number of boxes.
   void Reserve(size_t members) {
     sizes_.reserve(members);
     large_.reserve(members);
@@ -70,7 +70,7 @@ class PatchGrid {
     start_.resize(std::bit_ceil(2 * members + 1) + 1);
   }
 
-  /// `members` are indices of `boxes`, which must be finite.
+  /// Builds the grid. `members` are indices into `boxes`, which must be finite.
   void Build(std::span<const Box<Real>> boxes, std::span<const uint32_t> members) {
     large_.clear();
     small_.clear();
@@ -92,7 +92,7 @@ class PatchGrid {
     }
     std::partial_sum(start_.begin(), start_.end(), start_.begin());
     for (const Entry& entry : small_) entries_[start_[Hash(entry.cell)]++] = entry;
-    // Filling moved each start to the start of the next bucket.
+    // The fill moved each start to the start of the next bucket.
     std::shift_right(start_.begin(), start_.end(), 1);
     start_[0] = 0;
   }
@@ -164,13 +164,13 @@ class PatchGrid {
     return mixed & static_cast<uint32_t>(start_.size() - 2);
   }
 
-  Real per_cell_ = 1;    // of a cell's side [1/m]
-  Real small_size_ = 0;  // of the largest box in a cell [m]
+  Real per_cell_ = 1;    // 1 / side of a cell [1/m]
+  Real small_size_ = 0;  // size of the largest box in a cell [m]
   std::vector<Real> sizes_;
   std::vector<Entry> large_;
   std::vector<Entry> small_;     // in the order of members
   std::vector<Entry> entries_;   // bucket by bucket
-  std::vector<uint32_t> start_;  // (buckets + 1), where each begins
+  std::vector<uint32_t> start_;  // (buckets + 1), start of each bucket
 };
 
 }  // namespace vesper::surface_contact

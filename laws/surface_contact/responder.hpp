@@ -17,7 +17,7 @@ Vec3<Real> Across(Vec3<Real> v, Vec3<Real> normal) {
   return v - normal * Dot(v, normal);
 }
 
-/// Of the skin where a point is pressed into it.
+/// Material of the surface at the contact.
 template <class Real>
 struct Material {
   Real hardness = 0;  // [N/m]
@@ -25,7 +25,7 @@ struct Material {
   Real friction = 0;  // [1]
 };
 
-/** A point as a face carries it: weights of the corners, and a height above its plane. */
+/** A point attached to a face: weights of the corners, and a height above the plane of the face. */
 template <class Real>
 struct Frame {
   Frame(const std::array<Vec3<Real>, 3>& corners, Vec3<Real> point) {
@@ -41,36 +41,37 @@ struct Frame {
     weights[0] = 1 - weights[1] - weights[2];
   }
 
-  /** Velocity of the point if the face carried it along. */
+  /** Returns the velocity of the point if it moved with the face. */
   Vec3<Real> Carried(const std::array<Vec3<Real>, 3>& moving) const {
     Vec3<Real> sum = Blend(weights, moving);
     for (int i = 0; i < 3; ++i) sum -= gradients[i] * (height * Dot(normal, moving[i]));
     return sum;
   }
 
-  /** What a corner feels of a force on the point. Over the corners, these have the opposite sum
-   *  and the opposite moment, and they do the work that Carried says. */
+  /** Returns the force on a corner if a force acts on the point. Over all corners, these forces
+   *  have the opposite sum and the opposite moment, and do the work given by Carried. */
   Vec3<Real> Reaction(int corner, Vec3<Real> on_point) const {
     return on_point * -weights[corner] + normal * (height * Dot(gradients[corner], on_point));
   }
 
   Vec3<Real> normal;
-  std::array<Vec3<Real>, 3> gradients;  // of the weights [1/m]
+  std::array<Vec3<Real>, 3> gradients;  // gradients of the weights [1/m]
   std::array<Real, 3> weights;
   Real height;
 };
 
-/// A point pressed into n faces of a mesh.
+/// A point that penetrates n faces of a mesh.
 template <class Real, size_t n>
 struct Touch {
   Vec3<Real> point;     // [m]
   Vec3<Real> velocity;  // of the point [m/s]
   std::array<Immersion<Real>, n> faces;
-  std::array<Real, n> shares;  // of the faces; their sum is 1
-  Real depth;                  // by these shares [m]
+  std::array<Real, n> shares;  // weights of the faces; their sum is 1
+  Real depth;                  // weighted depth [m]
   Real strength;               // factor of hardness and damping
 
-  /// Length 1, but for two faces shorter: the less they agree, the flatter they lie to it.
+  /// Returns the normal, of length 1; for two faces it is shorter, according to the angle between
+  /// them.
   Vec3<Real> Normal() const {
     if constexpr (n == 1) return faces[0].normal;
     Vec3<Real> sum;
@@ -79,15 +80,15 @@ struct Touch {
   }
 };
 
-/// What a touch leads to [N].
+/// Forces of a contact [N].
 template <class Real>
 struct Response {
-  Real push = 0;      // along the normal of the touch
-  Vec3<Real> drag{};  // across it, on the point
+  Real push = 0;      // along the normal of the contact
+  Vec3<Real> drag{};  // tangential force on the point
 };
 
-/** Friction on a point [N]: a spring, which is stretched by `stretch`, and a damper against the
- *  slip, which give way at Coulomb's limit (P. A. Cundall, O. D. L. Strack, A Discrete Numerical
+/** Returns the friction force on a point [N]: a spring with elongation `stretch` and a damper of
+ *  the slip, limited by Coulomb's law (P. A. Cundall, O. D. L. Strack, A Discrete Numerical
  *  Model for Granular Assemblies, 1979). */
 template <class Real>
 Vec3<Real> Rub(const Material<Real>& skin, Vec3<Real> slip, Real limit, Vec3<Real>& stretch) {

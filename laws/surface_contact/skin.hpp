@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the surfaces are now, and what is behind them.
+// Current positions of the surfaces, and tests whether a point is behind them.
 #pragma once
 
 #include <algorithm>
@@ -30,30 +30,30 @@ template <class Real>
 struct Face {
   uint32_t row;
   Vec3<Real> a, b, c;
-  Vec3<Real> normal;  // outwards, as long as twice the area
-  Real scale;         // its square
+  Vec3<Real> normal;  // outwards; its length is twice the area
+  Real scale;         // squared length of the normal
 };
 
-/// The closest point of a mesh so far.
+/// The closest point of a mesh found so far.
 template <class Real>
 struct Nearest {
-  Real square;  // of the distance; at first of that beyond which nothing is looked for [m^2]
+  Real square;  // squared distance [m^2]; initially the square of the search radius
   uint32_t face = kNone;
   Closest<Real> at{};
-  Vec3<Real> offset{};  // from there
-  Vec3<Real> normal{};  // of the face, as long as twice its area
+  Vec3<Real> offset{};  // vector from the closest point to the point
+  Vec3<Real> normal{};  // normal of the face; its length is twice the area
 };
 
 /// A point behind a mesh.
 template <class Real>
 struct Immersion {
   uint32_t face = kNone;          // row of surface; kNone: the point is not behind the mesh
-  Real depth = 0;                 // below the nearest point of the mesh [m], > 0
-  Vec3<Real> normal{};            // from the point to there, length 1
-  std::array<Real, 3> weights{};  // of the face's corners there
+  Real depth = 0;                 // distance to the nearest point of the mesh [m], > 0
+  Vec3<Real> normal{};            // from the point to the nearest point, length 1
+  std::array<Real, 3> weights{};  // weights of the face's corners at the nearest point
 };
 
-/** The surfaces at their present places; borrows all. */
+/** The surfaces at their current positions; borrows all arguments. */
 template <class Real>
 class Skin {
  public:
@@ -71,8 +71,8 @@ class Skin {
     return {position_[a], position_[b], position_[c]};
   }
 
-  /** Whether the mesh's nearest point, which must have been found, has the point behind it.
-   *  Nothing is behind a border. */
+  /** Returns true if the point is behind the nearest point of the mesh, which must have been
+   *  found. No point is behind a border. */
   bool IsBehind(const Nearest<Real>& nearest) const {
     const auto& [square, face, at, offset, normal] = nearest;
     if (at.feature == kFace) return Dot(offset, normal) < 0;
@@ -91,14 +91,15 @@ class Skin {
     return {nearest.face, depth, Upwards(nearest, depth), nearest.at.weights};
   }
 
-  /** From a point behind the mesh, `depth` deep, to the nearest point; length 1. */
+  /** Returns the direction from a point behind the mesh, at `depth`, to the nearest point;
+   *  length 1. */
   static Vec3<Real> Upwards(const Nearest<Real>& nearest, Real depth) {
     return nearest.at.feature == kFace ? Unit(nearest.normal) : nearest.offset * (-1 / depth);
   }
 
  private:
-  /** By the sum of the normals around, weighted with their angles (J. A. Baerentzen, H. Aanaes,
-   *  Signed Distance Computation Using the Angle Weighted Pseudonormal, 2005); where all faces
+  /** Decides by the angle-weighted sum of the adjacent normals (J. A. Baerentzen, H. Aanaes,
+   *  Signed Distance Computation Using the Angle Weighted Pseudonormal, 2005); if all faces
    *  agree, by any of them. */
   bool IsBehindCorner(Vec3<Real> offset, uint32_t corner) const {
     const auto around = topology_.Around(corner);
@@ -116,7 +117,7 @@ class Skin {
     return Cross(b - a, c - a);
   }
 
-  /** Of a face's corner [rad]. */
+  /** Returns the angle at a face's corner [rad]. */
   Real AngleAt(uint32_t body, uint32_t face) const {
     auto [a, b, c] = vertices_[face];
     while (a != body) {
@@ -132,7 +133,7 @@ class Skin {
   const Vec3<Real>* position_;
 };
 
-/** Takes the face if it is nearer to p. A face without area has no side and is passed over. */
+/** Stores the face if it is nearer to p. A face without area has no side and is skipped. */
 template <class Real>
 void Approach(Vec3<Real> p, const Face<Real>& face, Nearest<Real>& nearest) {
   const Real height = Dot(face.normal, p - face.a);

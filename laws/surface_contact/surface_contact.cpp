@@ -16,41 +16,42 @@ namespace {
 using namespace vesper;
 using namespace vesper::surface_contact;
 
-// Patches that a thread takes at once.
+// Patches per chunk of a thread.
 constexpr uint64_t kGrain = 32;
 
 /** A corner of a patch behind a mesh. */
 template <class Real>
 struct CornerContact {
-  uint32_t corner;  // place among the corners of the patch
+  uint32_t corner;  // index among the corners of the patch
   uint32_t mesh;
   Immersion<Real> at;
 };
 
-/** An edge of a patch that is deeper behind a mesh than its ends. */
+/** An edge of a patch with a point deeper behind a mesh than its ends. */
 template <class Real>
 struct EdgeContact {
-  std::array<uint32_t, 2> bodies;  // its ends
-  Real sharpness;                  // 1; less for an edge that is nearly flat
+  std::array<uint32_t, 2> bodies;  // bodies at its ends
+  Real sharpness;                  // 1; less if the edge is almost flat
   DeepestPoint<Real> at;
   std::array<Immersion<Real>, 2> ends;
 
-  /** How much deeper it is than an end: 1 if that is not behind the mesh, 0 if it is as deep. */
+  /** Returns the excess of its depth over an end: 1 if the end is not behind the mesh, 0 if both
+   *  are equally deep. */
   Real Excess(int end) const {
     const Real ratio = ends[end].depth / at.depth;
     return 1 - ratio * ratio;
   }
 };
 
-/** A force on a body, to be added in turn [N]. */
+/** A force on a body [N], added later in a fixed order. */
 template <class Real>
 struct Reaction {
   uint32_t body;
   Vec3<Real> force;
 };
 
-/** Penalty contact of meshes with each other and with points: spring and damper along the normal,
- *  spring and damper with Coulomb's limit across it. */
+/** Penalty contact of meshes with each other and with points: spring and damper along the
+ *  normal, and a tangential spring and damper limited by Coulomb's law. */
 template <class Real>
 struct SurfaceContact {
   static constexpr auto kName = "surface_contact", kVersion = "1.1.0";
@@ -70,10 +71,10 @@ struct SurfaceContact {
   Read<Vec3<Real>> position{"position", "body", units::metre};
   Read<Vec3<Real>> velocity{"velocity", "body", units::metre_per_second};
   Accumulate<Vec3<Real>> force{"externalForce", "body", units::newton};
-  /// How far the body's spring of friction is stretched.
+  /// Elongation of the body's friction spring.
   Scratch<Vec3<Real>> stretch{"frictionStretch", "body", units::metre};
-  /// Steps that were done when it was stretched last, and which contact did: 0 for the body's own,
-  /// else the row after that of the other end of an edge.
+  /// Number of steps done when the spring was last stretched, and the contact that did so: 0 for
+  /// that of the body itself, otherwise the row plus one of the other end of an edge.
   Scratch<std::array<uint32_t, 2>> stretched_by{"frictionUse", "body", units::one};
 
   auto Parameters() { return std::tie(maximum_depth); }
@@ -110,14 +111,15 @@ struct SurfaceContact {
         PushCorners(topology_.patches()[i], step, chunk);
       }
     });
-    // A body may feel contacts of many chunks, and an edge may use the springs of both its ends.
+    // A body may have contacts in several chunks, and an edge may use the springs of both ends.
     for (Chunk& chunk : chunks_) {
       for (const auto& contact : chunk.edge_contacts) PushEdge(contact, step, chunk);
       for (const auto& [body, reaction] : chunk.reactions) force[body] += reaction;
     }
   }
 
-  /** Half the square of each depth, times the hardness. The stretch of friction is not in it. */
+  /** Returns half the sum of the squared depths times the hardness, without the energy of
+   *  friction springs. */
   double PotentialEnergy() {
     double energy = 0;
     Chunk chunk;
@@ -142,37 +144,38 @@ struct SurfaceContact {
 
  private:
   static constexpr uint32_t kOwn = 0;
-  /// Of the angle from which an edge is sharp, 30 degrees.
+  /// Cosine of the angle above which an edge counts as sharp, 30 degrees.
   static constexpr Real kSharpCosine = Real(0.866);
 
-  /** The spring of friction of a body, and who uses it; see stretched_by. */
+  /** The friction spring of a body and its user; see stretched_by. */
   struct Spring {
     uint32_t body = kNone;
     uint32_t user = kOwn;
   };
 
-  /** A corner of a patch in the box of a mesh. */
+  /** A corner of a patch within the box of a mesh. */
   struct Near {
     uint32_t corner;
     Nearest<Real> nearest;
   };
 
-  /** What a range of patches finds; its vectors keep their memory from step to step. */
+  /** Results of a range of patches; the vectors keep their memory between steps. */
   struct Chunk {
-    std::vector<Reaction<Real>> reactions;  // of all patches; the others are of one
+    std::vector<Reaction<Real>> reactions;  // reactions of all patches; the other vectors are for
+                                            // one patch
     std::vector<uint32_t> candidates;       // patches that it may touch
-    std::vector<Vec3<Real>> points;         // its corners
+    std::vector<Vec3<Real>> points;         // positions of its corners
     std::vector<CornerContact<Real>> corner_contacts;
     std::vector<EdgeContact<Real>> edge_contacts;
-    // The patch and one mesh.
+    // Data for the patch and one mesh.
     std::vector<Near> near;
-    std::vector<uint32_t> edges;  // of the patch that may be behind the mesh
+    std::vector<uint32_t> edges;  // edges of the patch that may be behind the mesh
     std::vector<Face<Real>> faces;
     std::vector<Ridge<Real>> ridges;
     std::vector<Immersion<Real>> ends;  // (corners)
   };
 
-  /** Puts boxes around a patch. Throws if a body of it is nowhere. */
+  /** Computes the boxes of a patch. Throws if the position of one of its bodies is not finite. */
   void Enclose(uint64_t patch) {
     Box<Real> box;
     for (const uint32_t body : topology_.CornersOf(topology_.patches()[patch])) {
@@ -187,8 +190,9 @@ struct SurfaceContact {
     face_boxes_[patch] = box.Grown(Real(maximum_depth));
   }
 
-  /** Contacts of a patch's own corners and edges with every other mesh: of the corners in their
-   *  order and mesh by mesh; of the edges mesh by mesh, after those that are there. */
+  /** Finds the contacts of a patch's own corners and edges with every other mesh. Contacts of
+   *  corners are in the order of corners, then meshes; contacts of edges follow, in the order of
+   *  meshes. */
   void FindContacts(uint64_t index, Chunk& chunk) const {
     const auto patches = topology_.patches();
     chunk.corner_contacts.clear();
@@ -210,7 +214,7 @@ struct SurfaceContact {
     });
   }
 
-  /** Patches of other meshes near this one, mesh by mesh. */
+  /** Lists the patches of other meshes near this one, grouped by mesh. */
   void FindCandidates(uint64_t index, std::vector<uint32_t>& out) const {
     const auto patches = topology_.patches();
     out.clear();
@@ -220,14 +224,16 @@ struct SurfaceContact {
     std::ranges::sort(out);
   }
 
-  /** `others` are patches of one mesh. */
+  /** Finds the contacts with one mesh; `others` are patches of it. */
   void FindContactsWithMesh(uint64_t index, std::span<const uint32_t> others, Chunk& chunk) const {
     const Patch& patch = topology_.patches()[index];
     const uint32_t mesh = topology_.patches()[others.front()].mesh;
     const Skin<Real> skin(topology_, vertices.data(), position.data());
     const size_t first = chunk.corner_contacts.size();
     FindCorners(skin, others, 0, patch.own_count, chunk);
-    if (topology_.meshes()[mesh].face_count == 1) return;  // it is flat: no edge is deepest inside
+    if (topology_.meshes()[mesh].face_count == 1)
+      return;  // a flat mesh: no edge is deepest
+               // between its ends
     FindEdgesBehind(index, others, chunk);
     if (chunk.edges.empty()) return;
     GatherRidges(skin, boxes_[index], others, chunk);
@@ -242,7 +248,7 @@ struct SurfaceContact {
     FindDeepEdges(skin, patch, chunk);
   }
 
-  /** Appends which corners from `begin` to `end` are behind a mesh. */
+  /** Appends the corners from `begin` to `end` that are behind a mesh. */
   void FindCorners(const Skin<Real>& skin, std::span<const uint32_t> others, uint32_t begin,
                    uint32_t end, Chunk& chunk) const {
     const Real reach = Real(maximum_depth);
@@ -270,7 +276,7 @@ struct SurfaceContact {
     }
   }
 
-  /** Lists own edges of the patch that may be behind a mesh somewhere. */
+  /** Lists the patch's own edges that may be partly behind a mesh. */
   void FindEdgesBehind(uint64_t index, std::span<const uint32_t> others, Chunk& chunk) const {
     const auto edges = topology_.EdgesOf(topology_.patches()[index]);
     chunk.edges.clear();
@@ -286,7 +292,7 @@ struct SurfaceContact {
     }
   }
 
-  /** Lists the faces of a mesh, and its convex edges that come near the box. */
+  /** Lists the faces of a mesh, and its convex edges near the box. */
   void GatherRidges(const Skin<Real>& skin, const Box<Real>& box, std::span<const uint32_t> others,
                     Chunk& chunk) const {
     const Box<Real> around = box.Grown(Real(maximum_depth));
@@ -309,7 +315,8 @@ struct SurfaceContact {
     }
   }
 
-  /** Where something may be behind the faces of a patch. What is behind a closed mesh is in it. */
+  /** Returns the box in which a point may be behind the faces of a patch; for a closed mesh, the
+   *  box of the mesh. */
   const Box<Real>& SpaceBehind(uint32_t index) const {
     const Patch& patch = topology_.patches()[index];
     const Mesh& mesh = topology_.meshes()[patch.mesh];
@@ -317,7 +324,7 @@ struct SurfaceContact {
     return whole ? boxes_[index] : face_boxes_[index];
   }
 
-  /** False if the edge is not convex, or a face at it has no area. */
+  /** Computes a ridge. Returns false if the edge is not convex, or an adjacent face has no area. */
   bool MakeRidge(const Skin<Real>& skin, const Edge& edge, Vec3<Real> start, Vec3<Real> end,
                  Ridge<Real>& ridge) const {
     const uint32_t neighbour = topology_.Neighbour(edge.surface, edge.number);
@@ -347,8 +354,9 @@ struct SurfaceContact {
     }
   }
 
-  /** From 0 for an edge that is flat or hollow to 1 for one whose faces turn by 30 degrees or
-   *  more, and for a border. A flat edge is part of a face, which touches with its outline. */
+  /** Returns a value from 0 for a flat or concave edge to 1 for one with an angle of 30 degrees
+   *  or more between its faces, and for a border. A flat edge is part of a face, which touches
+   *  with its outline. */
   Real SharpnessOf(const Skin<Real>& skin, const Edge& edge) const {
     const uint32_t neighbour = topology_.Neighbour(edge.surface, edge.number);
     if (neighbour == kNone) return 1;
@@ -359,7 +367,7 @@ struct SurfaceContact {
     return std::clamp((1 - cosine) / (1 - kSharpCosine), Real(0), Real(1));
   }
 
-  /** Pushes the points of a patch; notes the reactions. */
+  /** Applies contact forces to the points of a patch; stores the reactions. */
   void PushCorners(const Patch& patch, const Step& step, Chunk& chunk) {
     const auto bodies = topology_.PointsOf(patch);
     auto contact = chunk.corner_contacts.begin();
@@ -380,9 +388,10 @@ struct SurfaceContact {
     }
   }
 
-  /** The forces are the slope of the energy k S (D A B)^2 / 2 with the depth D, the sharpness S and
-   *  the excess A, B of D over the depth of each end. An edge that is hardly deeper than its end
-   *  adds little, and takes over what the end bears as it gets deeper. */
+  /** Applies the contact force of an edge: the gradient of the energy k S (D A B)^2 / 2, with
+   *  the depth D, the sharpness S and the excesses A, B of D over the depths of the ends. An
+   *  edge that is hardly deeper than its end adds little, and takes over the load of the end as
+   *  it gets deeper. */
   void PushEdge(const EdgeContact<Real>& contact, const Step& step, Chunk& chunk) {
     const auto& bodies = contact.bodies;
     const std::array<Real, 2> weights{1 - contact.at.place, contact.at.place};
@@ -426,9 +435,9 @@ struct SurfaceContact {
     return sum;
   }
 
-  /** The forces of a touch on its point; notes the reactions on the faces' corners. They are such
-   *  that momentum and angular momentum are kept: friction acts at the point, as if the faces
-   *  carried it along. Without a spring, the damper of friction rubs alone. */
+  /** Computes the forces of a contact on its point; stores the reactions on the corners of the
+   *  faces. Reactions conserve momentum and angular momentum: friction acts at the point, as if
+   *  the faces moved with it. Without a spring, only the damper of friction acts. */
   template <size_t n>
   Response<Real> Exert(const Touch<Real, n>& touch, const Step& step, Spring spring,
                        Chunk& chunk) const {
@@ -442,7 +451,7 @@ struct SurfaceContact {
           touch.shares[i] * Dot(Blend(at.weights, Moving(at.face)) - touch.velocity, at.normal);
     }
     const Real push = skin.hardness * touch.depth + skin.damping * closing;
-    if (push <= 0) return {};  // it does not pull
+    if (push <= 0) return {};  // the contact does not attract
     Vec3<Real> normal = touch.Normal();
     Response<Real> response{push};
     const auto frames = FramesOf(touch, std::make_index_sequence<n>());
@@ -481,14 +490,14 @@ struct SurfaceContact {
     return response;
   }
 
-  /** Whether the spring is still stretched by its user: by the step before, or by this one. */
+  /** Returns true if the spring's user stretched it in the previous or in this step. */
   bool Holds(Spring spring, const Step& step) const {
     const uint32_t then = StepsDone(step) + (step.stage == 1 ? 0 : 1);
     const auto [when, user] = stretched_by[spring.body];
     return when == then && user == spring.user;
   }
 
-  /** Of the end whose spring the edge stretches already, else of one that nobody needs. */
+  /** Returns the spring of the end that the edge already stretches, or otherwise a free one. */
   Spring SpringOf(const std::array<uint32_t, 2>& bodies, const Step& step) const {
     const std::array<Spring, 2> springs{Spring{bodies[0], bodies[1] + 1},
                                         Spring{bodies[1], bodies[0] + 1}};
@@ -508,7 +517,7 @@ struct SurfaceContact {
     return {velocity[i], velocity[j], velocity[k]};
   }
 
-  /** The touched faces, as they would carry the point. */
+  /** Returns the touched faces as responders for the point. */
   template <size_t n, size_t... i>
   std::array<Frame<Real>, n> FramesOf(const Touch<Real, n>& touch,
                                       std::index_sequence<i...>) const {
@@ -516,11 +525,12 @@ struct SurfaceContact {
     return {Frame<Real>(skin.Corners(touch.faces[i].face), touch.point)...};
   }
 
-  // All of it is rebuilt by Bind or by each Advance.
+  // Bind or each Advance rebuilds all of these.
   MeshTopology topology_;
   std::vector<Box<Real>> boxes_;       // (patches)
-  std::vector<Box<Real>> face_boxes_;  // (patches), with the layer in which contact is looked for
-  std::vector<uint32_t> with_faces_;   // patches
+  std::vector<Box<Real>> face_boxes_;  // (patches), including the layer in which contacts are
+                                       // searched
+  std::vector<uint32_t> with_faces_;   // indices of patches
   PatchGrid<Real> grid_;
   std::vector<Chunk> chunks_;  // (patches / kGrain)
 };

@@ -13,8 +13,8 @@ TYPED_TEST_SUITE(SurfaceContactTest, Precisions);
 
 constexpr double kGravity = 9.81;  // [m/s^2]
 
-// A damped half oscillation that ends when the force does, for it never pulls (T. Schwager,
-// T. Poeschel, Coefficient of Restitution and Linear-Dashpot Model Revisited, 2007).
+// A damped half oscillation that ends when the force becomes zero, because it never attracts (T.
+// Schwager, T. Poeschel, Coefficient of Restitution and Linear-Dashpot Model Revisited, 2007).
 TYPED_TEST(SurfaceContactTest, BouncesWithTheRestitutionOfTheClosedForm) {
   const double mass = 2, k = 5000, c = 20, dt = 1e-5;
   ContactScene<TypeParam> scene;
@@ -69,8 +69,7 @@ TYPED_TEST(SurfaceContactTest, MassZeroBearsTheWeightAndKeepsItsBits) {
   EXPECT_NEAR(borne, -mass * kGravity, Rounding<TypeParam>(1000 * k * 0.015));
 }
 
-/// A point on a plane that is turned so far that its weight pulls along +x with the sine of the
-/// angle.
+/// A point on an inclined plane: its weight pulls along +x with the sine of the angle.
 template <class Real>
 struct Slope {
   Slope(double tangent, double friction, Vec3<Real> speed = {}) {
@@ -131,8 +130,8 @@ TYPED_TEST(SurfaceContactTest, WithoutFrictionItSlidesFreely) {
   EXPECT_NEAR(slope.Speed(), kGravity * std::sin(std::atan(0.5)), 1e-4);
 }
 
-// Beyond the angle at which the weight passes the lower edge of the face that it lies on, a rigid
-// icosahedron tips over: tan = (edge to middle of the face) / (face to centre).
+// A rigid icosahedron tips over above the angle at which its weight vector passes the lower edge of
+// its base: tan = (edge to middle of the face) / (face to centre).
 TYPED_TEST(SurfaceContactTest, IcosahedronTipsOverBeyondTheAngleOfTheRigidBody) {
   const double tipping = std::atan(1 / (std::sqrt(3) * kInsphere<double> / kHalfEdge<double>));
   for (const bool tips : {false, true}) {
@@ -147,8 +146,8 @@ TYPED_TEST(SurfaceContactTest, IcosahedronTipsOverBeyondTheAngleOfTheRigidBody) 
   }
 }
 
-// It turns about its lower edge, I = (2/3) M R^2 + M L^2 with L from edge to centre, and does not
-// slip: the energy of the fall is that of the turning, I w^2 / 2.
+// It rotates about its lower edge, with I = (2/3) M R^2 + M L^2 and L from edge to centre, and does
+// not slip: the lost potential energy equals I w^2 / 2.
 TYPED_TEST(SurfaceContactTest, StiffIcosahedronRollsOverItsEdgeAsARigidBody) {
   const double slope = 0.45;
   ContactScene<TypeParam> scene;
@@ -158,7 +157,7 @@ TYPED_TEST(SurfaceContactTest, StiffIcosahedronRollsOverItsEdgeAsARigidBody) {
   PhysicsEngine engine = scene.MakeEngine();
   scene.LoadAllLaws(engine);
   const double arm = kMidsphere<double>, inertia = 12 * (2.0 / 3 + arm * arm);
-  const auto above_edge = [&] {  // angle of the arm from the direction of gravity
+  const auto above_edge = [&] {  // angle between the arm and the direction of gravity
     const auto centre = scene.Centre(body);
     const double beyond_edge = double{centre.x} - kHalfEdge<double> / std::sqrt(3);
     return std::atan2(beyond_edge, double{centre.y}) + slope;
@@ -180,7 +179,7 @@ TYPED_TEST(SurfaceContactTest, CollidingMeshesKeepMomentumAndAngularMomentum) {
   scene.LoadAllLaws(engine);
   const Vec3<double> momentum = scene.Momentum(), angular = scene.AngularMomentum();
   const double before = scene.MechanicalEnergy();
-  double relative = 3;  // speed of the second towards the first [m/s]
+  double relative = 3;  // speed of the second body towards the first [m/s]
   for (int n = 0; n < 100; ++n) {
     engine.Advance(1e-3, 10);
     const double now = double{scene.CentreVelocity({0, 12}).x - scene.CentreVelocity({12, 12}).x};
@@ -210,7 +209,7 @@ TYPED_TEST(SurfaceContactTest, EnergyNeverGrowsWithDamping) {
   EXPECT_LT(before, 0.7 * start);
 }
 
-// Over flat ground of two triangles the force is that of one, wherever the point is.
+// Over flat ground of two triangles, the force equals that of one triangle at every position.
 TYPED_TEST(SurfaceContactTest, ForceOverAnInnerEdgeIsThatOverAFace) {
   for (const double x : {-1e-3, -1e-7, 0.0, 1e-7, 1e-3}) {
     ContactScene<TypeParam> scene;
@@ -229,8 +228,8 @@ TYPED_TEST(SurfaceContactTest, ForceOverAnInnerEdgeIsThatOverAFace) {
   }
 }
 
-// Inside a solid, the force is the hardness times the distance from its skin, everywhere; from
-// points on both sides of each edge and corner too.
+// Inside a solid, the force is the hardness times the distance from its surface, everywhere; also
+// for points on both sides of each edge and corner.
 TYPED_TEST(SurfaceContactTest, ForceInsideASolidIsHardnessTimesTheDistanceFromItsSkin) {
   const uint32_t seed = 7;
   std::mt19937 random(seed);
@@ -257,8 +256,7 @@ TYPED_TEST(SurfaceContactTest, ForceInsideASolidIsHardnessTimesTheDistanceFromIt
   EXPECT_GT(inside, 200);
 }
 
-// A notch: two sheets that meet in a valley. A point beneath the valley's edge is pushed towards
-// it.
+// A notch: two sheets that meet in a valley. A point below the valley's edge is pushed towards it.
 TYPED_TEST(SurfaceContactTest, PointUnderAConcaveEdgeIsPushedTowardsTheEdge) {
   ContactScene<TypeParam> scene;
   scene.AddBody(0, {0, 0, -5});
@@ -304,7 +302,7 @@ TYPED_TEST(SurfaceContactTest, SurfacesWithoutAreaExertNoForce) {
   scene.AddBody(1, {0, 0, 0});
   scene.AddBody(1, {1, 0, 0});
   scene.AddBody(1, {2, 0, 0});
-  scene.AddSurface({0, 1, 2}, {1000, 0, 0});  // on a line
+  scene.AddSurface({0, 1, 2}, {1000, 0, 0});  // collinear corners
   scene.AddSurface({0, 1, 1}, {1000, 0, 0});  // one body twice
   scene.AddBody(1, {0.5f, -0.01f, 0});
   PhysicsEngine engine = scene.MakeEngine();
@@ -329,7 +327,7 @@ TYPED_TEST(SurfaceContactTest, PointsInTwoMeshesFeelBoth) {
   EXPECT_NEAR(force.y, 7.8125, Rounding<TypeParam>(1e4));
 }
 
-// The broad phase must not lose anything: boxes of every size, and coordinates far out.
+// The broad phase must find every pair: boxes of every size, and large coordinates.
 TYPED_TEST(SurfaceContactTest, EveryPointOnAStairOfGroundsOfAllSizesIsFound) {
   ContactScene<TypeParam> scene;
   std::vector<uint32_t> points;

@@ -5,7 +5,7 @@ namespace {
 
 using namespace vesper;
 
-// Bodies that a thread takes at once: about a megabyte of columns.
+// Bodies per chunk of a thread: about a megabyte of columns.
 constexpr uint64_t kGrain = 8192;
 
 /** Kick, drift, kick: v += a/2 dt; x += v dt; new a; v += a/2 dt. */
@@ -51,7 +51,7 @@ struct VelocityVerlet {
     const Vec3<Real> a = force[i] * (1 / mass[i]);
     if (known[i] != 0) {
       velocity[i] += a * (dt / 2);
-    } else {  // a body's first step: both kicks and the drift that the first one makes, now
+    } else {  // first step of a body: both kicks and the drift of the first kick, now
       velocity[i] += a * dt;
       position[i] += a * (dt * dt / 2);
     }

@@ -10,7 +10,7 @@ TYPED_TEST_SUITE(VelocityVerletTest, Precisions);
 
 constexpr auto kLaw = "velocity_verlet";
 
-// The first step of a body adds a term of third order, so the order is approached linearly in dt.
+// The first step of a body adds a term of third order, so the order converges linearly in dt.
 TYPED_TEST(VelocityVerletTest, ErrorFallsWithTheSquareOfTheStep) {
   for (const uint32_t steps : StepsAboveRounding<TypeParam>({50}, {400, 1600})) {
     const Convergence measured = MeasureConvergence<TypeParam>(kLaw, steps);
@@ -18,7 +18,7 @@ TYPED_TEST(VelocityVerletTest, ErrorFallsWithTheSquareOfTheStep) {
   }
 }
 
-// The energy of the scheme swings by about (omega dt)^2 / 4; its mean stays.
+// The energy of the scheme oscillates by about (omega dt)^2 / 4; its mean is constant.
 TYPED_TEST(VelocityVerletTest, EnergySwingsButDoesNotDrift) {
   const double dt = 0.05;
   const double early = LargestEnergyError<TypeParam>(kLaw, dt, 1000);
@@ -28,7 +28,7 @@ TYPED_TEST(VelocityVerletTest, EnergySwingsButDoesNotDrift) {
   EXPECT_GT(LargestEnergyError<TypeParam>("newton_motion", dt, 1000), 10 * early);
 }
 
-// x(n) = x + n v dt + n^2 a dt^2 / 2: the scheme is exact, the first step included.
+// x(n) = x + n v dt + n^2 a dt^2 / 2: the scheme is exact, including the first step.
 TYPED_TEST(VelocityVerletTest, ConstantForceGivesTheParabola) {
   Scene<TypeParam> scene;
   scene.AddBody(2, {1, 2, 3}, {3, -1, 0});

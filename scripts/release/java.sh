@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=bash
-# What bin/reve of a release and ./reve of a checkout share: messages, and the way to Java.
+# Shared by bin/reve of a release and ./reve of a checkout: messages, and the search for Java.
 
 say() { printf '%s\n' "reve: $*" >&2; }
 fail() { say "$*"; exit 1; }

@@ -4,7 +4,7 @@
 
     tests/siege/agents.py [--seconds 20] [--only ATTACK ...] [--json]
 
-For each attack a server is started on tests/siege/square.yaml. Three innocent agents join: `steady`
+For each attack a server is started on tests/siege/square.yaml or library.yaml. Three innocent agents join: `steady`
 perceives every frame, `slow` does too but reads nothing for 3 s of every 4, and `learner` is in
 lock-step and ready at once. Their rates are measured alone, then beside the attack. Each attack
 runs in processes of its own. A line tells perceptions a second of `steady` (which are the frames
@@ -16,6 +16,7 @@ disconnected, a law is gone, the server died, or `steady` has less than half of 
 
 import argparse
 import collections
+import functools
 import json
 import multiprocessing
 import selectors
@@ -27,6 +28,8 @@ import time
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent.parent
+SQUARE = ROOT / "tests/siege/square.yaml"
+LIBRARY = ROOT / "tests/siege/library.yaml"
 HOST = "127.0.0.1"
 BASELINE_SECONDS = 4
 PATIENCE_SECONDS = 30
@@ -192,6 +195,44 @@ def deaf(port, me):
             clients.pop(0).close()
 
 
+def readers(port, me, again=False):
+    """Observers of all items, who come again when they are cut.
+
+    They read nothing, or ask for all of it again five times a second.
+    """
+    clients = selectors.DefaultSelector()
+    names = (f"mallory-{me}-{n}" for n in range(10**9))
+
+    def join():
+        client = Client(port, next(names), role="observer")
+        client.send({"t": "perceive", "every": 1})
+        client.socket.setblocking(False)
+        clients.register(client.socket, selectors.EVENT_READ, client)
+
+    def replace(key):
+        clients.unregister(key.fileobj)
+        key.data.close()
+        join()
+
+    for _ in range(150):
+        join()
+    asked = time.monotonic()
+    while True:
+        for key, _ in clients.select(0.05) if again else ():
+            if not key.fileobj.recv(1 << 20):
+                replace(key)
+        time.sleep(0.01)
+        if time.monotonic() - asked > 0.2:
+            asked = time.monotonic()
+            for key in list(clients.get_map().values()):
+                try:
+                    key.data.send({"t": "perceive", "every": 1})
+                except BlockingIOError:
+                    pass
+                except OSError:
+                    replace(key)
+
+
 def mute(port, me):
     """Connections that never say hello, or say it a byte a second."""
     waiting = []
@@ -271,6 +312,12 @@ ATTACKS = {
     "coming": ([joins()] * 2, "agents that come and go"),
     "crowd": ([crowd] * 2, "1,000 agents that perceive every frame, with relations"),
     "deaf": ([deaf] * 2, "400 agents that ask for everything and read nothing"),
+    "readers": ([readers] * 2, "300 observers of 5,000 long texts, who read nothing", LIBRARY),
+    "again": (
+        [functools.partial(readers, again=True)] * 2,
+        "300 observers who ask for 5,000 long texts five times a second",
+        LIBRARY,
+    ),
     "mute": ([mute] * 2, "1,600 connections that never say hello"),
     "lines": ([long_lines] * 2, "lines of 65,000 characters"),
 }
@@ -280,7 +327,7 @@ def run_attack(attack, port, me):
     try:
         attack(port, me)
     except OSError as e:  # the server got rid of it, which is an answer
-        print(f"  {attack.__name__} {me}: {e}", file=sys.stderr)
+        print(f"  attacker {me}: {e}", file=sys.stderr)
 
 
 class Innocent(threading.Thread):
@@ -330,9 +377,9 @@ class Innocent(threading.Thread):
 
 
 def besiege(name, seconds):
-    attackers, what = ATTACKS[name]
+    attackers, what, world = (*ATTACKS[name], SQUARE)[:3]
     server = subprocess.Popen(
-        [ROOT / "reve", "serve", ROOT / "tests/siege/square.yaml", "--port", "0", "--json"],
+        [ROOT / "reve", "serve", world, "--port", "0", "--json"],
         stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,
         text=True,

@@ -52,7 +52,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Fault{"before", "guard-pages f32", "before the first row of 'position'"},
                       Fault{"threads", "threads f64", "'externalForce' has other bits on "},
                       Fault{"not_a_number", "not-a-number f64",
-                            "NaN in 'position' changes 'externalForce' and nobody is told"},
+                            "NaN in 'position' changes 'externalForce' without an error"},
                       Fault{"momentum", "momentum f64", "forces sum to "},
                       Fault{"angular_momentum", "angular-momentum f32", "moments sum to "},
                       Fault{"translation", "translation f64", "'externalForce' differs in row 0"},

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "frames.hpp"
+#include "icosahedron.hpp"
 #include "program.hpp"
 
 namespace vesper {
@@ -17,7 +18,7 @@ using Vector = Vec3<double>;
 
 const std::string kFolder = VESPER_WORLDS "/icosahedron/";
 constexpr size_t kCorners = 12, kBodies = 15;
-constexpr double kEdge = 1.0514622;  // of an icosahedron of radius 1 m
+const double kEdge = 2 * icosahedron::HalfEdge();
 
 /// Positions and velocities of the corners at the end of a frame.
 struct Corners {
@@ -139,6 +140,46 @@ TEST_P(Icosahedron, DoesWhatIsExpectedOfIt) {
 
 TEST_P(Icosahedron, EndsInTheSameStateOnTwoThreads) {
   EXPECT_EQ(RunScene(GetParam(), 1, 1).state_hash, RunScene(GetParam(), 1, 2).state_hash);
+}
+
+/// Corners as a scene lists them: `(0 11 5) (0 5 1)`.
+template <class Rows>
+std::string Listed(const Rows& rows) {
+  std::string text;
+  for (const auto& row : rows) {
+    text += text.empty() ? "(" : " (";
+    for (size_t i = 0; i < row.size(); ++i) text += (i > 0 ? " " : "") + std::to_string(row[i]);
+    text += ")";
+  }
+  return text;
+}
+
+size_t Count(const std::string& text, const std::string& part) {
+  size_t count = 0;
+  for (size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+TEST_P(Icosahedron, HasTheEdgesAndFacesOfARegularOne) {
+  const std::string scene = ReadText(kFolder + GetParam() + ".vesper");
+  auto edges = icosahedron::Edges();
+  std::ranges::sort(edges);
+  EXPECT_EQ(Count(scene, "\nendpoints " + Listed(edges) + "\n"), 1u);
+  EXPECT_EQ(Count(scene, "\nvertices " + Listed(icosahedron::kFaces) + " (12 13 14)\n"), 1u);
+}
+
+TEST(IcosahedronWorld, HasTheEdgesAndFacesOfARegularOne) {
+  const std::string world = ReadText(kFolder + "world.yaml");
+  const auto corner = [](uint32_t row) { return "c" + std::to_string(row); };
+  EXPECT_EQ(Count(world, "kind: spring"), 30u);
+  for (const auto& [a, b] : icosahedron::Edges()) {
+    EXPECT_EQ(Count(world, "end1: " + corner(a) + ", end2: " + corner(b) + ","), 1u);
+  }
+  EXPECT_EQ(Count(world, "kind: surface"), 21u);  // and the ground
+  for (const auto& [a, b, c] : icosahedron::kFaces) {
+    const std::string face = corner(a) + ", " + corner(b) + ", " + corner(c);
+    EXPECT_EQ(Count(world, "vertices: [" + face + "]"), 1u);
+  }
 }
 
 // The world file is the scene `rolling` item by item: both end at the same place.

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # vesper_add_law(NAME source...)
 #
-# Makes the law library libvesper_law_NAME.so as a CMake target vesper_law_NAME: C or C++20, against
-# the SDK headers only, exporting nothing but `vesper_law_library_entry`.
+# Defines the law library libvesper_law_NAME.so as a CMake target vesper_law_NAME: C or C++20, built
+# with the SDK headers only, with `vesper_law_library_entry` as its only exported symbol.
 set(VESPER_LAW_SYMBOLS ${CMAKE_CURRENT_LIST_DIR}/vesper_law.map)
 
 function(vesper_add_law name)

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// vesper-probe: opens one law library and reports over a pipe how far it got.
+// vesper-probe: opens one law library and reports its progress over a pipe.
 //
-// Started by the engine (see probe_process.cpp) with the library and the pipe as descriptors 3 and
-// 4, the library's name for messages, and the time in milliseconds after which nobody waits.
+// The engine starts it (see probe_process.cpp) with the library and the pipe as descriptors 3 and
+// 4. Its arguments are the library's name for messages, and the time limit [ms].
 #include <dlfcn.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -16,7 +16,7 @@
 #include "probe_report.hpp"
 
 #if defined(__SANITIZE_ADDRESS__)
-// The probe is there to crash: signals have to end it, not the sanitizer's own exit code.
+// Crashes of the probe must end it by a signal, not by the sanitizer's own exit code.
 extern "C" [[gnu::visibility("default")]] const char* __asan_default_options() {
   return "handle_segv=0:handle_sigbus=0:handle_abort=0";
 }
@@ -38,7 +38,8 @@ void Report(ProbeStage stage, const vesper_error& error) {
 
 void Enter(ProbeStage stage) { Report(stage, vesper::BlankError()); }
 
-/// Ends the probe even if the engine that waits for it is gone, and without a core file.
+/// Limits the probe's run time, in case the engine that waits for it has died, and disables core
+/// files.
 void LimitItself(unsigned timeout_ms) {
   const rlimit none{0, 0};
   setrlimit(RLIMIT_CORE, &none);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How this build lays out the structs of the contract, for bindings to check theirs against.
+// The layout of the contract's structs in this build, so that bindings can check theirs.
 #include <cstddef>
 #include <iterator>
 

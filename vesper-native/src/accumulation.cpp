@@ -14,7 +14,7 @@
 namespace vesper {
 namespace {
 
-// Values summed at a time: totals and shares of a block stay in the first-level cache.
+// Values summed at a time; total and shares of a block must stay in the first-level cache.
 constexpr uint64_t kBlock = 1024;
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sum over laws of what they add to one property.
+// The sum over laws of their additions to one property.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace vesper {
 
-/// Total of an accumulator: where it starts from, then each law's share in order of loading.
+/// Total of an accumulator: its initial value plus the share of each law in load order.
 class Accumulation {
  public:
   Accumulation(const Columns& columns, uint32_t property)
@@ -21,10 +21,11 @@ class Accumulation {
   void AddShare(LoadedLaw& law, vesper_library_id library, MatchedUse& use) {
     shares_.push_back({&law, library, &use});
   }
-  /// Whether the total starts from zero and one law adds to it: then it adds in place.
+  /// Returns true if the total starts from zero and only one law adds to it; the law then adds in
+  /// place.
   bool InPlace() const;
-  /// Writes the total. Throws LAW_MISBEHAVED if it is not finite, naming the law whose share
-  /// made it so, or INVALID_ARGUMENT if what it starts from is not.
+  /// Writes the total. If it is not finite, throws LAW_MISBEHAVED with the law whose share caused
+  /// it, or INVALID_ARGUMENT if the initial value is not finite.
   void Sum(ThreadPool& pool) const;
 
  private:
@@ -35,7 +36,7 @@ class Accumulation {
   };
 
   const std::byte* Initial() const;
-  /// The first value of the block that is not finite, or kNotFound.
+  /// Returns the index of the first value of the block that is not finite, or kNotFound.
   uint64_t SumBlock(uint64_t first, uint64_t count) const;
   [[noreturn]] void Blame(uint64_t value) const;
 

@@ -10,13 +10,13 @@
 
 namespace vesper {
 
-/// Bytes aligned to a cache line. Grows, never shrinks, so that a steady state allocates nothing.
+/// Bytes aligned to a cache line. Grows and never shrinks, so a steady state allocates nothing.
 class AlignedBuffer {
  public:
   static constexpr size_t kAlignment = 64;
 
   AlignedBuffer() = default;
-  /// Leaves `other` empty.
+  /// Moves the buffer and leaves `other` empty.
   AlignedBuffer(AlignedBuffer&& other) noexcept
       : bytes_(std::move(other.bytes_)),
         size_(std::exchange(other.size_, 0)),
@@ -28,7 +28,7 @@ class AlignedBuffer {
     return *this;
   }
 
-  /// Makes room for `size` bytes; their contents are unspecified if the buffer had to grow.
+  /// Makes room for `size` bytes. Their contents are unspecified if the buffer had to grow.
   void Resize(size_t size) {
     if (size > capacity_) {
       const size_t capacity = (size + kAlignment - 1) / kAlignment * kAlignment;

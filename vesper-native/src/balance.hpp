@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Momentum, angular momentum and energy: what is conserved, or who changed it.
+// Momentum, angular momentum and energy, of bodies or of a change to them.
 #pragma once
 
 namespace vesper {
@@ -27,7 +27,7 @@ inline Vector Cross(const Vector& a, const Vector& b) {
 struct Balance {
   Vector momentum;          // [kg*m/s]
   Vector angular_momentum;  // [kg*m^2/s], about the origin
-  double energy = 0;        // [J], kinetic
+  double energy = 0;        // [J], kinetic energy
 
   Balance& operator+=(const Balance& other) {
     momentum += other.momentum;

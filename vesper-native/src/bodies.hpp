@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The columns that say how bodies move, as mechanics reads them: f64, in SI units.
+// The columns of the motion of bodies, converted to f64 in SI units.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace vesper {
 
-/// A column of reals, as SI values.
+/// A column of reals, read as SI values.
 struct SiColumn {
   const std::byte* data = nullptr;
   vesper_scalar_type type = VESPER_F64;
@@ -26,40 +26,40 @@ struct SiColumn {
   }
 };
 
-/// Bodies are the rows of the kind that `mass` belongs to. Properties are known by the names they
-/// have in the standard prototypes.
+/// The bodies: the rows of the kind of `mass`. Properties are found by their names in the standard
+/// prototypes.
 class Bodies {
  public:
-  /// Throws NOT_FOUND if the prototype has no mass, position or velocity, and TYPE_MISMATCH or
-  /// UNIT_MISMATCH if a property of a name that is known here is something else.
+  /// Finds the properties. Throws NOT_FOUND if the prototype has no mass, position or velocity, and
+  /// TYPE_MISMATCH or UNIT_MISMATCH if a property with a known name has another type or unit.
   Bodies(const Prototype& prototype, const Columns& columns);
 
-  /// Takes over the arrays as they are bound, which are fresh. Throws NOT_FOUND if mass, position
-  /// or velocity is not.
+  /// Reads the bound arrays, which must not be stale. Throws NOT_FOUND if mass, position or
+  /// velocity is not bound.
   void Bind();
   uint64_t count() const { return columns_[mass_].arrays.row_count; }
 
-  /// Whether forces move the body; else it hands them on to the ground.
+  /// Returns true if forces move the body; forces on an immovable body go to the ground.
   bool Moves(uint64_t row) const { return masses_.Value(row) != 0; }
-  /// Whether torques turn it.
+  /// Returns true if torques rotate the body.
   bool Turns(uint64_t row) const;
   Vector Position(uint64_t row) const { return positions_.Row(row); }
   Vector Velocity(uint64_t row) const { return velocities_.Row(row); }
-  /// Only where that property is bound.
+  /// Returns the angular velocity; the property must be bound.
   Vector AngularVelocity(uint64_t row) const { return angular_velocities_.Row(row); }
 
-  /// Of all bodies, summed in the order of rows.
+  /// Returns the balance of all bodies, summed in row order.
   Balance Total() const;
 
-  /// `data` stands for rows of the property, in the engine's memory.
+  /// Returns a view of `data`, which holds rows of the property in the engine's memory.
   SiColumn View(uint32_t property, const void* data) const;
 
-  /// Properties of the prototype; those after velocity may be kNone.
+  /// Indices of properties in the prototype; those after velocity may be kNone.
   uint32_t velocity() const { return velocity_; }
   uint32_t angular_velocity() const { return angular_velocity_; }
   uint32_t force() const { return force_; }
   uint32_t torque() const { return torque_; }
-  /// Whether Total depends on the property.
+  /// Returns true if Total depends on the property.
   bool Count(uint32_t property) const;
 
  private:
@@ -67,9 +67,9 @@ class Bodies {
   uint32_t Require(const char* name, uint32_t components, const vesper_unit& unit) const;
   SiColumn Bound(uint32_t property) const;
   SiColumn RequireBound(uint32_t property) const;
-  /// Angular momentum about the centre of mass, in the world frame.
+  /// Returns the angular momentum about the centre of mass, in the world frame.
   Vector Spin(uint64_t row) const;
-  /// A vector of the body frame in the world frame; with direction -1 the other way.
+  /// Rotates a vector from the body frame to the world frame; direction -1 rotates it back.
   Vector ToWorld(uint64_t row, const Vector& v, double direction) const;
 
   const Prototype& prototype_;
@@ -77,7 +77,7 @@ class Bodies {
   uint32_t mass_, position_, velocity_;
   uint32_t orientation_, angular_velocity_, inertia_, force_, torque_;
   SiColumn masses_, positions_, velocities_;
-  SiColumn orientations_, angular_velocities_, inertias_;  // data null: not bound
+  SiColumn orientations_, angular_velocities_, inertias_;  // null data: not bound
 };
 
 }  // namespace vesper

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine.h, function by function: checks pointers, guards the border, calls the engine.
+// Implementation of engine.h: each function checks pointers, catches exceptions, and calls the
+// engine.
 #include <cinttypes>
 #include <cstring>
 #include <memory>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Passes over columns, by all threads where a column is long enough to be worth waking them.
+// Passes over columns; long columns are processed by all threads.
 #pragma once
 
 #include <algorithm>
@@ -13,20 +13,21 @@
 
 namespace vesper {
 
-/// How a pass is shared: values that a thread takes at once, and by which threads.
+/// Division of a pass: number of values per chunk, and the threads that take part.
 struct Sharing {
   uint64_t grain;
   Helpers helpers;
 };
 
-/// Few values are not worth waking a thread, very few not even worth handing to one that is awake.
+/// Chooses how to share a pass. Few values do not justify waking a thread, and very few do not even
+/// justify the use of a thread that is awake.
 inline Sharing ShareOut(uint64_t values) {
   constexpr uint64_t kVeryFew = 1 << 12, kFew = 1 << 15, kGrain = 1 << 13, kChunks = 8;
   if (values > kFew) return {kGrain, Helpers::kAll};
   return {values > kVeryFew ? values / kChunks + 1 : kVeryFew, Helpers::kAwake};
 }
 
-/// The smallest of what find(begin, end) answers for ranges that cover [0, count).
+/// Returns the smallest result of find(begin, end) over ranges that cover [0, count).
 template <class Find>
 uint64_t FindFirst(ThreadPool& pool, uint64_t count, const Find& find) {
   std::atomic<uint64_t> first = kNotFound;
@@ -41,7 +42,7 @@ uint64_t FindFirst(ThreadPool& pool, uint64_t count, const Find& find) {
   return first.load();
 }
 
-/// As in kernels.hpp.
+/// Parallel versions of the functions in kernels.hpp.
 uint64_t FindNonFinite(ThreadPool& pool, vesper_scalar_type type, const void* values,
                        uint64_t count);
 void Zero(ThreadPool& pool, vesper_scalar_type type, void* values, uint64_t count);

@@ -154,7 +154,7 @@ void Columns::Refresh() {
     if (columns_[i].arrays.indices != nullptr) Expand(i);
     if (spec(i).minimum) CheckMinimum(i);
   }
-  // A reference is also at stake when the kind that it points into shrank.
+  // A reference can also become invalid when its target kind shrinks.
   CheckReferences();
   for (Column& column : columns_) column.stale = false;
   refreshed_ = generation_;
@@ -179,7 +179,8 @@ void Columns::AgreeRowCounts() {
   }
 }
 
-/// What a law writes through one property must not change another behind everybody's back.
+/// Refuses arrays that overlap where one is written: a write through one property must not change
+/// another property.
 void Columns::CheckApart() {
   extents_.clear();
   const auto add = [this](const void* data, uint64_t size, uint32_t property, bool written) {
@@ -196,7 +197,8 @@ void Columns::CheckApart() {
   std::sort(extents_.begin(), extents_.end(), [](const Extent& a, const Extent& b) {
     return a.begin != b.begin ? a.begin < b.begin : a.property < b.property;
   });
-  // Of those before, the one that reaches furthest, and the written one that does.
+  // Among the extents so far: the one with the highest end, and the written one with the highest
+  // end.
   Extent any{}, written{};
   for (const Extent& extent : extents_) {
     const Extent& before = extent.written ? any : written;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The property provider: which array of the client stands for which property.
+// The property provider: the mapping from properties to arrays of the client.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace vesper {
 
-/// The client's arrays as given to add or rebind; borrowed.
+/// The client's arrays as passed to add or rebind; borrowed.
 struct Arrays {
   void* data;
   uint64_t value_count;
@@ -20,26 +20,26 @@ struct Arrays {
   bool operator==(const Arrays&) const = default;
 };
 
-/// One property of the prototype, bound or not.
+/// One property of the prototype, bound or unbound.
 struct Column {
   bool bound = false;
-  bool stale = false;  // to be expanded and range-checked before anybody reads it
+  bool stale = false;  // must be expanded and range-checked before use
   Arrays arrays{};
   uint64_t version = 0;
-  vesper_field field{};  // where the property is one
-  AlignedBuffer dense;   // the rows, where the client shares values through indices
+  vesper_field field{};  // for a FIELD property
+  AlignedBuffer dense;   // expanded rows, if the client shares values through indices
 
-  /// Rows, dense; null if there are none.
+  /// Returns the dense rows; null if there are none.
   std::byte* data() const {
     return arrays.indices != nullptr ? dense.data() : static_cast<std::byte*>(arrays.data);
   }
 };
 
-/// Memory of the client's that stands for a property.
+/// Memory of the client that belongs to a property.
 struct Extent {
   uintptr_t begin, end;
   uint32_t property;
-  bool written;  // by laws, or by the engine
+  bool written;  // by laws or by the engine
 };
 
 /// All columns of an engine, in prototype order. Not thread-safe.
@@ -49,29 +49,31 @@ class Columns {
 
   void Add(uint32_t property, const Arrays& arrays);
   void Rebind(uint32_t property, const Arrays& arrays);
-  /// Binds a field, or another one; it is copied.
+  /// Binds or replaces a field; copies `field`.
   void SetField(uint32_t property, const vesper_field& field);
   void Remove(uint32_t property);
-  /// Throws if these cannot stand for the property, whatever else is bound.
+  /// Throws if the arrays are invalid for the property, independently of other bound arrays.
   void Check(uint32_t property, const Arrays& arrays) const;
   void CheckField(uint32_t property, const vesper_field& field) const;
-  /// Adds or rebinds arrays that passed Check; row counts are agreed by Refresh.
+  /// Adds or rebinds arrays that passed Check. Refresh compares row counts.
   void Provide(uint32_t property, const Arrays& arrays);
   void Touch(uint32_t property);
 
   const Column& operator[](uint32_t property) const { return columns_[property]; }
   const PropertySpec& spec(uint32_t property) const { return prototype_.properties()[property]; }
   uint32_t size() const { return static_cast<uint32_t>(columns_.size()); }
-  /// Rows of a kind as of the last Refresh; 0 if no property of the kind is bound.
+  /// Returns the number of rows of a kind at the last Refresh; 0 if no property of the kind is
+  /// bound.
   uint64_t row_count(uint32_t kind) const { return row_counts_[kind]; }
-  /// Raised by every change.
+  /// Returns a number that every change raises.
   uint64_t generation() const { return generation_; }
 
-  /// Agrees the row counts, holds arrays that laws may write apart from all others, expands shared
-  /// values, and holds references to their range and values to their minimum, of what changed.
-  /// Throws COUNT_MISMATCH, ACCESS_CONFLICT or INVALID_ARGUMENT that names property and row.
+  /// Checks and updates changed columns: compares row counts, checks that arrays that laws may
+  /// write overlap no other array, expands shared values, and checks references against their range
+  /// and values against their minimum. Throws COUNT_MISMATCH, ACCESS_CONFLICT or INVALID_ARGUMENT
+  /// with property and row.
   void Refresh();
-  /// Range-checks references again, changed or not.
+  /// Range-checks all references, changed or not.
   void CheckReferences();
 
  private:
@@ -86,7 +88,7 @@ class Columns {
   std::vector<uint64_t> row_counts_;  // by kind
   uint64_t generation_ = 1;
   uint64_t refreshed_ = 0;
-  std::vector<Extent> extents_;  // kept for its memory
+  std::vector<Extent> extents_;  // reused to avoid allocations
 };
 
 }  // namespace vesper

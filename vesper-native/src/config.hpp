@@ -9,7 +9,7 @@
 namespace vesper {
 
 struct Config {
-  /// Validates and copies; throws INVALID_ARGUMENT.
+  /// Validates and copies `source`; throws INVALID_ARGUMENT.
   explicit Config(const vesper_engine_config* source);
 
   void Log(uint32_t level, const char* message) const {

@@ -13,7 +13,7 @@
 namespace vesper {
 namespace {
 
-/// A column in the law's unit, and what it was before the law ran; or a field.
+/// A column in the law's unit with its values before the law ran, or a field.
 struct Converted {
   std::unique_ptr<ConvertedField> function;
   vesper_field field{};
@@ -92,7 +92,8 @@ class ConvertingRunner final : public LawRunner {
     const uint64_t count = ValueCount(target);
     const UnitRatio back = ratios_[i].Inverse();
     if (seen_[i].access == VESPER_READ_WRITE) {
-      // A value that the law left alone keeps its bits, whatever rounding there and back does.
+      // A value that the law did not change keeps its bits, whatever the rounding of two
+      // conversions.
       ConvertChanged(target.scalar_type, target.data, seen_[i].data, columns_[i].before.data(),
                      back, count);
     } else {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A law that declares other units than the prototype, of the same dimension.
+// Runner of a law whose units differ from the prototype's in scale.
 #pragma once
 
 #include <memory>
@@ -10,8 +10,9 @@
 
 namespace vesper {
 
-/// Shows `law`, which `inner` drives, columns in its own units. `ratios`, one for each use, take
-/// values of the prototype to the law; a ratio of one leaves the column as it is.
+/// Returns a runner that passes columns in the law's own units to `law`, which `inner` runs.
+/// `ratios`, one for each use, convert from the prototype's unit to the law's; a ratio of one
+/// leaves the column unchanged.
 std::unique_ptr<LawRunner> MakeConvertingRunner(Law& law, std::unique_ptr<LawRunner> inner,
                                                 std::vector<UnitRatio> ratios);
 

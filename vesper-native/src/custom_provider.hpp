@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A property provider of the client's own: arrays are asked for, not registered.
+// A property provider that the client implements: the engine queries it for arrays.
 #pragma once
 
 #include <cstdint>
@@ -14,15 +14,15 @@ namespace vesper {
 
 class CustomProvider {
  public:
-  /// Refuses a further check of a property's arrays by throwing.
+  /// An additional check of a property's arrays; throws to refuse them.
   using Check = std::function<void(uint32_t property, const Arrays& arrays)>;
 
   /// Copies `callbacks`; throws INVALID_ARGUMENT if one is missing.
   CustomProvider(const vesper_provider_callbacks& callbacks, const Prototype& prototype);
 
-  /// Asks for all properties if the provider's version changed since it was asked, and binds the
-  /// answers. Throws what the provider answers, or what is wrong with it; then nothing is bound
-  /// anew, and the next call asks again.
+  /// Queries all properties if the provider's version has changed, and binds the answers. Throws
+  /// the provider's failure, or the error in its answer; then nothing is bound, and the next call
+  /// queries again.
   void Refresh(Columns& columns, const Check& check);
 
  private:

@@ -54,7 +54,7 @@ void DeferredWrites::After(const ScheduledLaw& law) {
     if (!Defers(*matched.use)) {
       Written(property);
     } else if (law.law->targets[i].data != columns_[property].data()) {
-      law.law->runner->Synchronize(i);  // a share of a sum that the engine is about to make
+      law.law->runner->Synchronize(i);  // a share of a sum that the engine is about to compute
     } else {
       State& state = properties_[property];
       state.holder = law;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Arrays that are stale, because a law keeps the newest values in memory of its own.
+// Tracking of stale arrays, whose newest values are in a law's own memory.
 #pragma once
 
 #include <cstdint>
@@ -10,54 +10,55 @@
 
 namespace vesper {
 
-/// A property is held by the law that was the last to write it through a DEFERRED use, until
-/// `synchronize` of that law has written the array, or until the client says that the array counts,
-/// by touch or rebind.
+/// Tracks arrays that are stale because a law deferred its writes. A law holds a property if it was
+/// the last to write it through a DEFERRED use. The hold ends when `synchronize` of that law has
+/// written the array, or when the client declares the array valid by touch or rebind.
 ///
-/// A library whose laws use a property DEFERRED has a copy of it, taken from the array at a
-/// version. Whenever somebody else wrote the array, the version that such uses see is raised, never
-/// while the property is held: so a new version means that the array counts, and the same one that
-/// the copy does. Not thread-safe.
+/// A library with DEFERRED uses of a property has a copy, made from the array at a version. Any
+/// write to the array by another party raises the version that such uses see, but never while the
+/// property is held. Therefore a new version means that the array is valid, and an unchanged
+/// version means that the copy is valid. Not thread-safe.
 class DeferredWrites {
  public:
   explicit DeferredWrites(Columns& columns) : columns_(columns), properties_(columns.size()) {}
 
-  /// Takes over which laws there are. Holders among them go on holding.
+  /// Updates the set of laws. Holders that remain keep their holds.
   void Plan(const std::vector<ScheduledLaw>& laws);
-  /// Whether no law defers anything.
+  /// Returns true if no law defers a write.
   bool none() const { return none_; }
-  /// What a use of the property sees as its version.
+  /// Returns the version that a use of the property sees.
   uint64_t Version(uint32_t property, const vesper_property_use& use) const;
 
-  /// Lets the law see fresh arrays, but for what it takes from its own library.
+  /// Synchronizes the arrays that the law reads, except those that its own library holds.
   void Before(const ScheduledLaw& law, uint32_t stage);
-  /// Takes note of what the law wrote, or deferred.
+  /// Records what the law wrote or deferred.
   void After(const ScheduledLaw& law);
-  /// Somebody wrote the whole array, or it was held by nobody.
+  /// Records that the whole array was written, or that no law held it.
   void Written(uint32_t property);
 
-  /// Makes the array fresh. Throws what is wrong, laid at the door of the law that holds it.
+  /// Writes the array if it is held. On failure throws with the law that holds it as the cause.
   void Synchronize(uint32_t property, uint32_t stage = 0);
   void SynchronizeAll(uint32_t stage = 0);
   void SynchronizeHeldBy(const LawLibrary& library);
-  /// From here on the arrays count, whatever laws hold.
+  /// Ends all holds: the arrays are valid from now on.
   void TakeArrays();
 
  private:
   struct State {
-    const LawLibrary* user = nullptr;  // whose laws defer their use of it; null for none
+    const LawLibrary* user = nullptr;  // library whose laws defer their use of it; null for none
     bool several_users = false;
     ScheduledLaw holder{};  // no law: the array is fresh
-    uint32_t use = 0;       // place in the holder's uses
-    uint64_t held_at = 0;   // version of the column; another one, and the hold is off
-    uint64_t writes = 0;    // of the array, by anybody but the client
+    uint32_t use = 0;       // index in the holder's uses
+    uint64_t held_at = 0;   // column version at the deferred write; a different version ends the
+                            // hold
+    uint64_t writes = 0;    // number of writes to the array, except those by the client
   };
 
   bool IsHeld(uint32_t property) const;
-  /// Has the law that holds the property write the array.
+  /// Makes the law that holds the property write the array.
   void Fetch(uint32_t property, uint32_t stage);
-  /// The same of what other laws hold of what the law uses: what is wrong in its results may have
-  /// come from there, and then they are to blame.
+  /// Fetches the inputs of `law` that other laws hold. A value that is not finite may have come
+  /// from there; then the holder is the cause.
   void FetchInputs(const ScheduledLaw& law, uint32_t stage);
 
   Columns& columns_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// An open file descriptor that closes itself.
+// An open file descriptor, closed by its destructor.
 #pragma once
 
 #include <unistd.h>
@@ -15,7 +15,7 @@ namespace vesper {
 class Descriptor {
  public:
   Descriptor() = default;
-  /// Takes the result of a system call; throws with `what` and errno if that failed.
+  /// Takes the result of a system call; throws with `what` and errno if the call failed.
   Descriptor(int fd, const char* what) : fd_(fd) {
     if (fd < 0) throw Failure(VESPER_INTERNAL, "%s: %s", what, std::strerror(errno));
   }

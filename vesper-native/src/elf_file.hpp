@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tells a complete shared object from anything that would crash the loader.
+// Check that a file is a complete shared object, since an incomplete one could crash the loader.
 #pragma once
 
 #include <cstddef>
@@ -8,8 +8,8 @@
 
 namespace vesper {
 
-/// Throws LIBRARY_LOAD_FAILED unless `file` is a 64-bit ELF shared object for this machine with
-/// every segment and the section table inside it. `source` names the file in messages.
+/// Throws LIBRARY_LOAD_FAILED unless `file` is a 64-bit ELF shared object for this machine that
+/// contains all its segments and its section table. `source` names the file in messages.
 void CheckSharedObject(std::span<const std::byte> file, const std::string& source);
 
 }  // namespace vesper

@@ -39,7 +39,7 @@ void WriteEntry(const vesper::LedgerLine& line, vesper_ledger_entry& out) {
 
 }  // namespace
 
-/// Holds the engine for the length of one call.
+/// Marks the engine as busy during one call.
 class vesper_engine::Turn {
  public:
   explicit Turn(const vesper_engine& engine) : engine_(engine) {
@@ -63,7 +63,7 @@ vesper_engine::vesper_engine(const vesper::Config& config, const vesper_prototyp
 }
 
 vesper_engine::~vesper_engine() {
-  busy_ = true;  // for what laws log on their way out
+  busy_ = true;  // laws may log during destruction
   while (!libraries_.empty()) libraries_.pop_back();
 }
 
@@ -97,7 +97,8 @@ void vesper_engine::RefreshColumns() {
   columns_.Refresh();
 }
 
-/// Index of the property, which is the client's to register, not its provider's to know.
+/// Returns the index of the property. Throws if a client's provider supplies the arrays, because
+/// they cannot be registered then.
 uint32_t vesper_engine::RequireRegistered(const char* name) const {
   const uint32_t property = prototype_.Require(name);
   if (custom_ == nullptr) return property;
@@ -150,7 +151,7 @@ void vesper_engine::SetField(const char* name, const vesper_field& field) {
   columns_.SetField(property, field);
 }
 
-/// The library that brought the field; null if none did.
+/// Returns the library that brought the field; null if none did.
 const vesper::LawLibrary* vesper_engine::FieldOwner(uint32_t property) const {
   for (const auto& library : libraries_) {
     for (const auto& field : library->fields()) {
@@ -399,7 +400,7 @@ void vesper_engine::Bind() {
   RefreshColumns();
   if (config_.validate) columns_.CheckReferences();
   vesper::DeferredWrites& deferred = schedule_.deferred();
-  if (!config_.touches) deferred.TakeArrays();  // the client may have edited any
+  if (!config_.touches) deferred.TakeArrays();  // the client may have edited any array
   if (!schedule_.IsBound()) FaultIfFails([&] { deferred.SynchronizeAll(); });
   schedule_.Bind();
 }
@@ -424,7 +425,7 @@ void vesper_engine::FaultIfFails(Body&& body) {
   } catch (const Failure& failure) {
     Fault(failure.error().library_id);
     throw;
-  } catch (...) {  // out of memory, say: half a step is done, and no library is to blame
+  } catch (...) {  // for example out of memory: half a step is done, and no library caused it
     Fault(VESPER_NO_LIBRARY);
     throw;
   }
@@ -483,7 +484,7 @@ uint64_t vesper_engine::StateHash() {
   return vesper::HashState(clock_.steps, columns_);
 }
 
-/// What there is to save, under names that say all that must agree.
+/// Returns the state to save, under names that contain everything that must match at load.
 vesper::EngineState vesper_engine::State() const {
   vesper::EngineState state{clock_, prototype_.name(), {}};
   for (const auto& library : libraries_) {

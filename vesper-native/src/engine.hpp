@@ -22,12 +22,13 @@ struct vesper_provider {
   vesper_engine& engine;
 };
 
-/// Each member function is one function of engine.h and throws `vesper::Failure` where that
-/// returns a status. Every one but the getters throws BUSY while another one runs.
+/// Implementation of engine.h. Each member function implements one C function and throws
+/// `vesper::Failure` where that function returns a status. Every member except the getters throws
+/// BUSY while another one runs.
 struct vesper_engine {
  public:
   vesper_engine(const vesper::Config& config, const vesper_prototype& prototype);
-  /// Unloads all libraries, the last one first.
+  /// Unloads all libraries in reverse load order.
   ~vesper_engine();
 
   vesper_provider& provider() { return provider_; }
@@ -65,23 +66,25 @@ struct vesper_engine {
 
   std::vector<std::unique_ptr<vesper::LawLibrary>>::const_iterator FindLibrary(
       vesper_library_id id) const;
-  /// Runs `body`, after whose failure arrays are undefined.
+  /// Runs `body`; if it fails, arrays are undefined and the engine is FAULTED.
   template <class Body>
   void FaultIfFails(Body&& body);
-  /// From here on the client restores its arrays, and laws hold nothing that is newer.
+  /// Marks the engine as FAULTED: the client restores its arrays, and deferred values are
+  /// discarded.
   void Fault(vesper_library_id library);
   void RefuseIfFaulted() const;
-  /// By name, or all that are bound if `names` is null.
+  /// Returns the named properties, or all bound ones if `names` is null.
   std::vector<uint32_t> BoundProperties(const char* const* names, uint32_t count) const;
   void MatchFields(const vesper_law_library& table, vesper::LawLibrary& added) const;
   const vesper::LawLibrary* FieldOwner(uint32_t property) const;
   void RefuseFieldOfLibrary(uint32_t property) const;
   const vesper::LoadedLaw& FindLaw(vesper_library_id id, uint32_t index) const;
-  /// Takes over which laws there are.
+  /// Updates all parts that depend on the set of laws.
   void Plan();
-  /// Hands the present columns to all laws. Throws FAULTED if what they hold is undefined.
+  /// Passes the current columns to all laws. Throws FAULTED if SCRATCH or deferred values are
+  /// undefined.
   void Bind();
-  /// The same, with nothing deferred left over, and all laws up to date with the arrays.
+  /// Binds as Bind does, then synchronizes all deferred arrays and binds the laws to the result.
   void BindFresh();
   void MatchLaws(const vesper_law_library& table, vesper::LawLibrary& added);
   void CheckConflicts(const vesper::LawLibrary& added) const;
@@ -97,7 +100,7 @@ struct vesper_engine {
   vesper::Columns columns_{prototype_};
   std::unique_ptr<vesper::CustomProvider> custom_;  // null: arrays are registered
   vesper::ThreadPool pool_;
-  std::vector<std::unique_ptr<vesper::LawLibrary>> libraries_;  // in order of loading
+  std::vector<std::unique_ptr<vesper::LawLibrary>> libraries_;  // in load order
   vesper::Schedule schedule_{columns_, pool_};
   std::unique_ptr<vesper::Ledger> ledger_;  // null: switched off
   vesper_provider provider_{*this};

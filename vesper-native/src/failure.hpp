@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a failed operation travels inside the engine: as an exception up to the C border, where
-// `Guarded` turns it into a status and fills the caller's `vesper_error`.
+// The exception for failed operations inside the engine. At the C boundary, `Guarded` converts it
+// to a status and fills the caller's `vesper_error`.
 #pragma once
 
 #include <exception>
@@ -11,7 +11,7 @@
 
 namespace vesper {
 
-/// A status with everything a `vesper_error` says. The message is one line, cut to fit.
+/// A status with all fields of a `vesper_error`. The message is one line, truncated to fit.
 class Failure {
  public:
   [[gnu::format(printf, 3, 4)]] Failure(vesper_status status, const char* format, ...);
@@ -22,7 +22,7 @@ class Failure {
   Failure& Stage(uint32_t stage) { return error_.stage = stage, *this; }
   Failure& Row(uint64_t row) { return error_.row = row, *this; }
   Failure& Property(std::string_view name);
-  /// Puts `context` and ": " in front of the message.
+  /// Prefixes the message with `context` and ": ".
   Failure& Within(std::string_view context);
 
   vesper_status status() const { return error_.status; }
@@ -32,16 +32,16 @@ class Failure {
   vesper_error error_;
 };
 
-/// An error that says nothing yet, for laws to fill.
+/// Returns an error with no content, for laws to fill.
 vesper_error BlankError();
 
-/// Makes every control character of a message that came from outside harmless, and ends it.
+/// Replaces control characters in a message from foreign code, and terminates it.
 void Sanitize(vesper_error& error);
 
-/// Name of a status, e.g. "NOT_FOUND"; static.
+/// Returns the name of a status, e.g. "NOT_FOUND"; static.
 const char* StatusName(vesper_status status);
 
-/// Runs `body` at the C border: no exception leaves, `error` is written on failure only.
+/// Runs `body` at the C boundary: no exception leaves, and `error` is written on failure only.
 template <class Body>
 vesper_status Guarded(vesper_error* error, Body&& body) noexcept {
   const auto report = [error](const Failure& failure) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Functions of position, where they need more than being handed on.
+// Conversion of fields, which are functions of position.
 #pragma once
 
 #include "kernels.hpp"
@@ -7,7 +7,8 @@
 
 namespace vesper {
 
-/// A field whose values are shown in another unit. Stays in place while `field()` is in use.
+/// A field with its values converted to another unit. It must keep its address while `field()` is
+/// in use.
 class ConvertedField {
  public:
   ConvertedField(const vesper_field& source, UnitRatio ratio, uint32_t components)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Floating-point modes around code that is not ours.
+// Floating-point modes for calls of foreign code.
 #pragma once
 
 #include <cfenv>
@@ -10,8 +10,9 @@
 
 namespace vesper {
 
-/// Default modes (round to nearest, no traps, no flushing) while it lives, the caller's after: so
-/// laws get the same bits from any host, and no law can change the arithmetic of its host.
+/// Sets the default floating-point modes (round to nearest, no traps, no flushing) and restores the
+/// caller's modes at destruction. Laws therefore get the same bits in every host, and cannot change
+/// the arithmetic of the host.
 class FloatingPointGuard {
  public:
   FloatingPointGuard(const FloatingPointGuard&) = delete;

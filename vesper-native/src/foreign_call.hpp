@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The border to code of law libraries.
+// Calls of functions of law libraries.
 #pragma once
 
 #include <exception>
@@ -10,7 +10,7 @@
 
 namespace vesper {
 
-/// LAW_FAILED with what the library said about a status it returned.
+/// Returns LAW_FAILED with the message that the library gave for its status.
 inline Failure ForeignFailure(const std::string& who, vesper_status status, vesper_error error) {
   if (error.message[0] == '\0') {
     return Failure(VESPER_LAW_FAILED, "%s: returned status %d (%s)", who.c_str(), status,
@@ -22,7 +22,7 @@ inline Failure ForeignFailure(const std::string& who, vesper_status status, vesp
 }
 
 /// Runs `call(vesper_error*)` under default floating-point modes. Throws LAW_FAILED, naming `who`,
-/// if it returns anything but VESPER_OK or lets an exception out.
+/// if the call returns another status than VESPER_OK or throws.
 template <class Call>
 void CallForeign(const std::string& who, Call&& call) {
   vesper_error error = BlankError();
@@ -38,7 +38,7 @@ void CallForeign(const std::string& who, Call&& call) {
   if (status != VESPER_OK) throw ForeignFailure(who, status, error);
 }
 
-/// The same for calls that cannot fail; what they throw is dropped.
+/// Runs a call that returns no status, likewise; discards its exceptions.
 template <class Call>
 void CallForeignQuietly(Call&& call) noexcept {
   try {

@@ -10,7 +10,7 @@ namespace vesper {
 
 class GuardedCopy {
  public:
-  /// Makes room for `size` bytes and lays fresh canaries around them.
+  /// Makes room for `size` bytes and writes new canaries around them.
   void Resize(size_t size);
 
   std::byte* data() const { return buffer_.data() + kCanary; }

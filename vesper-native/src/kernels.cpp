@@ -6,8 +6,9 @@
 #include <cstddef>
 #include <cstring>
 
-// A second copy for CPUs with AVX2, chosen when the library is loaded. Every value is treated alike
-// and on its own, so both give the same bits. (Sanitizers cannot run code that early.)
+// Compiles a second version for CPUs with AVX2, selected when the library is loaded. Each value is
+// processed independently, so both versions give the same bits. (Sanitizers cannot run code that
+// early.)
 #if defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define VESPER_STREAMING [[gnu::target_clones("avx2", "default")]]
 #else
@@ -17,7 +18,7 @@
 namespace vesper {
 namespace {
 
-// Long enough to vectorise, short enough to stop soon after a hit.
+// Values per block: long enough to vectorise, short enough to stop soon after a hit.
 constexpr uint64_t kBlock = 4096;
 
 template <class Real>
@@ -43,7 +44,8 @@ typename Bits<Real>::Type BitsAt(const void* values, uint64_t index) {
   return bits;
 }
 
-/// Top bit set if the exponent is all ones: adding one to it carries into the sign.
+/// Returns a word whose top bit is set if the exponent is all ones: adding one to such an exponent
+/// carries into the sign.
 template <class Real>
 typename Bits<Real>::Type NonFiniteMark(typename Bits<Real>::Type bits) {
   return (bits & Bits<Real>::kExponent) + Bits<Real>::kOne;

@@ -10,16 +10,17 @@ namespace vesper {
 
 inline constexpr uint64_t kNotFound = UINT64_MAX;
 
-/// Value `index` of reals.
+/// Returns value `index` of an array of reals.
 double ValueAt(vesper_scalar_type type, const void* values, uint64_t index);
 
-/// Index of the first NaN or infinity, or kNotFound. Integer types are always finite.
+/// Returns the index of the first NaN or infinity, or kNotFound. Integer types are always finite.
 uint64_t FindNonFinite(vesper_scalar_type type, const void* values, uint64_t count);
 
-/// sum[i] += addend[i]
+/// Computes sum[i] += addend[i].
 void Add(vesper_scalar_type type, void* sum, const void* addend, uint64_t count);
 
-/// What takes a value from a unit of scale `multiply` to one of scale `divide`.
+/// Factor and divisor that convert a value from a unit of scale `multiply` to one of scale
+/// `divide`.
 struct UnitRatio {
   double multiply = 1;
   double divide = 1;
@@ -27,28 +28,28 @@ struct UnitRatio {
   bool IsOne() const { return multiply == divide; }
   UnitRatio Inverse() const { return {divide, multiply}; }
 };
-/// to[i] = from[i] * multiply / divide, computed in f64. Integers are left alone.
+/// Computes to[i] = from[i] * multiply / divide in f64. Leaves integers unchanged.
 void Convert(vesper_scalar_type type, void* to, const void* from, UnitRatio ratio, uint64_t count);
-/// The same where the bits of from[i] and before[i] differ.
+/// Converts likewise, but only where the bits of from[i] and before[i] differ.
 void ConvertChanged(vesper_scalar_type type, void* to, const void* from, const void* before,
                     UnitRatio ratio, uint64_t count);
 
-/// Fills reals with a quiet NaN of a pattern that no arithmetic makes; leaves integers alone.
+/// Fills reals with a quiet NaN whose pattern no arithmetic produces; leaves integers unchanged.
 void FillUnwritten(vesper_scalar_type type, void* values, uint64_t count);
-/// Whether value `index` still holds that pattern.
+/// Returns true if value `index` still has that pattern.
 bool IsUnwritten(vesper_scalar_type type, const void* values, uint64_t index);
 
-/// Copies, with -0 made +0.
+/// Copies values and replaces -0 by +0.
 void CopyCanonical(vesper_scalar_type type, void* to, const void* from, uint64_t count);
 
-/// Index of the first value that is not below `limit`, or kNotFound.
+/// Returns the index of the first value that is not below `limit`, or kNotFound.
 uint64_t FindOutOfRange(const uint32_t* values, uint64_t count, uint64_t limit);
 
-/// Index of the first value below `minimum`, or kNotFound; NaN is not. Integer types
-/// are left alone.
+/// Returns the index of the first value below `minimum`, or kNotFound. NaN is not below. Integer
+/// types are ignored.
 uint64_t FindBelow(vesper_scalar_type type, const void* values, uint64_t count, double minimum);
 
-/// to[i] = from[indices[i]], rows of `row_size` bytes.
+/// Computes to[i] = from[indices[i]] for rows of `row_size` bytes.
 void Gather(void* to, const void* from, const uint32_t* indices, uint64_t count, uint64_t row_size);
 
 }  // namespace vesper

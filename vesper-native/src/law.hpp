@@ -9,10 +9,11 @@
 
 namespace vesper {
 
-/// Owns the law's private data. Every call into the law goes through here; failures name it.
+/// Owner of a law's private data. Every call into the law passes through this class; failures name
+/// the law.
 class Law {
  public:
-  /// Calls nothing of the law yet. `desc` outlives it.
+  /// Stores `desc`, which must outlive the object; does not call the law yet.
   explicit Law(const vesper_law_desc& desc);
   ~Law();
   Law(const Law&) = delete;
@@ -21,22 +22,22 @@ class Law {
   void Create(const vesper_host& host, vesper_suite* suite, const std::vector<double>& parameters);
   void Bind(const std::vector<vesper_property>& properties);
   void Advance(const vesper_step& step);
-  /// Writes the array of a use that it deferred.
+  /// Makes the law write the array of a use that it deferred.
   void Synchronize(uint32_t use);
-  /// [J], of the arrays it is bound to; only of a law that reports it. Throws LAW_MISBEHAVED if it
-  /// is not finite.
+  /// Returns the potential energy [J] of the bound arrays; only for a law that reports it. Throws
+  /// LAW_MISBEHAVED if it is not finite.
   double PotentialEnergy();
 
   const vesper_law_desc& desc() const { return desc_; }
-  /// Whether a use is DEFERRED, by its place.
+  /// Returns true if the use at this index is DEFERRED.
   bool Defers(size_t use) const { return deferred_[use]; }
-  /// "law hooke_spring", for messages.
+  /// Returns a label for messages, e.g. "law hooke_spring".
   const std::string& label() const { return label_; }
   uint64_t calls() const { return calls_; }
   uint64_t nanoseconds() const { return nanoseconds_; }
 
  private:
-  /// Makes a call whose time is counted.
+  /// Makes a call and adds its time to the law's total.
   template <class Call>
   void Timed(Call&& call);
 

@@ -93,7 +93,7 @@ void LawLibrary::Hold(uint32_t level, const char* line) noexcept {
   try {
     held_log_.append(1, static_cast<char>(level)).append(line).append(1, '\0');
   } catch (...) {
-    held_log_.resize(size);  // without memory for a line the law goes on without it
+    held_log_.resize(size);  // if memory is exhausted, the line is dropped and the law continues
   }
 }
 

@@ -18,43 +18,43 @@
 
 namespace vesper {
 
-/// A use of a law, matched with the prototype.
+/// A use of a law with the matching property of the prototype.
 struct MatchedUse {
   bool IsScratch() const { return use->access == VESPER_SCRATCH; }
 
   uint32_t property;  // kNone: scratch, or optional and not in the prototype
   const vesper_property_use* use;
-  AlignedBuffer share{};  // what the law accumulates, where that is kept apart from the total
-  UnitRatio to_law{};     // from the property's unit to the one that the law declares
+  AlignedBuffer share{};  // the law's accumulated values, where they are separate from the total
+  UnitRatio to_law{};     // from the property's unit to the unit that the law declares
   uint32_t scratch_kind = 0;
   ScratchColumn scratch{};
 };
 
-/// A field of a library, matched with the prototype.
+/// A field of a library with the matching property of the prototype.
 struct LoadedField {
   uint32_t property;
   const vesper_field_desc* desc;
   UnitRatio from_library;                              // to the property's unit
-  std::unique_ptr<ConvertedField> function = nullptr;  // made once the suite is open
+  std::unique_ptr<ConvertedField> function = nullptr;  // created when the suite is open
 };
 
-/// A law with everything the engine keeps for it.
+/// A law with all data that the engine keeps for it.
 struct LoadedLaw {
   LoadedLaw(const vesper_law_desc& desc, uint32_t law_index, std::vector<MatchedUse> matched,
             ThreadPool& pool, bool validate);
 
   bool Writes(uint32_t property) const;
-  /// Whether one of its uses is DEFERRED.
+  /// Returns true if one of its uses is DEFERRED.
   bool Defers() const;
 
   Law law;
-  uint32_t index;  // within its library, in the engine's precision
+  uint32_t index;  // index within its library, in the engine's precision
   std::vector<MatchedUse> uses;
   std::unique_ptr<LawRunner> runner;
-  Targets targets;  // what it is bound to; empty before the first bind
+  Targets targets;  // arrays it is bound to; empty before the first bind
 };
 
-/// Laws, the state they share, and the mapped file, dropped in this order.
+/// Laws, their shared state and the mapped file, destroyed in this order.
 class LawLibrary {
  public:
   LawLibrary(vesper_library_id id, std::string name, const Config& config, ThreadPool& pool);
@@ -62,12 +62,12 @@ class LawLibrary {
   LawLibrary(const LawLibrary&) = delete;
   LawLibrary& operator=(const LawLibrary&) = delete;
 
-  /// Makes the suite and the laws: one list of parameters for each law.
+  /// Creates the suite and the laws, with one list of parameters for each law.
   void Create(const vesper_law_library& table, const std::vector<std::vector<double>>& parameters);
-  /// From here on the mapped file is dropped with the library.
+  /// Takes ownership of `prepared`; the mapped file is closed with the library.
   void Take(vesper_prepared_library* prepared) { prepared_.reset(prepared); }
 
-  /// From now on lines that its laws log are kept, until they are released or dropped.
+  /// Keeps the log lines of its laws from now on, until they are released or dropped.
   void HoldLog() { hold_log_ = true; }
   void ReleaseLog();
   void DropLog();
@@ -96,7 +96,7 @@ class LawLibrary {
   std::vector<std::unique_ptr<LoadedField>> fields_;
   std::vector<std::unique_ptr<LoadedLaw>> laws_;
   bool hold_log_ = false;
-  std::string held_log_;  // lines, each a byte for its level, text, and a zero
+  std::string held_log_;  // lines: one byte for the level, the text, and a zero
 };
 
 }  // namespace vesper

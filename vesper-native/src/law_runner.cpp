@@ -33,7 +33,8 @@ uint64_t FindNonFinite(ThreadPool& pool, const vesper_property& property) {
   return FindNonFinite(pool, property.scalar_type, property.data, ValueCount(property));
 }
 
-/// Whether the values of those rows from `begin` to `end` that there are are finite.
+/// Returns true if the values of the rows in [begin, end) are finite; rows past the last are
+/// ignored.
 bool IsFinite(const vesper_property& property, uint64_t begin, uint64_t end) {
   end = std::min(end, property.row_count);
   if (begin >= end) return true;
@@ -44,14 +45,14 @@ bool IsFinite(const vesper_property& property, uint64_t begin, uint64_t end) {
                                end * property.components - first) == kNotFound;
 }
 
-/// memcpy and memcmp must not see the null of an empty column.
+/// Copies a column; memcpy and memcmp must not receive the null pointer of an empty one.
 void Copy(const vesper_property& to, const vesper_property& from) {
   if (to.row_count > 0) std::memcpy(to.data, from.data, ByteSize(to));
 }
 
 std::string PrintValue(const vesper_property& property, uint64_t index) {
   const double value = ValueAt(property.scalar_type, property.data, index);
-  return std::isnan(value) ? "nan" : std::to_string(value);  // its sign says nothing
+  return std::isnan(value) ? "nan" : std::to_string(value);  // the sign of a NaN has no meaning
 }
 
 Failure Misbehaved(const Law& law, const vesper_property& property, uint64_t row,
@@ -75,13 +76,13 @@ void CheckFinite(const Law& law, ThreadPool& pool, const vesper_property& proper
           : "wrote " + PrintValue(property, bad) + " to component " + std::to_string(component));
 }
 
-/// Whether the law writes the array of a use within `advance`.
+/// Returns true if the law writes the array of the use within `advance`.
 bool IsWritten(const Law& law, const Targets& targets, size_t use) {
   return targets[use].access != VESPER_READ && !law.Defers(use);
 }
 
-/// Throws if a property that the law only reads holds NaN or infinity. No other law put it there:
-/// what laws write is scanned before the next one runs.
+/// Throws if a property that the law only reads contains NaN or infinity. No other law wrote it:
+/// the engine scans the writes of each law before the next law runs.
 void CheckInputs(const Law& law, ThreadPool& pool, const Targets& seen) {
   for (const vesper_property& property : seen) {
     if (property.access != VESPER_READ || IsField(property.scalar_type)) continue;
@@ -96,8 +97,8 @@ void CheckInputs(const Law& law, ThreadPool& pool, const Targets& seen) {
   }
 }
 
-/// Whether all that the law wrote is finite. One pass over the rows of all its columns: whenever
-/// threads begin a pass, they wait for each other.
+/// Returns true if all values that the law wrote are finite. Scans all its columns in one pass,
+/// because threads synchronize at the start of each pass.
 bool WroteFinite(const Law& law, ThreadPool& pool, const Targets& seen) {
   uint64_t rows = 0, values = 0;
   for (size_t i = 0; i < seen.size(); ++i) {
@@ -117,7 +118,8 @@ bool WroteFinite(const Law& law, ThreadPool& pool, const Targets& seen) {
   return finite;
 }
 
-/// What the law wrote must be finite; if it is not, the law's inputs are blamed first.
+/// Throws if a value that the law wrote is not finite. Checks the law's inputs first, since they
+/// may be the cause.
 void CheckWritten(const Law& law, ThreadPool& pool, const Targets& seen) {
   if (WroteFinite(law, pool, seen)) return;
   CheckInputs(law, pool, seen);
@@ -216,8 +218,8 @@ class GuardedRunner final : public LawRunner {
     }
   }
 
-  /// No write outside the arrays, and none to what is declared READ or DEFERRED, but to that of
-  /// `synchronized`.
+  /// Throws if the law wrote outside its arrays, or wrote an array declared READ or DEFERRED other
+  /// than that of use `synchronized`.
   void CheckKeptWord(size_t synchronized = SIZE_MAX) const {
     for (size_t i = 0; i < seen_.size(); ++i) {
       const vesper_property& seen = seen_[i];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How an engine drives a law over its arrays: in place, or on guarded copies.
+// Execution of a law on its arrays: in place, or on guarded copies.
 #pragma once
 
 #include <memory>
@@ -10,30 +10,31 @@
 
 namespace vesper {
 
-/// Arrays of a law's uses in their order, as far as the engine is concerned.
+/// Arrays of a law's uses, in the order of the uses, in the engine's memory layout and units.
 using Targets = std::vector<vesper_property>;
 
 class LawRunner {
  public:
   virtual ~LawRunner() = default;
 
-  /// Lets the law see `targets`, which outlive the next Bind.
+  /// Passes `targets` to the law; they must outlive the next Bind.
   virtual void Bind(const Targets& targets) = 0;
-  /// Zeroes what the law accumulates into, applies the law, and throws LAW_MISBEHAVED if it wrote
-  /// NaN or infinity, or INVALID_ARGUMENT if there was one in what it only reads. What it wrote is
-  /// in the targets after success only, or undefined. A use that the law defers is neither checked
-  /// nor written.
+  /// Zeroes the arrays that the law accumulates into, and applies the law. Throws LAW_MISBEHAVED if
+  /// the law wrote NaN or infinity, or INVALID_ARGUMENT if one of its read-only inputs contains
+  /// one. The targets contain the results after success only; otherwise they are undefined. A use
+  /// that the law defers is neither checked nor written.
   virtual void Advance(const vesper_step& step) = 0;
-  /// Lets the law write the target of a use that it deferred. Throws LAW_MISBEHAVED if that is NaN
-  /// or infinity.
+  /// Makes the law write the target of a use that it deferred. Throws LAW_MISBEHAVED if the values
+  /// contain NaN or infinity.
   virtual void Synchronize(uint32_t use) = 0;
-  /// The law's potential energy [J] in the present state of the targets; only of a law that
-  /// reports it.
+  /// Returns the law's potential energy [J] in the current state of the targets; only for a law
+  /// that reports it.
   virtual double PotentialEnergy() = 0;
 };
 
-/// In place, or, if `validate`, on copies that hold the law to its declaration. Whole columns are
-/// zeroed and checked by the threads of `pool`, which outlives the runner.
+/// Returns a runner that works in place or, if `validate`, on copies, to check the law against its
+/// declarations. The threads of `pool`, which must outlive the runner, zero and check whole
+/// columns.
 std::unique_ptr<LawRunner> MakeRunner(Law& law, ThreadPool& pool, bool validate);
 
 }  // namespace vesper

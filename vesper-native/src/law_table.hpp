@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a law library says about itself: checked, and copied, before anybody relies on it.
+// A checked copy of the tables of a law library.
 #pragma once
 
 #include <string>
@@ -9,16 +9,17 @@
 
 namespace vesper {
 
-/// More laws, uses or parameters than any library has; catches uninitialised counts.
+/// Maximum number of laws, uses or parameters in a library; detects uninitialised counts.
 inline constexpr uint32_t kMaxTableEntries = 256;
 
-/// A library's tables in the structs of this build, whatever minor version it was built for. What
-/// they point to outside (names, functions) remains the library's.
+/// The tables of a library, converted to the structs of this build, whatever minor version the
+/// library was built for. Names and functions remain in the library.
 class LawTable {
  public:
-  /// Throws ABI_MISMATCH, having read nothing but the first two fields, if the major version
-  /// differs, or if the library asks for what only a newer contract has; LIBRARY_LOAD_FAILED if
-  /// the tables break the contract of law.h. `source` names the library in messages.
+  /// Reads the tables. Throws ABI_MISMATCH if the major version differs (then only the first two
+  /// fields were read), or if the library requires features of a newer contract. Throws
+  /// LIBRARY_LOAD_FAILED if the tables violate the contract of law.h. `source` names the library in
+  /// messages.
   LawTable(const vesper_law_library* library, const char* source);
   LawTable(LawTable&&) = default;
   LawTable(const LawTable&) = delete;
@@ -32,7 +33,7 @@ class LawTable {
   vesper_law_library library_{};
   std::vector<vesper_law_desc> laws_;
   std::vector<vesper_field_desc> fields_;
-  std::vector<std::vector<vesper_property_use>> uses_;  // of each law
+  std::vector<std::vector<vesper_property_use>> uses_;  // for each law
   std::vector<std::vector<vesper_parameter_desc>> parameters_;
 };
 

@@ -11,8 +11,8 @@ namespace {
 constexpr size_t kForces = 0;
 constexpr size_t kTorques = 1;
 
-/// How much of a stage's forces the integrator takes into the step; stage 0: of those that the step
-/// before ended with.
+/// Returns the weight of a stage's forces in the integrator's step. Stage 0 stands for the forces
+/// at the end of the previous step.
 double ForceWeight(const vesper_law_desc& integrator, uint32_t stage) {
   if (integrator.force_weights != nullptr) return integrator.force_weights[stage];
   return stage == 0 ? 0 : 1.0 / integrator.stages;
@@ -103,7 +103,7 @@ void Ledger::ForEachGiver(Visit&& visit) {
 }
 
 void Ledger::BeginAdvance() {
-  if (advancing_) ForgetForces();  // the last one failed, somewhere
+  if (advancing_) ForgetForces();  // the last advance failed before its end
   bodies_.Bind();
   for (const auto& account : laws_) {
     account->pending = {};
@@ -128,7 +128,8 @@ double Ledger::PotentialEnergy(const Account& account) {
   }
 }
 
-/// Room for as many bodies as there are. Where their number changed, rows are others than before.
+/// Allocates space for the present number of bodies. If that number changed, rows stand for other
+/// bodies than before.
 void Ledger::Resize() {
   const size_t size = 3 * bodies_.count();
   if (channels_[kForces].begin.size() != size) ForgetForces();
@@ -180,7 +181,7 @@ void Ledger::AfterIntegrators() {
   }
 }
 
-/// Whether the channel's forces have an effect: they are bound, and somebody integrates them.
+/// Returns true if the channel's forces have an effect: they are bound, and a law integrates them.
 bool Ledger::Active(size_t channel) const {
   const Channel& c = channels_[channel];
   return c.integrator != nullptr && columns_[c.sum].bound && columns_[c.rate].bound;
@@ -190,12 +191,12 @@ Vector Ledger::Rate(size_t channel, uint64_t row) const {
   return channel == kForces ? bodies_.Velocity(row) : bodies_.AngularVelocity(row);
 }
 
-/// Whether the body itself takes the impulse; else the ground does.
+/// Returns true if the body takes the impulse; otherwise the ground does.
 bool Ledger::Yields(size_t channel, uint64_t row) const {
   return channel == kForces ? bodies_.Moves(row) : bodies_.Turns(row);
 }
 
-/// What the account added to the sum in this stage; data null if nothing.
+/// Returns what the account added to the sum in this stage; null data if nothing.
 SiColumn Ledger::Share(const Account& account, size_t channel) const {
   const uint32_t sum = channels_[channel].sum;
   if (account.law != nullptr) {
@@ -207,7 +208,7 @@ SiColumn Ledger::Share(const Account& account, size_t channel) const {
   return bodies_.View(applied, columns_[applied].data());
 }
 
-/// Adds one stage's forces to the impulses, and books their moments about the origin.
+/// Adds the forces of one stage to the impulses, and records their moments about the origin.
 void Ledger::Gather(Account& account, size_t channel, uint32_t stage) {
   const SiColumn share = Share(account, channel);
   if (share.data == nullptr) return;
@@ -239,7 +240,7 @@ void Ledger::Gather(Account& account, size_t channel, uint32_t stage) {
   push.has_last = true;
 }
 
-/// Books the impulses of a whole step, and their work at the velocity in its middle.
+/// Records the impulses of a whole step, and their work at the velocity in the middle of the step.
 void Ledger::Settle(Account& account, size_t channel) {
   if (Share(account, channel).data == nullptr) return;
   Balance taken, ground;
@@ -253,8 +254,8 @@ void Ledger::Settle(Account& account, size_t channel) {
   Book(account, channel, taken, ground);
 }
 
-/// What bodies took the integrator has moved, and been credited with; what immovable ones took is
-/// the ground's.
+/// Moves `taken`, which the integrator applied to the bodies, from the integrator's account to this
+/// account, and records the impulses of immovable bodies for the ground.
 void Ledger::Book(Account& account, size_t channel, const Balance& taken, const Balance& ground) {
   account.pending += taken + ground;
   channels_[channel].integrator->pending -= taken;

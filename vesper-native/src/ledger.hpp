@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The ledger: which law changed how much momentum, angular momentum and energy. See docs/ledger.md.
+// The ledger: changes of momentum, angular momentum and energy by each law. See docs/ledger.md.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@
 
 namespace vesper {
 
-/// [J], of what a law's forces derive from.
+/// Potential energies [J] of a law's forces.
 struct PotentialEnergies {
   double initial = 0;
   double present = 0;
@@ -21,76 +21,77 @@ struct PotentialEnergies {
 
 struct LedgerLine {
   Balance balance;
-  std::optional<PotentialEnergies> potential;  // none: it reports none
+  std::optional<PotentialEnergies> potential;  // none: the law reports none
 };
 
-/// Watches the steps of a schedule. What it books within an advance counts from EndAdvance on: an
-/// advance that failed leaves no trace.
+/// Records the contribution of each law during the steps of a schedule. EndAdvance commits the
+/// entries of an advance; a failed advance leaves no entries.
 class Ledger {
  public:
-  /// Opens with nothing booked. Throws as `Bodies` does.
+  /// Creates an empty ledger. Throws as `Bodies` does.
   Ledger(const Prototype& prototype, const Columns& columns);
 
-  /// Takes over which laws there are. What laws that are gone did stays booked as such.
+  /// Updates the set of laws. Entries of unloaded laws are kept in a line of their own.
   void Plan(const std::vector<std::unique_ptr<LawLibrary>>& libraries);
-  /// Columns are fresh and laws bound. Throws NOT_FOUND if a property of bodies is not bound, or
-  /// what a law answers that is asked for its potential energy.
+  /// Starts an advance. Columns must be current and laws bound. Throws NOT_FOUND if a required
+  /// property of bodies is not bound, or the failure of a law when its potential energy is
+  /// computed.
   void BeginAdvance();
   void EndAdvance();
 
   void BeginStep(double dt);
   void AfterLaw(const LoadedLaw& law);
-  /// The laws' shares of this stage are complete.
+  /// Records the forces of a stage, after all laws have added their shares.
   void AfterForces(uint32_t stage);
-  /// Once in a step, after the last stage.
+  /// Records a whole step; called once per step, after the last stage.
   void AfterIntegrators();
 
-  /// Rows stand for other bodies than before.
+  /// Discards the forces of the previous step, because rows now stand for other bodies.
   void ForgetForces();
 
-  /// The line of a law that Plan saw. Columns are fresh and laws bound; throws what a law answers
-  /// that is asked for its potential energy.
+  /// Returns the line of a law known from Plan. Columns must be current and laws bound. Throws the
+  /// failure of a law when its potential energy is computed.
   LedgerLine Law(vesper_library_id library, uint32_t index) const;
-  /// What the client applied, and changed between calls.
+  /// Returns what the client applied, and changed between calls.
   const Balance& client() const { return client_.booked; }
-  /// What immovable bodies took, with its sign turned.
+  /// Returns what immovable bodies absorbed, negated.
   const Balance& ground() const { return ground_.booked; }
-  /// What laws did that are unloaded.
+  /// Returns the sum over unloaded laws.
   const Balance& unloaded() const { return unloaded_; }
-  /// What all bodies had at the end of the last advance more than at the beginning of the first:
-  /// the sum of all lines, measured. Otherwise as Law.
+  /// Returns the measured change of all bodies from the beginning of the first advance to the end
+  /// of the last one, which is the sum of all lines. Requirements and failures are those of Law.
   LedgerLine Total() const;
 
  private:
-  /// Forces or torques of one account, gathered over the stages of a step.
+  /// Forces or torques of one account, collected over the stages of a step.
   struct Push {
-    uint32_t use = kNone;         // of the law, that adds to the sum
+    uint32_t use = kNone;         // index of the law's use that adds to the sum
     std::vector<double> impulse;  // (bodies x 3), force times time
-    std::vector<double> last;     // (bodies x 3), of the last stage of the step before
+    std::vector<double> last;     // (bodies x 3), from the last stage of the previous step
     Vector last_moment, last_ground_moment;
     bool has_last = false;
   };
   struct Account {
     vesper_library_id library = VESPER_NO_LIBRARY;
     uint32_t index = 0;
-    LoadedLaw* law = nullptr;  // null: not a law's
-    bool moves = false;        // it writes what the totals are made of
+    LoadedLaw* law = nullptr;  // null: the account of the client or the ground
+    bool moves = false;        // the law writes properties on which the totals depend
     std::array<Push, 2> pushes;
     Balance booked, pending;
-    std::optional<double> initial_potential;  // [J], when the ledger first saw the law's arrays
+    std::optional<double> initial_potential;  // [J], when the ledger first read the law's arrays
   };
-  /// A sum of forces and the velocity they change; or of torques, and the angular velocity.
+  /// A sum of forces with the velocity that it changes, or of torques with the angular velocity.
   struct Channel {
     uint32_t sum, rate;              // properties, or kNone
-    Account* integrator = nullptr;   // of the law that writes `rate`
-    std::vector<double> begin = {};  // (bodies x 3), `rate` when the step began
+    Account* integrator = nullptr;   // account of the law that writes `rate`
+    std::vector<double> begin = {};  // (bodies x 3), `rate` at the start of the step
   };
 
   std::shared_ptr<Account> Find(vesper_library_id library, uint32_t index) const;
   std::shared_ptr<Account> Open(vesper_library_id library, LoadedLaw& law) const;
   void FindIntegrators();
   static double PotentialEnergy(const Account& account);
-  /// Visits all who may push: the client and the laws.
+  /// Visits all accounts that can exert forces: the client and the laws.
   template <class Visit>
   void ForEachGiver(Visit&& visit);
   void Resize();
@@ -105,15 +106,15 @@ class Ledger {
   const Prototype& prototype_;
   const Columns& columns_;
   Bodies bodies_;
-  std::vector<std::shared_ptr<Account>> laws_;  // in order of loading
+  std::vector<std::shared_ptr<Account>> laws_;  // in load order
   Account client_;
   Account ground_;
   Balance unloaded_;
   std::array<Channel, 2> channels_;
-  Balance total_;          // of all bodies, after the law that ran last
-  Balance booked_total_;   // at the end of the last advance that counted
-  Balance opening_total_;  // at the beginning of the first
-  bool opened_ = false;    // these two are known
+  Balance total_;          // of all bodies, after the most recent law
+  Balance booked_total_;   // at the end of the last committed advance
+  Balance opening_total_;  // at the beginning of the first advance
+  bool opened_ = false;    // the two totals above are set
   bool advancing_ = false;
   double dt_ = 0;  // [s]
 };

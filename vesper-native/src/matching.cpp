@@ -64,7 +64,7 @@ void CheckUse(const vesper_law_desc& law, const vesper_property_use& use, const 
   }
 }
 
-/// Memory of the law's own, for each row of a kind that the prototype knows.
+/// Matches memory of the law's own, with one entry for each row of a kind of the prototype.
 MatchedUse MatchScratch(const vesper_law_desc& law, const vesper_property_use& use,
                         const Prototype& prototype) {
   const uint32_t kind = prototype.FindKind(use.kind);
@@ -79,7 +79,7 @@ MatchedUse MatchScratch(const vesper_law_desc& law, const vesper_property_use& u
           .scratch = ScratchColumn(use.components * ScalarSize(use.scalar_type))};
 }
 
-/// Values that several rows share must not be written through one of them.
+/// Throws if the law would write a value that several rows share.
 void CheckShared(const vesper_law_desc& law, const vesper_property_use& use) {
   if (use.access == VESPER_READ) return;
   throw Failure(VESPER_ACCESS_CONFLICT,
@@ -88,7 +88,7 @@ void CheckShared(const vesper_law_desc& law, const vesper_property_use& use) {
       .Property(use.name);
 }
 
-/// kNone if the use is optional and the prototype knows no such property.
+/// Returns the property, or kNone if the use is optional and the prototype has no such property.
 uint32_t FindProperty(const vesper_law_desc& law, const vesper_property_use& use,
                       const Prototype& prototype) {
   if ((use.flags & VESPER_USE_OPTIONAL) != 0) return prototype.Find(use.name);
@@ -101,7 +101,7 @@ uint32_t FindProperty(const vesper_law_desc& law, const vesper_property_use& use
 }
 
 struct ParameterName {
-  std::string_view law;  // empty: any
+  std::string_view law;  // empty: any law
   std::string_view parameter;
 
   explicit ParameterName(std::string_view name) {
@@ -117,7 +117,7 @@ struct ParameterSlot {
   const vesper_parameter_desc* desc;
 };
 
-/// All parameters of a library that a name may stand for, in the order of the laws.
+/// Lists all parameters of a library that a name may select, in the order of the laws.
 std::vector<ParameterSlot> ListParameters(const std::vector<std::unique_ptr<LoadedLaw>>& laws) {
   std::vector<ParameterSlot> slots;
   for (size_t law = 0; law < laws.size(); ++law) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decides whether a law fits an engine, before any of the law's code runs.
+// Decides whether a law is compatible with an engine, before any code of the law runs.
 #pragma once
 
 #include <memory>
@@ -11,20 +11,20 @@
 
 namespace vesper {
 
-/// Matches each use of `law` with a property; throws NOT_FOUND, TYPE_MISMATCH, UNIT_MISMATCH or
-/// ACCESS_CONFLICT that names the law, the property, what was found and what was expected.
+/// Matches each use of `law` with a property. Throws NOT_FOUND, TYPE_MISMATCH, UNIT_MISMATCH or
+/// ACCESS_CONFLICT with the law, the property, what was found and what was expected.
 std::vector<MatchedUse> MatchUses(const vesper_law_desc& law, const Prototype& prototype,
                                   const Columns& columns);
 
-/// Matches a field of library `library` with a property; throws NOT_FOUND, TYPE_MISMATCH or
+/// Matches a field of library `library` with a property. Throws NOT_FOUND, TYPE_MISMATCH or
 /// UNIT_MISMATCH likewise.
 std::unique_ptr<LoadedField> MatchField(const char* library, const vesper_field_desc& field,
                                         const Prototype& prototype);
 
-/// Throws ACCESS_CONFLICT if the two cannot act in one engine.
+/// Throws ACCESS_CONFLICT if the two laws cannot be loaded into one engine.
 void CheckCompatible(const LoadedLaw& a, const LoadedLaw& b, const Prototype& prototype);
 
-/// Values for the parameters of all `laws` of a library: given ones, else defaults. Throws
+/// Returns values for the parameters of all `laws` of a library: given values, or defaults. Throws
 /// NOT_FOUND for an unknown name, INVALID_ARGUMENT for an ambiguous name or a bad value, and
 /// ALREADY_EXISTS for a name that is given twice.
 std::vector<std::vector<double>> ResolveParameters(

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a mistyped name most likely meant.
+// Suggestion of a known name for a mistyped one.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace vesper {
 
-/// The candidate with the fewest letters to change, or null if none is near.
+/// Returns the candidate with the smallest edit distance, or null if none is near.
 const std::string* NearestName(std::string_view name, const std::vector<std::string>& candidates);
 
 }  // namespace vesper

@@ -8,7 +8,8 @@
 namespace vesper {
 namespace {
 
-/// Reading together is fine, and so is accumulating: each law then has a sum of its own.
+/// Returns true if the uses conflict. Two reads do not; nor do two accumulations, because each law
+/// has a separate sum.
 bool Collide(const MatchedUse& a, const MatchedUse& b) {
   if (a.property == kNone || a.property != b.property) return false;
   return a.use->access != b.use->access || (a.use->access & VESPER_WRITE) != 0;
@@ -83,8 +84,8 @@ void PhaseLaws::RunInWaves(ThreadPool& pool, LawCalls* calls, const vesper_step&
   std::rethrow_exception(failure);
 }
 
-/// After a failure, laws that come later in order of loading are left out; earlier ones may stand
-/// in a later wave, and fail too.
+/// After a failure, runs no law that comes later in load order. Earlier ones may be in a later wave
+/// and fail too.
 void PhaseLaws::RunWave(const std::vector<uint32_t>& wave, ThreadPool& pool, LawCalls* calls,
                         const vesper_step& step) {
   const auto try_for = [&](uint32_t place, auto&& action) {
@@ -104,7 +105,7 @@ void PhaseLaws::RunWave(const std::vector<uint32_t>& wave, ThreadPool& pool, Law
   }
 }
 
-/// Does something for a law, unless it failed or an earlier one did in an earlier wave.
+/// Runs an action for a law, unless this law failed or an earlier law failed in an earlier wave.
 template <class Action>
 void PhaseLaws::Try(uint32_t place, Action&& action) {
   if (place > first_failed_ || failures_[place] != nullptr) return;
@@ -115,7 +116,7 @@ void PhaseLaws::Try(uint32_t place, Action&& action) {
   }
 }
 
-/// Lines of laws that would not have run if one had come after the other are dropped.
+/// Releases the log lines, without those of laws that would not have run in sequential execution.
 void PhaseLaws::ReleaseLogs() {
   for (uint32_t place = 0; place < laws_.size(); ++place) {
     if (place <= first_failed_) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The laws of one phase, in order of loading, and which of them may run at the same time.
+// The laws of one phase in load order, and the choice of those that run concurrently.
 #pragma once
 
 #include <cstdint>
@@ -12,13 +12,12 @@
 
 namespace vesper {
 
-/// A law and the library to blame for it.
+/// A law with the library that failures name.
 struct ScheduledLaw {
   LoadedLaw* law;
   LawLibrary* library;
 
-  /// Runs `body`; what it throws is laid at the door of the law, unless the client's
-  /// input is wrong.
+  /// Runs `body` and attributes its exception to the law, unless the client's input is invalid.
   template <class Body>
   void OnBehalf(uint32_t stage, Body&& body) const {
     try {
@@ -32,37 +31,37 @@ struct ScheduledLaw {
   }
 };
 
-/// What has to be done around calls of laws, on the calling thread, while no law runs.
+/// Actions around the calls of laws, on the calling thread, while no law runs.
 class LawCalls {
  public:
-  /// What it throws fails the law.
+  /// Runs before the law; an exception fails the law.
   virtual void Before(const ScheduledLaw& law, const vesper_step& step) = 0;
-  /// After it did not fail.
+  /// Runs after the law has succeeded.
   virtual void After(const ScheduledLaw& law, const vesper_step& step) = 0;
 
  protected:
   ~LawCalls() = default;
 };
 
-/// Laws collide if one writes what the other reads or writes, or if they are of one library, since
-/// they may share its suite. A wave holds laws that do not collide; a law comes in the first wave
-/// after those of all earlier laws that it collides with. Waves, and not a graph of tasks: laws of
-/// a phase are few and mostly collide with nobody (they accumulate) or with everybody (they
-/// integrate), so that a finer order would gain nothing.
+/// The laws of one phase, in waves. Laws collide if one writes what the other reads or writes, or
+/// if they belong to one library, since they may share its suite. A wave contains laws that do not
+/// collide. A law belongs to the first wave after those of all earlier laws with which it collides.
+/// Waves are sufficient, and a task graph would gain nothing: a phase has few laws, which mostly
+/// collide with no law (they accumulate) or with all laws (they integrate).
 ///
-/// What happens is what happens if laws run one after the other in order of loading, whatever the
-/// number of threads: the same bits, the same failure, the same lines in the log.
+/// The result is that of sequential execution in load order, whatever the number of threads: the
+/// same bits, the same failure, the same lines in the log.
 class PhaseLaws {
  public:
   void Clear();
-  /// The law is the last in order of loading.
+  /// Adds a law, which is the last in load order.
   void Add(const ScheduledLaw& added);
-  /// Lays the waves, after the last Add.
+  /// Computes the waves; called after the last Add.
   void Plan();
-  /// In order of loading.
+  /// Returns the laws in load order.
   const std::vector<ScheduledLaw>& laws() const { return laws_; }
-  /// Runs all laws once. Throws what the first law that fails throws, with library, law and stage.
-  /// `calls` null: nothing has to be done around them. `in_order`: none at the same time.
+  /// Runs all laws once. Throws the failure of the first failing law, with library, law and stage.
+  /// `calls` may be null. `in_order`: runs no laws concurrently.
   void Run(ThreadPool& pool, LawCalls* calls, bool in_order, const vesper_step& step);
 
  private:
@@ -75,9 +74,9 @@ class PhaseLaws {
   void ReleaseLogs();
 
   std::vector<ScheduledLaw> laws_;
-  std::vector<std::vector<uint32_t>> waves_;  // places in laws_; each wave in order of loading
-  std::vector<std::exception_ptr> failures_;  // by place in laws_
-  uint32_t first_failed_ = 0;  // place in laws_ as of the last wave; their number if none failed
+  std::vector<std::vector<uint32_t>> waves_;  // indices into laws_; each wave in load order
+  std::vector<std::exception_ptr> failures_;  // by index in laws_
+  uint32_t first_failed_ = 0;  // index in laws_ as of the last wave; laws_.size() if none failed
 };
 
 }  // namespace vesper

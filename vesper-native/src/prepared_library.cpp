@@ -29,7 +29,7 @@ Failure LoadFailure(const std::string& source, const char* what) {
   return Failure(VESPER_LIBRARY_LOAD_FAILED, "%s: %s", source.c_str(), what);
 }
 
-/// The file that a bare name stands for, in the first folder of the law path that has it.
+/// Returns the file for a bare name, from the first folder of the law path that contains it.
 std::string Search(const std::string& law_path, const std::string& name) {
   if (!IsValidName(name.c_str())) {
     throw Failure(VESPER_INVALID_ARGUMENT,
@@ -46,13 +46,13 @@ std::string Search(const std::string& law_path, const std::string& name) {
   throw Failure(VESPER_NOT_FOUND, "no %s in the law path '%s'", file.c_str(), law_path.c_str());
 }
 
-/// The end of a long path: a message has to have room for what is wrong with the file.
+/// Returns the end of a long path, so that a message has space for the error.
 std::string ShortPath(const std::string& path) {
   constexpr size_t kLength = 80;
   return path.size() <= kLength ? path : "..." + path.substr(path.size() - kLength);
 }
 
-/// Non-blocking, so that a FIFO cannot hold the caller up.
+/// Opens without blocking, so that a FIFO cannot block the caller.
 Descriptor OpenRegularFile(const std::string& path, const std::string& source,
                            struct stat& status) {
   const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
@@ -76,7 +76,7 @@ bool SameVersion(const struct stat& a, const struct stat& b) {
          a.st_mtim.tv_nsec == b.st_mtim.tv_nsec;
 }
 
-/// The whole file, refused if it changes while it is read.
+/// Reads the whole file; refuses a file that changes during the read.
 std::vector<std::byte> ReadStable(const std::string& path, const std::string& source) {
   struct stat before{};
   const Descriptor file = OpenRegularFile(path, source, before);
@@ -114,7 +114,7 @@ void WriteAll(int fd, const std::vector<std::byte>& bytes) {
   }
 }
 
-/// What the loader says, without the private name that it was given.
+/// Returns the loader's message without the private name of the copy.
 std::string LoaderMessage(const std::string& private_path) {
   const char* message = dlerror();
   std::string text = message != nullptr ? message : "unknown loader error";
@@ -154,8 +154,8 @@ MappedLibrary::MappedLibrary(const Config& config, const std::string& library)
 MappedLibrary::~MappedLibrary() {
   const FloatingPointGuard guard;
   dlclose(handle_);
-  // A library that refuses to go keeps its private name too, lest the loader take the next one
-  // of that name for it.
+  // A library that stays mapped keeps its private name, so that the loader does not confuse it with
+  // a later library of that name.
   if (void* kept = dlopen(copy_.path().c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NOLOAD)) {
     dlclose(kept);
     copy_.Abandon();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A law library on its way from a file to an engine.
+// A law library between its file and its engine.
 #pragma once
 
 #include <string>
@@ -11,19 +11,19 @@
 
 namespace vesper {
 
-/// A sealed in-memory copy of a file, named by its content. Nothing of it is in any file system, so
-/// that nothing is left behind and nobody can change it.
+/// A sealed in-memory copy of a file, named by its content. It is in no file system, so no file
+/// remains and no process can change it.
 class SealedCopy {
  public:
-  /// `library` as vesper_library_prepare takes it.
+  /// Copies `library`, given as in vesper_library_prepare.
   SealedCopy(const Config& config, const std::string& library);
 
   int fd() const { return memory_.get(); }
-  /// Under this name the loader finds the copy. No two copies that live share it.
+  /// Returns the path under which the loader finds the copy. No two living copies share a path.
   const std::string& path() const { return path_; }
-  /// The file it was copied from, for messages.
+  /// Returns the file it was copied from, for messages.
   const std::string& source() const { return source_; }
-  /// Leaves the copy to the process, as long as the loader still holds on to its name.
+  /// Keeps the copy open until the process ends, because the loader still uses its name.
   void Abandon() { memory_.Release(); }
 
  private:
@@ -32,7 +32,7 @@ class SealedCopy {
   Descriptor memory_;
 };
 
-/// The copy as the loader has mapped it. Unmaps it when dropped.
+/// The copy as mapped by the loader. Unmaps it at destruction.
 class MappedLibrary {
  public:
   MappedLibrary(const Config& config, const std::string& library);
@@ -40,7 +40,7 @@ class MappedLibrary {
   MappedLibrary(const MappedLibrary&) = delete;
   MappedLibrary& operator=(const MappedLibrary&) = delete;
 
-  /// Asks its entry.
+  /// Calls the library's entry function and returns its tables.
   LawTable Table() const;
 
  private:
@@ -50,7 +50,7 @@ class MappedLibrary {
 
 }  // namespace vesper
 
-/// A library that is probed, mapped and checked, but belongs to no engine yet.
+/// A library that was probed, mapped and checked, but belongs to no engine yet.
 struct vesper_prepared_library {
   vesper_prepared_library(const vesper::Config& config, const std::string& library)
       : mapped_(config, library), table_(mapped_.Table()) {}

@@ -53,12 +53,12 @@ struct Pipe {
   Descriptor write_end;
 };
 
-/// A duplicate above the descriptors that the probe is given, so that giving overwrites none.
+/// Duplicates a descriptor above the probe's descriptor numbers, so that none is overwritten.
 Descriptor DuplicateForProbe(int fd) {
   return Descriptor(fcntl(fd, F_DUPFD_CLOEXEC, kProbeReportFd + 1), "descriptor for the probe");
 }
 
-/// Which descriptors the probe sees, and how it starts: default signals, its own process group.
+/// Descriptors and attributes of the probe process: default signals, its own process group.
 class SpawnSetup {
  public:
   SpawnSetup(int library, int report) {
@@ -91,7 +91,7 @@ class SpawnSetup {
   posix_spawnattr_t attributes_;
 };
 
-/// The loader's own variables and nothing else: the probe is no place for secrets.
+/// Returns only the loader's own variables: the probe must not receive secrets.
 std::vector<char*> LoaderEnvironment() {
   std::vector<char*> variables;
   for (char** variable = environ; variable != nullptr && *variable != nullptr; ++variable) {
@@ -114,7 +114,7 @@ class Probe {
 
   ~Probe() { End(); }
 
-  /// Reads reports until the probe has closed its end (which its death does) or the deadline.
+  /// Reads reports until the probe closes its end (also by its death) or the deadline passes.
   void Listen(Clock::time_point deadline) {
     for (;;) {
       const auto left =
@@ -136,7 +136,7 @@ class Probe {
   bool overran() const { return overran_; }
   const ProbeReport& last() const { return last_; }
 
-  /// Kills what is left of the probe and its children; its wait status, if it can be known.
+  /// Kills the probe and its remaining children; returns its wait status if available.
   std::optional<int> End() {
     if (pid_ < 0) return status_;
     kill(-pid_, SIGKILL);

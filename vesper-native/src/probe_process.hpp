@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Opens a library in a process of its own, because a broken one takes its process down.
+// Opens a library in a separate process, because a broken library crashes its process.
 #pragma once
 
 #include "config.hpp"
@@ -7,8 +7,8 @@
 
 namespace vesper {
 
-/// Returns if the library loads, passes its table check and unloads in a process of its own; else
-/// throws what that process reported, or how it ended, or that it overran its deadline.
+/// Loads the library in a separate process, checks its tables there and unloads it. Returns on
+/// success. Otherwise throws what that process reported, how it ended, or that its deadline passed.
 void ProbeLibrary(const Config& config, const SealedCopy& copy);
 
 }  // namespace vesper

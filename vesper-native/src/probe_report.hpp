@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the probe process tells the engine, one record per stage over a pipe.
+// Reports of the probe process to the engine over a pipe, one record per stage.
 #pragma once
 
 #include <cstdint>
@@ -8,16 +8,17 @@
 
 namespace vesper {
 
-/// Descriptors that the engine opens for the probe.
+/// File descriptors that the engine opens for the probe.
 inline constexpr int kProbeLibraryFd = 3;
 inline constexpr int kProbeReportFd = 4;
 
 enum class ProbeStage : int32_t { kLoading, kCallingEntry, kReadingTable, kUnloading, kDone };
 
-/// Written before each stage, and at the end. Small enough for a pipe to keep whole.
+/// Report of the probe, written before each stage and at the end. Small enough to be written to a
+/// pipe atomically.
 struct ProbeReport {
   ProbeStage stage;
-  vesper_error error;  // status other than OK: the library is refused for this reason
+  vesper_error error;  // a status other than OK: the reason to refuse the library
 };
 
 }  // namespace vesper

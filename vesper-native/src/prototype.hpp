@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The engine's copy of the contract of one use.
+// The engine's copy of the client's prototype.
 #pragma once
 
 #include <cstdint>
@@ -30,7 +30,7 @@ struct PropertySpec {
   bool IsAccumulator() const { return (law_access & VESPER_ACCUMULATE) != 0; }
 };
 
-/// Immutable after construction, which validates everything.
+/// A validated prototype, immutable after construction.
 class Prototype {
  public:
   explicit Prototype(const vesper_prototype& source);
@@ -41,11 +41,11 @@ class Prototype {
   const std::vector<PropertySpec>& properties() const { return properties_; }
   const std::vector<std::string>& kinds() const { return kinds_; }
 
-  /// Index of the property, or kNone.
+  /// Returns the index of the property, or kNone.
   uint32_t Find(std::string_view name) const;
-  /// Index of the kind, or kNone.
+  /// Returns the index of the kind, or kNone.
   uint32_t FindKind(std::string_view name) const;
-  /// Index of the property; throws NOT_FOUND that suggests the nearest name.
+  /// Returns the index of the property. Throws NOT_FOUND with the nearest name as a suggestion.
   uint32_t Require(const char* name) const;
 
  private:

@@ -32,7 +32,7 @@ constexpr Word kAccesses[] = {
     {"accumulate", VESPER_READ | VESPER_ACCUMULATE},
 };
 
-/// One line as it is read, left to right. Columns count bytes, from 1.
+/// Reader of one line, from left to right. Columns count bytes, from 1.
 class Line {
  public:
   Line(std::string_view text, const std::string& source, size_t number)
@@ -47,7 +47,7 @@ class Line {
   void SkipSpaces() {
     while (at_ < text_.size() && (text_[at_] == ' ' || text_[at_] == '\t')) ++at_;
   }
-  /// Nothing is left but a comment.
+  /// Returns true if only a comment is left.
   bool AtEnd() {
     SkipSpaces();
     return at_ == text_.size() || text_[at_] == '#';
@@ -73,7 +73,7 @@ class Line {
     Fail(at_, "found " + Found() + ", expected '" + std::string(token) + "'" + before);
   }
 
-  /// Letters, digits, '_' and '-'; null-terminated by the caller.
+  /// Reads a name: letters, digits, '_' and '-'. The result is not null-terminated.
   std::string_view Name(const char* what) {
     SkipSpaces();
     const size_t begin = at_;
@@ -85,7 +85,7 @@ class Line {
     }
     return text_.substr(begin, name.size());
   }
-  /// "->" ends a name, a '-' within one does not.
+  /// "->" ends a name; a '-' within a name does not.
   bool IsNameCharacter(size_t begin) const {
     const char c = text_[at_];
     if (c == '-') return at_ > begin && text_.substr(at_, 2) != "->";
@@ -279,7 +279,7 @@ class Reader {
     return line.OneOf(types, "a type: real, f32, f64, i32, u32 or field");
   }
 
-  /// What holds for every prototype; a property to blame is found again by its name.
+  /// Checks the rules of all prototypes. On failure it finds the place of the property by its name.
   void Check() const {
     try {
       const Prototype checked(*prototype_);

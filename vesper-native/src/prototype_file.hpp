@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prototypes as data files, so that a property can be added without touching code.
+// Prototypes as data files, so that properties can be added without code.
 #pragma once
 
 #include <memory>
@@ -11,17 +11,18 @@
 
 namespace vesper {
 
-/// A prototype that owns everything it points to.
+/// A prototype that owns all data to which it points.
 struct OwnedPrototype : vesper_prototype {
   std::vector<vesper_property_descriptor> descriptors;
   std::vector<std::unique_ptr<std::string>> strings;
 };
 
-/// Reads the format that docs/properties-and-units.md describes; throws Failure that begins with
-/// `source`:line:column. The result is a valid prototype.
+/// Reads the format that docs/properties-and-units.md describes. Throws a Failure whose message
+/// begins with `source`:line:column. The result is a valid prototype.
 std::unique_ptr<OwnedPrototype> ParsePrototype(std::string_view text, const std::string& source);
 
-/// The same from a file; NOT_FOUND if it cannot be read, INVALID_ARGUMENT if it is too large.
+/// Reads a prototype from a file. Throws NOT_FOUND if the file cannot be read, INVALID_ARGUMENT if
+/// it is too large.
 std::unique_ptr<OwnedPrototype> LoadPrototype(const std::string& path);
 
 }  // namespace vesper

@@ -20,7 +20,7 @@ struct Header {
   char magic[8];
   uint32_t version;
   uint32_t scratch_count;
-  uint64_t size;  // of everything, the checksum at the end included
+  uint64_t size;  // of the whole state, including the checksum at the end
   StepClock clock;
 };
 
@@ -166,7 +166,7 @@ StepClock LoadState(std::span<const std::byte> saved, const EngineState& state) 
   for (uint32_t i = 0; i < header.scratch_count; ++i) {
     columns.push_back(ReadScratch(reader, state));
   }
-  if (!reader.AtEnd()) throw Damaged("it goes on after its end");
+  if (!reader.AtEnd()) throw Damaged("it has bytes after its end");
   CheckComplete(columns, state);
   for (const SavedScratch& column : columns) {
     column.column->Resize(column.row_count);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What lives in an engine and nowhere else, as bytes: the steps done and their time, and what
-// laws remember.
+// Serialisation of state that only the engine holds: step count, time, and SCRATCH of laws.
 #pragma once
 
 #include <cstddef>
@@ -14,8 +13,8 @@
 
 namespace vesper {
 
-/// One law's scratch, and the words that say which: "hooke_spring/hooke_spring 1.0.0/sum: f64 x 1
-/// per body". Only scratch of the same name holds the same.
+/// The scratch of one law and its description, e.g. "hooke_spring/hooke_spring 1.0.0/sum: f64 x 1
+/// per body". Scratch can be restored only to scratch with the same description.
 struct NamedScratch {
   std::string name;
   ScratchColumn* column;
@@ -27,13 +26,13 @@ struct EngineState {
   std::vector<NamedScratch> scratch;
 };
 
-/// A header with a version, the state, and a checksum over both. Numbers are as this machine has
-/// them.
+/// Returns a header with a version, the state, and a checksum over both. Numbers are in the format
+/// of this machine.
 std::vector<std::byte> SaveState(const EngineState& state);
 
-/// Fills the columns of `state` with what was saved under their names, and returns the clock.
-/// Throws INVALID_ARGUMENT if `saved` is no saved state or a damaged one, ACCESS_CONFLICT if it is
-/// that of another prototype or of other laws; then nothing is changed.
+/// Fills the columns of `state` with the values saved under their names, and returns the clock.
+/// Throws INVALID_ARGUMENT if `saved` is not a saved state or is damaged, ACCESS_CONFLICT if it
+/// belongs to another prototype or to other laws. On failure nothing changes.
 StepClock LoadState(std::span<const std::byte> saved, const EngineState& state);
 
 }  // namespace vesper

@@ -119,7 +119,7 @@ vesper_property Schedule::Target(const LoadedLaw& law, MatchedUse& matched) {
   return target;
 }
 
-/// The memory itself; `target` says already what it is.
+/// Returns scratch memory for `target`, whose shape is already set.
 vesper_property Schedule::ScratchTarget(MatchedUse& matched, vesper_property target) const {
   matched.scratch.Resize(columns_.row_count(matched.scratch_kind));
   target.data = matched.scratch.data();
@@ -169,7 +169,7 @@ void Schedule::Before(const ScheduledLaw& law, const vesper_step& step) {
 void Schedule::After(const ScheduledLaw& law, const vesper_step& step) {
   law.OnBehalf(step.stage, [&] { deferred_.After(law); });
   if (ledger_ == nullptr) return;
-  deferred_.SynchronizeAll(step.stage);  // it reads arrays
+  deferred_.SynchronizeAll(step.stage);  // the ledger reads arrays
   ledger_->AfterLaw(*law.law);
 }
 

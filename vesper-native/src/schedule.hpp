@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which law runs when, on which arrays: one step of the simulation.
+// One step of the simulation: order of the laws, and the arrays of each.
 #pragma once
 
 #include <array>
@@ -22,26 +22,27 @@ class Schedule final : private LawCalls {
   Schedule(Columns& columns, ThreadPool& pool)
       : columns_(columns), deferred_(columns), pool_(pool) {}
 
-  /// Takes over which laws there are. Their order in time is phase, then order of loading; see
-  /// PhaseLaws for those that run at the same time.
+  /// Updates the set of laws. They run in order of phase, then load order; see PhaseLaws for
+  /// concurrent laws.
   void Plan(const std::vector<std::unique_ptr<LawLibrary>>& libraries);
-  /// Lets every law see its arrays again at the next Bind, changed or not.
+  /// Makes the next Bind pass all arrays to all laws again, changed or not.
   void Forget();
-  /// Hands the present columns to all laws whose arrays changed. Throws NOT_FOUND if one is
-  /// missing, or what a law answers. Columns are fresh.
+  /// Passes the current columns to all laws whose arrays changed. Throws NOT_FOUND if one is
+  /// missing, or the failure of a law. Columns must be current.
   void Bind();
-  /// Lets the laws that defer see what was written since their last call. Columns are fresh.
+  /// Passes arrays that were written since the last call to the laws that defer. Columns must be
+  /// current.
   void BindDeferring();
-  /// Whether Bind has anything to do.
+  /// Returns true if Bind has no work.
   bool IsBound() const { return bound_generation_ == columns_.generation(); }
-  /// Arrays that laws left stale.
+  /// Returns the arrays that laws left stale.
   DeferredWrites& deferred() { return deferred_; }
-  /// Who watches the steps from now on; null: nobody.
+  /// Sets the ledger that records the steps; null: none.
   void SetLedger(Ledger* ledger) { ledger_ = ledger; }
-  /// Remembers what laws keep in SCRATCH, and takes it back.
+  /// Stores the SCRATCH values of all laws; RestoreScratch restores them.
   void KeepScratch();
   void RestoreScratch();
-  /// Runs all laws once around. Throws what is wrong, with library, law and stage.
+  /// Runs all laws for one step. Throws the failure of a law, with library, law and stage.
   void RunStep(double dt, const StepClock& clock);
 
  private:
@@ -64,7 +65,7 @@ class Schedule final : private LawCalls {
   uint32_t stage_count_ = 1;
   std::vector<Accumulation> accumulations_;  // one for each accumulator of the prototype
   Ledger* ledger_ = nullptr;
-  Targets targets_;  // of the law being bound; kept for its memory
+  Targets targets_;  // of the law being bound; reused to avoid allocations
   uint64_t bound_generation_ = 0;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the engine remembers for one law, row by row: a use with access SCRATCH.
+// Memory that the engine keeps for one law, row by row: a use with access SCRATCH.
 #pragma once
 
 #include <cstdint>
@@ -8,18 +8,20 @@
 
 namespace vesper {
 
-/// Rows of `row_size` bytes, zero until the law writes them.
+/// Scratch memory of a law: rows of `row_size` bytes, zero until the law writes them.
 class ScratchColumn {
  public:
   explicit ScratchColumn(size_t row_size = 0) : row_size_(row_size) {}
 
-  /// Rows that stay keep their values, new ones are zero. May move the memory.
+  /// Changes the number of rows. Remaining rows keep their values, new ones are zero. May move the
+  /// memory.
   void Resize(uint64_t row_count);
-  /// Row `from` becomes row `to` <= `from`, and is itself as new. Rows beyond the end are as new.
+  /// Moves row `from` to row `to` <= `from`, and zeroes row `from`. Rows beyond the end count as
+  /// zero.
   void MoveRow(uint64_t from, uint64_t to);
-  /// Remembers all values, in memory that Resize made ready.
+  /// Stores all values, in memory that Resize allocated.
   void Keep();
-  /// Takes the values back that were kept, in place.
+  /// Restores the stored values in place.
   void Restore();
 
   std::byte* data() const { return values_.data(); }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The prototypes that ship with the engine. Same tables, two precisions.
+// The prototypes of the engine: the same tables in two precisions.
 #include <cstring>
 #include <iterator>
 
@@ -29,7 +29,7 @@ constexpr vesper_property_descriptor Describe(vesper_scalar_type type, uint32_t 
           0};
 }
 
-/// What laws read, and what has no meaning below 0.
+/// Returns a descriptor of a property that laws read and whose values cannot be below 0.
 constexpr vesper_property_descriptor NotNegative(vesper_scalar_type type, uint32_t components,
                                                  const char* kind, const char* name,
                                                  vesper_unit unit, const char* doc) {

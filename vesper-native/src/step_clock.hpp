@@ -6,13 +6,13 @@
 
 namespace vesper {
 
-/// Counts steps, and the time that they took together [time unit of the prototype]. While `dt`
-/// stays the same, time is computed by one multiplication, so that it does not drift.
+/// Counter of steps and of their total time [time unit of the prototype]. While `dt` is constant,
+/// the time is computed by one multiplication, so it does not drift.
 struct StepClock {
   uint64_t steps = 0;
-  uint64_t steps_of_dt = 0;  // of them, done with the present dt
+  uint64_t steps_of_dt = 0;  // number of steps with the current dt
   double dt = 0;
-  double start_of_dt = 0;  // time when the present dt came into force
+  double start_of_dt = 0;  // time at the first step with the current dt
 
   double time() const { return start_of_dt + static_cast<double>(steps_of_dt) * dt; }
 

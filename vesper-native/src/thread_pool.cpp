@@ -27,11 +27,12 @@ using Clock = std::chrono::steady_clock;
 
 constexpr uint64_t kMinGrain = 1024;
 constexpr uint64_t kMaxChunks = 256;
-constexpr uint32_t kMaxThreads = 256;  // of one process, at least what a config may ask for
+constexpr uint32_t kMaxThreads = 256;  // maximum threads of a process; at least the maximum of a
+                                       // config
 
 uint64_t ChooseGrain(uint64_t count) { return std::max(kMinGrain, count / kMaxChunks + 1); }
 
-/// Tells the processor that this thread waits.
+/// Signals the processor that this thread is in a spin loop.
 inline void Pause() {
 #if defined(__x86_64__)
   _mm_pause();
@@ -40,7 +41,7 @@ inline void Pause() {
 #endif
 }
 
-/// Waiting for another thread: at first ready to go on at once, then giving way to others.
+/// A wait for another thread: spins at first, then yields.
 class Wait {
  public:
   void Moment() {
@@ -57,10 +58,10 @@ class Wait {
   Clock::time_point ready_until_ = Clock::now() + kReady;
 };
 
-/** A loop, its chunks dealt out in shares, one for each thread. A thread gets about the same part
- *  of the rows in every loop, so that they stay in its processor's caches. Moving rows to another
- *  processor costs about what short loops compute: only who has waited takes from a share that its
- *  thread has begun. */
+/** A loop whose chunks are divided into shares, one for each thread. A thread gets about the
+ *  same rows in every loop, so that they stay in its processor's caches. Moving rows to another
+ *  processor costs about as much as a short loop computes. Therefore a thread takes chunks from
+ *  a share that its owner has begun only after a wait. */
 class Loop {
  public:
   Loop(uint64_t count, uint64_t grain, RangeBody body, void* user, uint32_t threads)
@@ -78,7 +79,7 @@ class Loop {
 
   uint32_t shares() const { return shares_in_use_; }
 
-  /// Does the chunks that nobody took yet, of its own share first.
+  /// Runs the chunks that no thread has taken yet, starting with the thread's own share.
   void Work(uint32_t own) {
     ComesAfter(&begin_);
     const FloatingPointGuard guard;
@@ -96,7 +97,7 @@ class Loop {
  private:
   static constexpr std::chrono::microseconds kPatience{30};
 
-  /// Left without a value where there are fewer of them.
+  /// Elements have no initial value, because a loop may use fewer of them.
   class alignas(64) Share {
    public:
     void Fill(uint64_t begin, uint64_t end) {
@@ -125,33 +126,34 @@ class Loop {
   RangeBody body_;
   void* user_;
   uint32_t shares_in_use_;
-  char begin_ = 0, end_ = 0;  // two points in time, for the thread sanitizer
+  char begin_ = 0, end_ = 0;  // tags for the thread sanitizer
   std::array<Share, kMaxThreads> shares_;
 };
 
-/** Where a helper looks for the next loop, and is given it. Whoever runs loops, one thread at a
+/** The place where a helper thread waits for its next loop. The thread that runs loops, one at a
  *  time, offers and withdraws them. */
 class alignas(64) Seat {
  public:
-  /// Gives the loop to the helper, and returns true, if one is here.
+  /// Offers the loop to the helper; returns true if the helper is here.
   bool Offer(Loop& loop) {
     loop_ = &loop;
     return Change(State::kFree, State::kOffered);
   }
-  /// Leaves the loop, after Offer returned false, for a helper that is called now.
+  /// Stores the loop, after Offer returned false, for a helper that is started now.
   void Leave(Loop& loop) {
     loop_ = &loop;
     state_ = State::kOffered;
   }
-  /// Returns when nobody works on the loop any more; if nobody began, nobody will.
+  /// Returns when no helper works on the loop; if none has begun, none will.
   void Withdraw() {
     if (Change(State::kOffered, State::kFree)) return;
     for (Wait wait; Is(State::kTaken);) wait.Moment();
   }
-  /// Sends the helper away, and one that is on its way; not between Offer and Withdraw.
+  /// Dismisses the helper, or one that is starting. Must not be called between Offer and Withdraw.
   void Dismiss() { state_ = State::kAway; }
 
-  /// The helper's part: does this share of loops, and after each looks so long for the next one.
+  /// Runs the helper: works on this share of each offered loop, and waits up to `look` for the next
+  /// one.
   void Help(uint32_t share, Clock::duration look) {
     auto until = Clock::now() + look;
     for (; !Is(State::kAway); Pause()) {
@@ -160,7 +162,7 @@ class alignas(64) Seat {
         state_ = State::kFree;
         until = Clock::now() + look;
       } else if (Clock::now() >= until) {
-        // If it is taken, then by one who came after this one had been dismissed.
+        // If the state is kTaken, another helper took the loop after this one had been dismissed.
         if (Change(State::kFree, State::kAway) || Is(State::kTaken)) return;
       }
     }
@@ -173,17 +175,18 @@ class alignas(64) Seat {
   bool Change(State from, State to) { return state_.compare_exchange_strong(from, to); }
 
   std::atomic<State> state_ = State::kAway;
-  Loop* loop_ = nullptr;  // written while nobody can take it
+  Loop* loop_ = nullptr;  // written only while no helper can take it
 };
 
 }  // namespace
 
-/** TBB's threads, which come when called and look a while for the next loop before they go: so a
- *  step's short loops find them awake. */
+/** Helper threads of TBB. After a loop they wait a short time for the next one, so the short
+ *  loops of a step find them awake. */
 class ThreadPool::Team {
  public:
   explicit Team(uint32_t threads) : seats_(threads), arena_(static_cast<int>(threads)) {
-    // TBB would quietly stop at the number of cores, or at what the first arena asked for.
+    // By default TBB limits its threads to the number of cores, or to the request of the first
+    // arena.
     static const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                            kMaxThreads);
     if (threads <= std::thread::hardware_concurrency()) look_ = kLook;
@@ -193,7 +196,7 @@ class ThreadPool::Team {
     arena_.execute([this] { called_.wait(); });
   }
 
-  /// False if ForEach runs, in whose bodies this is.
+  /// Runs the loop. Returns false if it is called from a body of ForEach.
   bool Run(Loop& loop, Helpers helpers) {
     if (busy_.test_and_set(std::memory_order_acquire)) return false;
     for (uint32_t share = 1; share < loop.shares(); ++share) {
@@ -205,11 +208,10 @@ class ThreadPool::Team {
     return true;
   }
 
-  /// A loop in a body of ForEach: for threads that have nothing else to do.
+  /// Runs a loop from a body of ForEach, on threads that are idle.
   void RunBesideOthers(Loop& loop) {
     arena_.execute([&] {
-      // While it waits for its last rows, a law must not be kept under another law that its thread
-      // took up meanwhile.
+      // While a law waits for its last rows, its thread must not start another law and delay it.
       tbb::this_task_arena::isolate([&] {
         tbb::parallel_for(
             uint32_t{0}, loop.shares(), [&](uint32_t share) { loop.Work(share); },
@@ -219,10 +221,10 @@ class ThreadPool::Team {
   }
 
   void RunEach(uint64_t count, void (*body)(void* user, uint64_t i), void* user) {
-    // Busy already: with a loop of a law's own thread, whose seats are not touched.
+    // If busy, a law's own thread is running a loop, whose seats stay unchanged.
     const bool alone = !busy_.test_and_set(std::memory_order_acquire);
     if (alone) Dismiss();
-    char begin = 0, end = 0;  // two points in time, for the thread sanitizer
+    char begin = 0, end = 0;  // tags for the thread sanitizer
     ComesBefore(&begin);
     const auto run = [&](uint64_t i) {
       ComesAfter(&begin);
@@ -230,7 +232,7 @@ class ThreadPool::Team {
       body(user, i);
       ComesBefore(&end);
     };
-    arena_.execute([&] {  // a task for each
+    arena_.execute([&] {  // one task for each
       tbb::parallel_for(uint64_t{0}, count, run, tbb::simple_partitioner());
     });
     ComesAfter(&end);
@@ -238,8 +240,8 @@ class ThreadPool::Team {
   }
 
  private:
-  /// How long a thread looks for the next loop: longer than it takes from one to the next in a step
-  /// of a small world, and no longer than the system takes to put it to sleep and to wake it.
+  /// How long a thread waits for the next loop: longer than the gap between two loops in a step of
+  /// a small world, but not longer than the time to put a thread to sleep and wake it.
   static constexpr std::chrono::microseconds kLook{50};
 
   void Call(uint32_t share, Loop& loop) {
@@ -249,7 +251,7 @@ class ThreadPool::Team {
       arena_.enqueue(called_.defer([this, share, &seat] { seat.Help(share, look_); }));
     } catch (const std::bad_alloc&) {
       seat.Withdraw();
-      seat.Dismiss();  // the others do its share
+      seat.Dismiss();  // the other threads do its share
     }
   }
 
@@ -257,9 +259,9 @@ class ThreadPool::Team {
     for (Seat& seat : seats_) seat.Dismiss();
   }
 
-  std::vector<Seat> seats_;  // of each share; the first belongs to the caller, who needs none
+  std::vector<Seat> seats_;  // one for each share; the caller does not use the first
   std::atomic_flag busy_;
-  Clock::duration look_{};  // none if there are more threads than processors
+  Clock::duration look_{};  // zero if there are more threads than processors
   tbb::task_arena arena_;
   tbb::task_group called_;
 };

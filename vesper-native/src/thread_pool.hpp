@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The threads that laws run on, and share through their host.
+// The threads of the laws, which their host also uses for `parallel_for`.
 #pragma once
 
 #include <cstdint>
@@ -11,23 +11,24 @@ namespace vesper {
 /// A body of `parallel_for`, as in law.h.
 using RangeBody = void (*)(void* user, uint64_t begin, uint64_t end);
 
-/// Which threads a loop is for. Waking one that sleeps takes some 10 us.
+/// The threads for a loop. Waking a thread that sleeps takes about 10 us.
 enum class Helpers { kAll, kAwake };
 
 class ThreadPool {
  public:
-  /// `threads` counts the caller's.
+  /// Creates a pool; `threads` includes the caller's thread.
   explicit ThreadPool(uint32_t threads);
   ~ThreadPool();
 
   uint32_t threads() const { return threads_; }
 
-  /// Calls `body` for chunks of `grain` that cover [0, count), whose borders depend on nothing
-  /// else. `grain` 0: chosen from `count` alone. Returns when all are done. From bodies of ForEach,
-  /// or from one thread at a time; not from another loop's body.
+  /// Calls `body` for chunks of `grain` elements that cover [0, count) and returns when all are
+  /// done. The chunks depend on `count` and `grain` only; if `grain` is 0, it is chosen from
+  /// `count`. Call it from bodies of ForEach, or from one thread at a time; not from another loop's
+  /// body.
   void ParallelFor(uint64_t count, uint64_t grain, RangeBody body, void* user,
                    Helpers helpers = Helpers::kAll);
-  /// The same with body(begin, end).
+  /// Calls body(begin, end) in the same way.
   template <class Body>
   void ParallelFor(uint64_t count, uint64_t grain, Body&& body, Helpers helpers = Helpers::kAll) {
     const auto call = [](void* user, uint64_t begin, uint64_t end) {
@@ -36,8 +37,8 @@ class ThreadPool {
     ParallelFor(count, grain, call, &body, helpers);
   }
 
-  /// Calls body(i) for every i below `count`, perhaps at the same time, and returns when all are
-  /// done. Meant for few and large bodies, which may call ParallelFor themselves.
+  /// Calls body(i) for every i below `count`, possibly concurrently, and returns when all are done.
+  /// Intended for few and large bodies, which may call ParallelFor.
   template <class Body>
   void ForEach(uint64_t count, Body& body) {
     RunEach(count, [](void* user, uint64_t i) { (*static_cast<Body*>(user))(i); }, &body);
@@ -49,7 +50,7 @@ class ThreadPool {
   void RunEach(uint64_t count, void (*body)(void* user, uint64_t i), void* user);
 
   uint32_t threads_;
-  std::unique_ptr<Team> team_;  // null with one thread
+  std::unique_ptr<Team> team_;  // null for one thread
 };
 
 }  // namespace vesper

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the thread sanitizer has to be told, because it does not see into TBB: Debian's library is
-// not built for it. The one file that uses TBB is therefore compiled without the sanitizer, and
-// says here what order TBB gives: so everything outside TBB, laws included, is still checked.
+// Annotations for the thread sanitizer, which does not see the synchronization inside TBB, because
+// Debian's library is not built for it. Therefore the only file that uses TBB is compiled without
+// the sanitizer and declares here the order that TBB guarantees. All code outside TBB, including
+// laws, is still checked.
 #pragma once
 
 #if defined(VESPER_THREAD_SANITIZER)
@@ -10,7 +11,8 @@
 
 namespace vesper {
 
-/// What this thread did so far comes before what another does after `ComesAfter(point)`.
+/// Declares that earlier actions of this thread happen before later actions of a thread that calls
+/// `ComesAfter(point)`.
 inline void ComesBefore([[maybe_unused]] void* point) {
 #if defined(VESPER_THREAD_SANITIZER)
   __tsan_release(point);

@@ -20,7 +20,7 @@ constexpr size_t kMaxText = 255;
 constexpr int kMaxDepth = 16;
 constexpr int kMaxExponent = 127;
 
-/// A unit in the making. The scale is a fraction so that exact ones stay exact: g/ms is kg/s.
+/// An intermediate result. The scale is a fraction, so that exact scales stay exact: g/ms is kg/s.
 struct Quantity {
   std::array<int, 7> exponent{};
   double numerator = 1;
@@ -33,47 +33,12 @@ struct NamedUnit {
   Quantity quantity;
 };
 
-constexpr Quantity Si(int m, int kg, int s, int a = 0, int k = 0, int mol = 0, int cd = 0) {
-  return {{m, kg, s, a, k, mol, cd}, 1, 1};
-}
+constexpr bool k_yes = true;
+constexpr bool k_no = false;
 
-constexpr Quantity Scaled(Quantity quantity, double numerator, double denominator = 1) {
-  return {quantity.exponent, numerator, denominator};
-}
-
+// From units/units.csv, which the world store also reads.
 constexpr NamedUnit kUnits[] = {
-    {"m", true, Si(1, 0, 0)},
-    {"g", true, Scaled(Si(0, 1, 0), 1, 1000)},
-    {"s", true, Si(0, 0, 1)},
-    {"A", true, Si(0, 0, 0, 1)},
-    {"K", true, Si(0, 0, 0, 0, 1)},
-    {"mol", true, Si(0, 0, 0, 0, 0, 1)},
-    {"cd", true, Si(0, 0, 0, 0, 0, 0, 1)},
-    {"rad", true, Si(0, 0, 0)},
-    {"sr", false, Si(0, 0, 0)},
-    {"deg", false, Scaled(Si(0, 0, 0), std::numbers::pi, 180)},
-    {"Hz", true, Si(0, 0, -1)},
-    {"N", true, Si(1, 1, -2)},
-    {"Pa", true, Si(-1, 1, -2)},
-    {"J", true, Si(2, 1, -2)},
-    {"W", true, Si(2, 1, -3)},
-    {"C", true, Si(0, 0, 1, 1)},
-    {"V", true, Si(2, 1, -3, -1)},
-    {"F", true, Si(-2, -1, 4, 2)},
-    {"Ohm", true, Si(2, 1, -3, -2)},
-    {"S", true, Si(-2, -1, 3, 2)},
-    {"Wb", true, Si(2, 1, -2, -1)},
-    {"T", true, Si(0, 1, -2, -1)},
-    {"H", true, Si(2, 1, -2, -2)},
-    {"lm", true, Si(0, 0, 0, 0, 0, 0, 1)},
-    {"lx", true, Si(-2, 0, 0, 0, 0, 0, 1)},
-    {"min", false, Scaled(Si(0, 0, 1), 60)},
-    {"h", false, Scaled(Si(0, 0, 1), 3600)},
-    {"d", false, Scaled(Si(0, 0, 1), 86400)},
-    {"L", true, Scaled(Si(3, 0, 0), 1, 1000)},
-    {"t", false, Scaled(Si(0, 1, 0), 1000)},
-    {"bar", true, Scaled(Si(-1, 1, -2), 1e5)},
-    {"eV", true, Scaled(Si(2, 1, -2), 1.602176634e-19)},
+#include "units.inc"
 };
 
 struct Prefix {
@@ -83,12 +48,22 @@ struct Prefix {
 };
 
 constexpr Prefix kPrefixes[] = {
-    {"f", 1, 1e15}, {"p", 1, 1e12}, {"n", 1, 1e9},  {"u", 1, 1e6}, {"m", 1, 1e3},
-    {"c", 1, 100},  {"d", 1, 10},   {"h", 100, 1},  {"k", 1e3, 1}, {"M", 1e6, 1},
-    {"G", 1e9, 1},  {"T", 1e12, 1}, {"P", 1e15, 1},
+#include "prefixes.inc"
 };
 
-bool IsLetter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
+/// Multiplication signs, longest first.
+constexpr std::string_view kTimes[] = {"\u22c5", "\u00b7", "*"};
+
+/// Superscript digits; the index is the digit.
+constexpr std::string_view kRaised[] = {"\u2070", "\u00b9", "\u00b2", "\u00b3", "\u2074",
+                                        "\u2075", "\u2076", "\u2077", "\u2078", "\u2079"};
+constexpr std::string_view kRaisedMinus = "\u207b";
+
+bool IsAscii(char c) { return (static_cast<unsigned char>(c) & 0x80) == 0; }
+/// Returns true for a character of a symbol: a letter, a percent sign, or a byte beyond ASCII.
+bool IsSymbolic(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '%' || !IsAscii(c);
+}
 bool IsDigit(char c) { return c >= '0' && c <= '9'; }
 
 const NamedUnit* FindUnit(std::string_view symbol) {
@@ -99,7 +74,7 @@ const NamedUnit* FindUnit(std::string_view symbol) {
 }
 
 /// Recursive descent over
-///   product = power { ("*" | "/") power };  power = atom [ "^" integer ];
+///   product = power { ("*" | "·" | "/") power };  power = atom [ "^" integer | raised digits ];
 ///   atom = symbol | number | "(" product ")"
 class Parser {
  public:
@@ -125,27 +100,79 @@ class Parser {
     return at_ < text_.size() ? text_[at_] : '\0';
   }
   std::string Found() const {
-    return at_ < text_.size() ? std::string("found '") + text_[at_] + "'" : "found the end";
+    if (at_ >= text_.size()) return "found the end";
+    size_t end = at_ + 1;
+    while (end < text_.size() && !IsAscii(text_[at_]) && (text_[end] & 0xc0) == 0x80) ++end;
+    return "found '" + std::string(text_.substr(at_, end - at_)) + "'";
+  }
+  bool IsNext(std::string_view token) const { return text_.substr(at_).starts_with(token); }
+  bool Take(std::string_view token) {
+    if (!IsNext(token)) return false;
+    at_ += token.size();
+    return true;
+  }
+  bool TakeTimes() {
+    return std::any_of(std::begin(kTimes), std::end(kTimes), [&](auto sign) { return Take(sign); });
   }
 
   Quantity Product(int depth) {
     Quantity product = Power(depth);
-    for (char c = Peek(); c == '*' || c == '/'; c = Peek()) {
-      const size_t begin = at_++;
-      Multiply(product, Power(depth), c == '*' ? 1 : -1, begin);
+    while (true) {
+      SkipSpaces();
+      const size_t begin = at_;
+      const bool times = TakeTimes();
+      if (!times && !Take("/")) return product;
+      if (!times && ends_with_exponent_ && IsDigit(Peek())) {
+        Fail(
+            at_,
+            "the number behind an exponent is ambiguous; exponents are whole, and a half of m^2 is "
+            "(m^2)/2");
+      }
+      Multiply(product, Power(depth), times ? 1 : -1, begin);
     }
-    return product;
   }
 
   Quantity Power(int depth) {
     Quantity base = Atom(depth);
-    if (Peek() != '^') return base;
-    ++at_;
     SkipSpaces();
-    const size_t begin = at_;
+    size_t begin = at_;
+    int exponent = 0;
+    ends_with_exponent_ = Take("^");
+    if (ends_with_exponent_) {
+      SkipSpaces();
+      begin = at_;
+      exponent = Exponent();
+    } else if (!TakeRaised(exponent)) {
+      return base;
+    }
     Quantity power;
-    Multiply(power, base, Exponent(), begin);
+    Multiply(power, base, exponent, begin);
     return power;
+  }
+
+  bool IsRaisedNext() const {
+    return IsNext(kRaisedMinus) || std::any_of(std::begin(kRaised), std::end(kRaised),
+                                               [&](auto digit) { return IsNext(digit); });
+  }
+
+  bool TakeRaised(int& exponent) {
+    if (!IsRaisedNext()) return false;
+    const size_t begin = at_;
+    const int sign = Take(kRaisedMinus) ? -1 : 1;
+    if (!IsRaisedNext() || IsNext(kRaisedMinus)) {
+      Fail(at_, Found() + ", expected a raised digit");
+    }
+    while (IsRaisedNext() && !IsNext(kRaisedMinus)) {
+      for (int digit = 0; digit < 10; ++digit) {
+        if (Take(kRaised[digit])) {
+          exponent = 10 * exponent + digit;
+          break;
+        }
+      }
+      if (exponent > kMaxExponent) Fail(begin, "the exponent is not between -127 and 127");
+    }
+    exponent *= sign;
+    return true;
   }
 
   int Exponent() {
@@ -165,9 +192,11 @@ class Parser {
     const char c = Peek();
     if (c == '(') return Parenthesis(depth);
     if (IsDigit(c)) return Number();
-    if (IsLetter(c)) return Symbol();
+    if (IsSymbolic(c) && !IsOperatorNext()) return Symbol();
     Fail(at_, Found() + ", expected a unit such as m, a number or '('");
   }
+
+  bool IsOperatorNext() const { return IsNext(kTimes[0]) || IsNext(kTimes[1]) || IsRaisedNext(); }
 
   Quantity Parenthesis(int depth) {
     if (depth == kMaxDepth) Fail(at_, "parentheses are nested too deep");
@@ -175,6 +204,7 @@ class Parser {
     const Quantity inner = Product(depth + 1);
     if (Peek() != ')') Fail(at_, Found() + ", expected '*', '/', '^' or ')'");
     ++at_;
+    ends_with_exponent_ = false;
     return inner;
   }
 
@@ -188,12 +218,12 @@ class Parser {
 
   Quantity Symbol() {
     const size_t begin = at_;
-    while (at_ < text_.size() && IsLetter(text_[at_])) ++at_;
+    while (at_ < text_.size() && IsSymbolic(text_[at_]) && !IsOperatorNext()) ++at_;
     const std::string_view symbol = text_.substr(begin, at_ - begin);
     if (const NamedUnit* unit = FindUnit(symbol)) return unit->quantity;
     for (const Prefix& prefix : kPrefixes) {
-      if (symbol[0] != prefix.symbol[0]) continue;
-      const NamedUnit* unit = FindUnit(symbol.substr(1));
+      if (!symbol.starts_with(prefix.symbol)) continue;
+      const NamedUnit* unit = FindUnit(symbol.substr(std::strlen(prefix.symbol)));
       if (unit == nullptr || !unit->takes_prefix) continue;
       return {unit->quantity.exponent, unit->quantity.numerator * prefix.numerator,
               unit->quantity.denominator * prefix.denominator};
@@ -204,13 +234,12 @@ class Parser {
   static std::string Suggestion(std::string_view symbol) {
     std::vector<std::string> symbols;
     for (const NamedUnit& unit : kUnits) symbols.emplace_back(unit.symbol);
-    symbols.emplace_back("kg");
     const std::string* nearest = NearestName(symbol, symbols);
     if (nearest == nullptr) return ", expected SI units such as m, kg, s, N, with prefixes";
     return "; did you mean '" + *nearest + "'?";
   }
 
-  /// product *= factor^power
+  /// Computes product *= factor^power.
   static void Multiply(Quantity& product, const Quantity& factor, int power, size_t offset) {
     for (size_t i = 0; i < product.exponent.size(); ++i) {
       product.exponent[i] += factor.exponent[i] * power;
@@ -229,6 +258,8 @@ class Parser {
 
   std::string_view text_;
   size_t at_ = 0;
+  /// The last power was written with ^, and nothing follows it.
+  bool ends_with_exponent_ = false;
 };
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Units as people write them: "N/m", "kg*m^2/s^2", "km/h".
+// Parser of units such as "N/m", "kg*m^2/s^2", "km/h".
 #pragma once
 
 #include <cstddef>
@@ -10,17 +10,17 @@
 
 namespace vesper {
 
-/// The unit that `text` stands for; throws INVALID_ARGUMENT that names text, column, what was
-/// found and what was expected. The grammar is that of `vesper_unit_parse`.
+/// Parses `text`. Throws INVALID_ARGUMENT with text, column, what was found and what was expected.
+/// The grammar is that of `vesper_unit_parse`.
 vesper_unit ParseUnit(std::string_view text);
 
-/// Where a text that ParseUnit refuses goes wrong, for callers that know line and file.
+/// Position and message of a parse error, for callers that know line and file.
 struct UnitError {
-  size_t offset;        // into the text, in bytes
-  std::string message;  // what was found, what was expected
+  size_t offset;        // offset in the text, in bytes
+  std::string message;  // what was found and what was expected
 };
 
-/// The same; throws UnitError.
+/// Parses `text`; throws UnitError.
 vesper_unit ParseUnitOrThrowWhere(std::string_view text);
 
 }  // namespace vesper

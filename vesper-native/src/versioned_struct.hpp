@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Structs that begin with `struct_size` and may be of another minor version of the contract, older
-// or newer: fields are only appended, and one that is missing is zero.
+// Conversion of structs that begin with `struct_size` between minor versions of the contract.
+// Fields are only appended, and a missing field counts as zero.
 #pragma once
 
 #include <algorithm>
@@ -15,8 +15,8 @@
 
 namespace vesper {
 
-/// What the struct measured in the first contract that had it: nobody hands over less. These
-/// numbers never change.
+/// Size of the struct [bytes] in the first contract that contained it, and so the minimum size.
+/// These numbers never change.
 template <class T>
 inline constexpr uint32_t kFirstSize = 0;
 template <>
@@ -48,10 +48,10 @@ inline constexpr uint32_t kFirstSize<vesper_law_info> = 88;
 template <>
 inline constexpr uint32_t kFirstSize<vesper_ledger_entry> = 80;
 
-/// A larger size than any future struct will have; catches uninitialised ones.
+/// Maximum size [bytes] of any future struct; detects uninitialised sizes.
 inline constexpr uint32_t kMaxStructSize = 4096;
 
-/// Refuses a size that no version of the struct can have.
+/// Throws if no version of the struct can have this size.
 template <class T>
 void CheckStructSize(uint32_t size, const char* what) {
   static_assert(kFirstSize<T> > 0, "say above what the struct measured when it was new");
@@ -62,8 +62,8 @@ void CheckStructSize(uint32_t size, const char* what) {
   }
 }
 
-/// The struct as this build knows it. Throws INVALID_ARGUMENT for an impossible size, and
-/// ABI_MISMATCH if a newer contract's field that this build cannot serve is not zero.
+/// Returns the struct in the layout of this build. Throws INVALID_ARGUMENT for an impossible size,
+/// and ABI_MISMATCH if a field of a newer contract that this build does not support is not zero.
 template <class T>
 T ReadStruct(const T& source, const char* what) {
   const uint32_t size = source.struct_size;
@@ -83,7 +83,7 @@ T ReadStruct(const T& source, const char* what) {
   return known;
 }
 
-/// An array of them, whose elements are as far apart as the first one's `struct_size` says.
+/// Returns an array of them; the stride of the source is the `struct_size` of its first element.
 template <class T>
 std::vector<T> ReadStructs(const T* first, uint32_t count, const char* what) {
   std::vector<T> known;
@@ -103,7 +103,7 @@ std::vector<T> ReadStructs(const T* first, uint32_t count, const char* what) {
   return known;
 }
 
-/// Fills the caller's struct as far as its contract goes; what this build does not know is zero.
+/// Fills the caller's struct up to the size of its contract; fields unknown to this build are zero.
 template <class T>
 void WriteStruct(T& out, const T& value, const char* what) {
   const uint32_t size = out.struct_size;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How the forces of several laws become one sum.
+// Tests the sum of the forces of several laws.
 #include <algorithm>
 #include <limits>
 
@@ -58,7 +58,7 @@ TEST_P(AccumulationTest, SumStartsFromTheAppliedForce) {
 }
 
 TEST_P(AccumulationTest, SharesAreRoundedOnTheirOwnAndSummedInOrderOfLoading) {
-  // Each push adds twice; into the running sum 1e16 both halves of 1 would vanish.
+  // Each push adds twice; added to a running sum of 1e16, both halves of 1 would be lost.
   Bodies bodies(1);
   bodies.applied = {1e16, 0, 0};
   TestEngine engine(Options());
@@ -97,7 +97,7 @@ TEST_P(AccumulationTest, AppliedForceMustBeFinite) {
   EXPECT_EQ(error.row, 2u);
 }
 
-// So many rows that threads share them.
+// Enough rows that several threads share them.
 TEST_P(AccumulationTest, TheFirstRowThatIsNotFiniteIsNamedWhateverTheNumberOfThreads) {
   for (const uint32_t threads : {1u, 2u, 8u}) {
     for (const bool applied : {true, false}) {

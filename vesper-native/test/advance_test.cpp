@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a step is: order of laws, stages, accumulators, time.
+// Tests a step: order of laws, stages, accumulators, time.
 #include <cmath>
 
 #include "test_kit.hpp"
@@ -10,7 +10,7 @@ namespace {
 class AdvanceTest : public BothModes {};
 IN_BOTH_MODES(AdvanceTest);
 
-// Powers of two, so that the closed forms below are exact.
+// Power of two, so that the closed forms below are exact.
 constexpr double kDt = 1.0 / 64;
 
 TEST_P(AdvanceTest, ConstantForceMatchesDiscreteClosedForm) {
@@ -70,7 +70,7 @@ TEST_P(AdvanceTest, LawsRunByPhaseThenByOrderOfLoading) {
   engine.Load("trace_integrate");
   engine.Load("trace_force");
   EXPECT_OK(engine.Advance(kDt, 1));
-  // Integrator before the first stage (5), then force (1) and integrator (6, 7) of two stages,
+  // The integrator before the first stage (5), then force (1) and integrator (6, 7) in two stages,
   // constraint (2), observer (3).
   EXPECT_EQ(bodies.orientation[0], 5161723);
 }
@@ -195,7 +195,7 @@ TEST_P(AdvanceTest, FailedStepsTakeNoTime) {
 }
 
 TEST_P(AdvanceTest, CallsFromInsideAStepAreRefused) {
-  // A log receiver is the one place from which a client could call back into its engine.
+  // The log callback is the only place from which a client could call its engine recursively.
   struct Probe {
     vesper_engine* engine = nullptr;
     std::vector<vesper_status> seen;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Memory that moves from one owner to another.
+// Tests moves of an aligned buffer between owners.
 #include "aligned_buffer.hpp"
 
 #include <gtest/gtest.h>

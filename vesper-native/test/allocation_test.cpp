@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The frame path allocates nothing: counted through this program's own operator new, which the
-// engine's library resolves to as well.
+// Tests that the frame path allocates nothing. This program's operator new counts allocations; the
+// engine's library uses it too.
 #include <atomic>
 #include <cstdlib>
 #include <new>
@@ -27,7 +27,7 @@ namespace {
 class AllocationTest : public BothModes {};
 IN_BOTH_MODES(AllocationTest);
 
-/// Of a step, on that many threads, once all is bound.
+/// Expects that a step allocates no memory with this number of threads, after all arrays are bound.
 void ExpectNoAllocations(const EngineOptions& options) {
   Bodies bodies(3000);
   TestEngine engine(options);

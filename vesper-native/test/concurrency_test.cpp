@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Laws that run at the same time, and laws that must not.
+// Tests laws that run concurrently, and laws that must not.
 #include <unistd.h>
 
 #include <array>
@@ -26,14 +26,14 @@ class Pipe {
   std::array<int, 2> ends_{};
 };
 
-constexpr double kLong = 20;    // [s] that laws wait for each other where they must meet
-constexpr double kShort = 0.1;  // [s] where they must not
+constexpr double kLong = 20;    // [s], maximum wait of laws that must run concurrently
+constexpr double kShort = 0.1;  // [s], maximum wait of laws that must not
 
 class ConcurrencyTest : public BothModes {
  protected:
   TestEngine MakeEngine(uint32_t threads) { return TestEngine({GetParam(), threads}); }
 
-  /// What comes of a step with the first laws of two libraries that wait for each other.
+  /// Returns the error of a step in which the first laws of two libraries wait for each other.
   vesper_error Meet(const char* library, const char* other, double patience) {
     Bodies bodies(3);
     TestEngine engine = MakeEngine(2);
@@ -99,8 +99,8 @@ TEST_P(ConcurrencyTest, LawSeesWhatEarlierLawsWroteAndNotWhatLaterOnesWrite) {
   }
 }
 
-/// Loads velocity -> spin after position -> velocity, so that it runs in a later wave than the last
-/// law, which nobody stands in the way of.
+/// Loads velocity -> spin after position -> velocity. It runs in a later wave than the last law,
+/// which collides with no law.
 struct Relays {
   Relays(TestEngine& engine, bool spin_fails, bool acceleration_fails) {
     engine.AddBodies(bodies);
@@ -123,7 +123,7 @@ TEST_P(ConcurrencyTest, OfSeveralLawsThatFailTheFirstLoadedIsReported) {
     EXPECT_EQ(error.library_id, 2u) << threads;
     EXPECT_EQ(engine.log(), (std::vector<std::string>{"relay_velocity: ran", "relay_spin: ran"}))
         << threads;
-    // A failure that was not reported is not reported later.
+    // A failure that was not reported at once is never reported.
     EXPECT_OK(engine.Unload(2));
     EXPECT_OK(engine.Unload(3));
     EXPECT_OK(engine.Advance(0.1, 1));
@@ -172,21 +172,22 @@ TEST_P(ConcurrencyTest, NumberOfThreadsChangesNoBitOfManyLaws) {
   for (const uint32_t threads : {2u, 3u, 8u}) EXPECT_EQ(hash_on(threads), expected) << threads;
 }
 
-/// Threads of this process that do not sleep, the calling one left out.
+/// Returns the number of threads of this process that do not sleep, without the calling one.
 size_t BusyThreads() {
   size_t busy = 0;
   for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
     if (task.path().filename() == std::to_string(gettid())) continue;
     std::ifstream file(task.path() / "stat");
     const std::string stat(std::istreambuf_iterator<char>(file), {});
-    const size_t name_end = stat.rfind(')');  // then a space and the state; empty: it has ended
+    const size_t name_end = stat.rfind(')');  // followed by a space and the state; empty if the
+                                              // thread has ended
     busy += name_end != std::string::npos && stat[name_end + 2] != 'S';
   }
   return busy;
 }
 
 TEST(IdleTest, ThreadsSleepOnceTheStepsAreDone) {
-  for (const uint32_t threads : {2u, 4u}) {  // those that look for more loops, and perhaps not
+  for (const uint32_t threads : {2u, 4u}) {  // helpers that wait for the next loop, or none
     Bodies bodies(20000);
     TestEngine engine({.threads = threads});
     engine.AddBodies(bodies);

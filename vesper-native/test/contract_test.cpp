@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What bindings and laws rely on without recompiling: symbols, layouts, names, defaults.
+// Tests the binary interface of bindings and laws: symbols, layouts, names, defaults.
 #include <cstdio>
 #include <cstring>
 #include <map>
@@ -85,7 +85,7 @@ TEST(ContractTest, FirstContractIsTheBeginningOfEveryStruct) {
 }
 
 TEST(ContractTest, LayoutTableIsWithoutGaps) {
-  // Fields of a struct follow each other up to alignment: a field left out would show as a hole.
+  // The fields of a struct are adjacent except for alignment, so a missing field shows as a gap.
   uint32_t count = 0;
   const vesper_layout_entry* entries = vesper_abi_layout(&count);
   uint32_t end = 0;
@@ -142,7 +142,7 @@ TEST(ContractTest, ConfigOfAClientBuiltFor1_0IsItsOwnBytesOnly) {
   EXPECT_EQ(config->struct_size, kSizeIn1_0);
   EXPECT_EQ(config->threads, 1u);
   for (size_t i = kSizeIn1_0; i < sizeof memory; ++i) EXPECT_EQ(memory[i], 0xff) << i;
-  vesper_engine* engine = nullptr;  // `deferred` would be 0xffffffff, were it read
+  vesper_engine* engine = nullptr;  // `deferred` would be 0xffffffff if the engine read it
   EXPECT_OK(Try([&](vesper_error* error) {
     return vesper_engine_create(config, vesper_prototype_standard("si-f64"), &engine, error);
   }));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Laws that declare units of another scale than the prototype's.
+// Tests laws whose units differ in scale from the prototype's.
 #include <random>
 
 #include "kernels.hpp"

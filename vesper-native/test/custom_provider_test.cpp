@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A property provider of the client's own, through the C++ layer.
+// Tests a property provider of the client, through the C++ layer.
 #include <cstring>
 #include <functional>
 #include <map>
@@ -11,7 +11,7 @@
 namespace vesper::test {
 namespace {
 
-/// Keeps its columns under their names, as a client with a store of its own would.
+/// A store of columns by name, as a client's own store.
 class Store : public CustomPropertyProvider {
  public:
   struct Entry {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Laws that keep the newest values in memory of their own, next to their twins that do not.
+// Compares laws that keep the newest values in their own memory with equal laws that do not.
 #include <algorithm>
 #include <cstddef>
 
@@ -12,7 +12,7 @@ constexpr double kDt = 0.01;
 
 using Lines = std::vector<std::string>;
 
-/// Bodies with an engine of their own. The sums of vault and of no_vault are the same.
+/// Bodies with an engine. vault and no_vault compute the same sums.
 struct Scene {
   Scene(const std::vector<const char*>& laws, const EngineOptions& options) : engine(options) {
     engine.AddBodies(bodies);
@@ -36,7 +36,7 @@ struct Scene {
 class DeferredTest : public BothModes {
  protected:
   EngineOptions Plain() const { return {.validate = GetParam()}; }
-  /// The client synchronizes by itself.
+  /// Returns options of a client that synchronizes explicitly.
   EngineOptions Deferred() const { return {.validate = GetParam(), .deferred = true}; }
 };
 IN_BOTH_MODES(DeferredTest);
@@ -87,12 +87,12 @@ TEST_P(DeferredTest, AdvanceLeavesArraysFreshUnlessTheClientAsksForMore) {
   run.engine.Load("vault", {{"pull.talk", 1}, {"move.talk", 1}});
   for (int frame = 0; frame < 2; ++frame) {
     for (Scene* each : {&twin, &run}) {
-      each->bodies.position[3] += 5;  // nobody is told
+      each->bodies.position[3] += 5;  // without touch
       EXPECT_OK(each->engine.Advance(kDt, 3));
     }
     run.ExpectSameAs(twin);
   }
-  // Whatever the number of steps, once there and once back.
+  // For any number of steps: one copy to the device and one copy back.
   const auto& log = run.engine.log();
   EXPECT_EQ(std::count(log.begin(), log.end(), "vault: take position"), 2);
   EXPECT_EQ(std::count(log.begin(), log.end(), "vault: write position"), 2);
@@ -111,7 +111,7 @@ TEST_P(DeferredTest, PotentialEnergyIsThatOfTheArraysWhoeverWroteThem) {
   expect_present();
   EXPECT_OK(run.engine.Advance(kDt, 2));  // moved by a law that does not defer
   expect_present();
-  run.bodies.position[3] += 5;  // by the client, who tells nobody
+  run.bodies.position[3] += 5;  // by the client, without touch
   expect_present();
 }
 
@@ -194,7 +194,7 @@ TEST_P(DeferredTest, ArraysThatTheClientTouchesCount) {
       return vesper_provider_touch(each->engine.provider(), &edited, 1, error);
     }));
     EXPECT_OK(each->engine.Advance(kDt, 2));
-    // Without a word to the law: what the client puts there counts, stale or not.
+    // Values that the client writes are valid even if the array is stale; the law is not notified.
     each->bodies.velocity.assign(120, 0.5);
     EXPECT_OK(each->engine.Rebind("velocity", each->bodies.velocity, 3));
     EXPECT_OK(each->engine.Advance(kDt, 1));
@@ -333,7 +333,7 @@ TEST_P(DeferredTest, ClientThatTouchesWhatItEditsIsNotAskedForTheRest) {
       }));
       EXPECT_OK(each->engine.Advance(kDt, 3));
     }
-    run.ExpectSameAs(twin);  // fresh after each advance
+    run.ExpectSameAs(twin);  // current after each advance
   }
   const Lines& log = run.engine.log();
   EXPECT_EQ(std::count(log.begin(), log.end(), "vault: take position"), 3);

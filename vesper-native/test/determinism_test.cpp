@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Same arrays, laws, order and dt: same bits.
+// Tests that equal arrays, laws, order and dt give equal bits.
 #include <cmath>
 #include <random>
 
@@ -48,13 +48,13 @@ TEST_P(DeterminismTest, ValidateModeChangesNoBit) {
 }
 
 TEST(ParallelForTest, EveryEngineHasTheThreadsItAskedForWhateverTheMachineHas) {
-  // Or 8 threads would mean 2 on a machine of 2 cores, in the test above too.
+  // Otherwise 8 threads would mean 2 on a machine with 2 cores, in the test above too.
   for (const uint32_t threads : {2u, 8u, 3u}) {
     Bodies bodies(1);
     TestEngine engine({.threads = threads});
     engine.AddBodies(bodies);
     engine.Load("rendezvous", {{"seats", static_cast<double>(threads)}});
-    EXPECT_OK(engine.Advance(0.1, 3));  // by threads that are called, and by those that stayed
+    EXPECT_OK(engine.Advance(0.1, 3));  // by helpers that were started, and by those that wait
   }
 }
 
@@ -71,7 +71,7 @@ TEST(ParallelForTest, RangesBehindOneThatTakesLongAreDoneByOtherThreads) {
 }
 
 TEST(ParallelForTest, GrainIsPartOfTheResult) {
-  // Or the tests above would pass with a law that does not notice its chunks.
+  // Otherwise the tests above could pass with a law whose result does not depend on its chunks.
   EXPECT_NE(HashAfter("field", {}, 1), HashAfter("field_by_100", {}, 1)) << "seed " << kSeed;
 }
 

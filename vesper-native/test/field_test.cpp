@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Properties that are functions of position: from the client, or from a law library.
+// Tests properties that are functions of position, from the client or from a law library.
 #include <functional>
 
 #include "test_kit.hpp"
@@ -13,7 +13,7 @@ constexpr auto kPrototype =
     "world wind: field x3 [m/s] read \"Speed of the air.\"\n"
     "world temperature: field x1 [K] read\n";
 
-/// out = user's factor times (y, z, x)
+/// Computes out = user's factor times (y, z, x).
 void Turn(void* user, uint64_t count, const double* at, double* out) {
   const double factor = *static_cast<double*>(user);
   for (uint64_t i = 0; i < count; ++i) {
@@ -76,7 +76,7 @@ TEST_P(FieldTest, LawInCppReadsItPlaceByPlace) {
 
 TEST_P(FieldTest, ValuesComeInTheUnitThatTheLawDeclares) {
   engine.PropertyProvider().SetField("wind", Wind(factor));
-  engine.LoadPhysicsLaw("windy_per_hour");  // writes them back in that unit too
+  engine.LoadPhysicsLaw("windy_per_hour");  // writes positions back in that unit too
   engine.Advance(1);
   EXPECT_DOUBLE_EQ(bodies.velocity[9], 12);
 }
@@ -100,7 +100,7 @@ TEST_P(FieldTest, FieldsHaveNoRowsAndNoPlaceInTheHash) {
   EXPECT_EQ(found.row_count, 0u);
   EXPECT_EQ(static_cast<const vesper_field*>(found.data)->user, &factor);
   std::vector<double> gravity(3);
-  provider.AddPhysicalProperty("gravity", gravity);  // of the same kind, which has one row
+  provider.AddPhysicalProperty("gravity", gravity);  // same kind, which has one row
   engine.Advance(1);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The scan for NaN and infinity against the library's own classification.
+// Compares the scan for NaN and infinity with the standard library's classification.
 #include <cmath>
 #include <cstring>
 #include <limits>

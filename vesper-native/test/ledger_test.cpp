@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The ledger: who gave how much momentum, angular momentum and energy to the bodies.
+// Tests the ledger: the sources of momentum, angular momentum and energy of the bodies.
 #include <array>
 #include <cmath>
 #include <memory>
@@ -42,7 +42,7 @@ Totals Of(const vesper_ledger_entry& entry) {
   return {{p[0], p[1], p[2], l[0], l[1], l[2], entry.energy}};
 }
 
-/// Summed the way a textbook writes it, for comparison.
+/// Computes the totals by textbook formulas, for comparison.
 Totals TotalsOf(const Bodies& bodies) {
   Totals totals;
   for (size_t i = 0; i < bodies.mass.size(); ++i) {
@@ -60,7 +60,7 @@ class LedgerTest : public BothModes {
  protected:
   LedgerTest() { Start(8); }
 
-  /// `count` bodies with the ledger on; those of mass 0 are at rest.
+  /// Creates `count` bodies with the ledger on; those of mass 0 are at rest.
   void Start(size_t count, size_t immovable = 0, bool deferred = false) {
     EngineOptions options = Options();
     options.deferred = deferred;
@@ -78,7 +78,7 @@ class LedgerTest : public BothModes {
     EXPECT_OK(SetLedger(1));
   }
 
-  /// Body i pulls body i + 1 with 5 N.
+  /// Adds a law by which body i pulls body i + 1 with 5 N.
   void AddChain() {
     for (uint32_t i = 0; i + 1 < bodies.mass.size(); ++i) {
       endpoints.insert(endpoints.end(), {i, i + 1});
@@ -191,7 +191,7 @@ TEST_P(LedgerTest, ClientIsCreditedWithWhatItAppliesAndEdits) {
   const vesper_library_id euler = engine->Load("euler");
   bodies.applied[1] = 4;  // [N], on the body of 1 kg
   EXPECT_OK(engine->Advance(0.25, 2));
-  bodies.velocity[3] += 10;  // of the body of 2 kg
+  bodies.velocity[3] += 10;  // the body of 2 kg
   bodies.applied[1] = 0;
   EXPECT_OK(engine->Advance(0.25, 2));
   const Totals client = Line(VESPER_LEDGER_CLIENT);
@@ -233,7 +233,7 @@ TEST_P(LedgerTest, TorquesTurnBodiesThatHaveInertia) {
   std::fill(bodies.orientation.begin(), bodies.orientation.end(), 0.5);
   const vesper_library_id spinning = engine->Load("spinning");
   EXPECT_OK(engine->Advance(0.25, 4));
-  // 8 bodies, 2 N*m, 1 s; one has no inertia. Its neighbour turned by 3 rad/s already.
+  // 8 bodies, 2 N*m, 1 s; one has no inertia. Its neighbour already rotates at 3 rad/s.
   EXPECT_DOUBLE_EQ(Law(spinning, 0).values[4], 16);
   EXPECT_DOUBLE_EQ(Line(VESPER_LEDGER_GROUND).values[4], -2);
   EXPECT_DOUBLE_EQ(Line(VESPER_LEDGER_TOTAL).values[4], 14);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The way of a law library from a file into an engine and out again.
+// Tests the loading of a law library from a file into an engine, and its unloading.
 #include <sys/stat.h>
 
 #include <atomic>
@@ -27,7 +27,7 @@ vesper_error Prepare(const std::string& library, const EngineOptions& options = 
   return error;
 }
 
-/// Lines of this process's memory map that hold `text`.
+/// Returns the number of lines of this process's memory map that contain `text`.
 size_t CountMapped(const std::string& text) {
   std::ifstream maps("/proc/self/maps");
   size_t count = 0;
@@ -217,7 +217,7 @@ TEST(LibraryTest, WhatALibrarySaidWhenItWasMappedHolds) {
   Bodies bodies(2);
   TestEngine engine({.validate = true});
   engine.AddBodies(bodies);
-  const vesper_library_id id = engine.Load("fickle");  // says otherwise from now on
+  const vesper_library_id id = engine.Load("fickle");  // its tables change from now on
   EXPECT_OK(engine.Advance(1, 1));
   const vesper_law_info info = engine.LawInfo(id);
   EXPECT_EQ(info.phase, VESPER_PHASE_OBSERVE);
@@ -316,7 +316,7 @@ TEST(LibraryTest, SameNameNewCodeTakesTheNewCode) {
   }
 }
 
-/// Force of `law` after a library that the loader never lets go was loaded and unloaded.
+/// Returns the force of `law` after a library that cannot be unmapped was loaded and unloaded.
 double ForceAfterOneThatStays(const char* law) {
   Bodies bodies(1);
   TestEngine engine;
@@ -328,7 +328,7 @@ double ForceAfterOneThatStays(const char* law) {
 }
 
 TEST(LibraryTest, LibraryThatStaysMappedIsNotTakenForTheNextOne) {
-  // In a process of its own, for what stays mapped would spoil the other tests.
+  // In a separate process, because the remaining mapping would disturb other tests.
   EXPECT_EXIT(std::exit(ForceAfterOneThatStays("push") == 1 ? 0 : 1), testing::ExitedWithCode(0),
               "");
 }

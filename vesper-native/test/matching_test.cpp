@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether a law fits an engine: names, types, units, access, conflicts, parameters.
+// Tests whether a law is compatible with an engine: names, types, units, access, conflicts,
+// parameters.
 #include <cmath>
 
 #include "test_kit.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Laws that break their word: what is caught, how it is reported, and what it costs.
+// Tests laws that violate the contract: detection, report, and consequences.
 #include "misbehaving.h"
 
 #include <cfenv>
@@ -112,9 +112,9 @@ TEST_P(MisbehaviourTest, NaNInWhatLawsOnlyReadIsTheClients) {
 
 TEST_P(MisbehaviourTest, BlameIsOfTheFirstStepAndRowWhateverTheNumberOfThreads) {
   const auto diverge = [](const EngineOptions& options) {
-    Bodies many(50'000);  // more than one thread takes at once
+    Bodies many(50'000);  // more than one chunk per thread
     const auto launch = [&many](size_t row, double speed) { many.velocity[3 * row] = speed; };
-    launch(10, 3e307);  // the lowest row, but it leaves the numbers two steps later
+    launch(10, 3e307);  // the lowest row, but it overflows two steps later
     launch(30'000, 8e307);
     launch(44'000, 8e307);
     TestEngine fresh(options);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prototypes: the standard ones, and what is refused.
+// Tests prototypes: the standard ones, and refused ones.
 #include <cmath>
 #include <functional>
 #include <map>
@@ -91,7 +91,7 @@ TEST(PrototypeTest, StandardPropertiesAreThoseOfTheContract) {
   }
 }
 
-/// A small prototype that each test spoils in one place.
+/// A small prototype that each test makes invalid in one place.
 struct Draft {
   std::vector<vesper_property_descriptor> properties;
   vesper_prototype prototype;

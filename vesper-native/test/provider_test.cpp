@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Arrays of the client: adding, moving, sharing, removing, editing.
+// Tests arrays of the client: adding, moving, sharing, removing, editing.
 #include <cmath>
 
 #include "test_kit.hpp"
@@ -174,7 +174,7 @@ TEST_P(ProviderTest, SharedValuesAreExpandedIntoRows) {
   for (size_t i = 0; i < 4; ++i) {
     EXPECT_EQ(bodies.velocity[3 * i], 1 + 20 / masses[indices[i]]) << "row " << i;
   }
-  // Edits are seen after touch.
+  // Laws see edits after touch.
   masses[1] = 5;
   EXPECT_OK(Touch(engine, {"mass"}));
   EXPECT_OK(engine.Advance(1, 1));
@@ -237,7 +237,7 @@ TEST_P(ProviderTest, ReferencesAreRangeCheckedBeforeALawSeesThem) {
   EXPECT_STREQ(error.property, "endpoints");
   EXPECT_EQ(error.row, 1u);
   EXPECT_TRUE(engine.log().empty()) << "the law must not have been bound";
-  // Nothing has run, so there is no fault to clear.
+  // No step was started, so there is no fault to clear.
   endpoints[3] = 2;
   EXPECT_OK(Touch(engine, {"endpoints"}));
   EXPECT_OK(engine.Advance(1, 1));
@@ -269,7 +269,7 @@ TEST_P(ProviderTest, ValuesBelowTheirMinimumAreNamedBeforeALawSeesThem) {
     EXPECT_STREQ(error.property, "mass");
     EXPECT_EQ(error.row, 2u);
     EXPECT_EQ(error.library_id, VESPER_NO_LIBRARY);
-    // Nothing has run, so there is no fault to clear.
+    // No step was started, so there is no fault to clear.
     bodies.mass[2] = 1;
     EXPECT_OK(Touch(engine, {"mass"}));
     EXPECT_OK(engine.Advance(1, 1));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Saving what lives in the engine, and going on from it.
+// Tests saving the state of an engine and continuing from it.
 #include <algorithm>
 #include <cmath>
 
@@ -27,7 +27,7 @@ vesper_error Load(const TestEngine& engine, const Bytes& state) {
   });
 }
 
-/// A world whose law remembers, `steps` steps old.
+/// A world after `steps` steps whose law uses SCRATCH.
 struct Remembering {
   Remembering(const EngineOptions& options, uint32_t steps, size_t count = 3)
       : bodies(count), engine(options) {

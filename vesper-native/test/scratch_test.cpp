@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the engine keeps for laws, row by row.
+// Tests the SCRATCH memory that the engine keeps for laws.
 #include "test_kit.hpp"
 
 namespace vesper::test {
@@ -8,7 +8,8 @@ namespace {
 class ScratchTest : public BothModes {};
 IN_BOTH_MODES(ScratchTest);
 
-/// Bodies and a law that shows what it remembers of row i: (sum of masses, 0, calls).
+/// Bodies and a law that writes its SCRATCH values of row i to the acceleration: (sum of masses, 0,
+/// calls).
 struct Remembering {
   Remembering(size_t count, const EngineOptions& options, double fail_at = -1)
       : bodies(count), engine(options) {
@@ -17,7 +18,7 @@ struct Remembering {
     library = engine.Load("remembering", {{"failAt", fail_at}});
   }
 
-  /// The client now has bodies of these masses.
+  /// Replaces the bodies by bodies of these masses.
   void Rebind(std::vector<double> mass) {
     bodies.mass = std::move(mass);
     bodies.acceleration.assign(3 * bodies.mass.size(), 99);
@@ -96,8 +97,8 @@ TEST_P(ScratchTest, FollowsTheRowThatFillsAGap) {
 TEST_P(ScratchTest, RowThatWasLeftIsAsNew) {
   Remembering world(3, Options());
   EXPECT_OK(world.engine.Advance(1, 1));
-  EXPECT_OK(world.MoveRow("body", 2, 0));  // and a new body takes row 2
-  EXPECT_OK(world.MoveRow("body", 1, 1));  // and another one row 1
+  EXPECT_OK(world.MoveRow("body", 2, 0));  // a new body takes row 2
+  EXPECT_OK(world.MoveRow("body", 1, 1));  // another new body takes row 1
   EXPECT_OK(world.engine.Advance(1, 1));
   EXPECT_EQ(world.bodies.acceleration, (std::vector<double>{4, 0, 2, 2, 0, 1, 3, 0, 1}));
 }

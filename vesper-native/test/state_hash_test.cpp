@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The state hash against XXH3-64 of the documented bytes.
+// Compares the state hash with XXH3-64 of the documented bytes.
 #include <xxhash.h>
 
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// An engine with bodies in it, for tests. Speaks the C interface only.
+// An engine with bodies, for tests. Uses the C interface only.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@
 
 namespace vesper::test {
 
-/// Runs `call(vesper_error*)`; what it reports, or a status of OK.
+/// Runs `call(vesper_error*)`; returns its error, or one with status OK.
 template <class Call>
 vesper_error Try(Call&& call) {
   vesper_error error{};
@@ -29,7 +29,7 @@ vesper_error Try(Call&& call) {
     EXPECT_STREQ(vesper_status_name(result.status), "OK") << result.message; \
   } while (false)
 
-/// Expects a status, and a message that holds `text`.
+/// Expects a status, and a message that contains `text`.
 #define EXPECT_REFUSED(expected, text, expression)                                          \
   do {                                                                                      \
     const vesper_error result = (expression);                                               \
@@ -64,11 +64,11 @@ class TestEngine {
 
   vesper_error Add(const char* name, std::vector<double>& values, uint32_t components);
   vesper_error Rebind(const char* name, std::vector<double>& values, uint32_t components);
-  /// Adds mass, position, velocity, acceleration, externalForce and orientation.
+  /// Registers mass, position, velocity, acceleration, externalForce and orientation.
   void AddBodies(Bodies& bodies);
-  /// `library` is a bare name, searched among the test laws.
+  /// Loads `library`, a bare name that is searched among the test laws, and returns the error.
   vesper_error TryLoad(const std::string& library, Parameters parameters = {});
-  /// Fails the test if the library does not load.
+  /// Loads a library; fails the test if this fails.
   vesper_library_id Load(const std::string& library, Parameters parameters = {});
   vesper_error Unload(vesper_library_id library);
   vesper_error Advance(double dt, uint32_t steps);
@@ -77,7 +77,7 @@ class TestEngine {
   uint64_t StateHash();
   vesper_law_info LawInfo(vesper_library_id library, uint32_t index = 0);
 
-  /// Lines that engine and laws logged.
+  /// Returns the lines that engine and laws logged.
   const std::vector<std::string>& log() const { return *log_; }
 
  private:
@@ -90,13 +90,13 @@ class TestEngine {
   vesper_library_id loaded_ = 0;
 };
 
-/// A config that finds the test laws.
+/// Returns a config whose law path contains the test laws.
 vesper_engine_config TestConfig(const EngineOptions& options = {});
 std::string TestLawPath(const std::string& name);
 std::vector<char> ReadFile(const std::string& path);
 void WriteFile(const std::string& path, const std::vector<char>& bytes);
 
-/// A folder that goes with the test.
+/// A temporary folder that is removed after the test.
 class TemporaryFolder {
  public:
   TemporaryFolder();
@@ -107,7 +107,7 @@ class TemporaryFolder {
   std::string path_;
 };
 
-/// Runs each test twice: laws in place, and in validate mode.
+/// Runs each test twice: with laws in place, and in validate mode.
 class BothModes : public testing::TestWithParam<bool> {
  protected:
   EngineOptions Options() const { return {.validate = GetParam()}; }

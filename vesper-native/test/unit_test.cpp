@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Units as text.
+// Tests the parser of units.
 #include <array>
 #include <cstring>
+#include <fstream>
 #include <map>
 #include <numbers>
+#include <sstream>
 
 #include "test_kit.hpp"
 
@@ -68,6 +70,32 @@ TEST(UnitTest, ExponentsAndScaleAreThoseOfTheBrochure) {
     EXPECT_EQ(parsed.scale, row.scale) << text;
     EXPECT_EQ(parsed.symbol, text);
   }
+}
+
+TEST(UnitTest, TextsMeanWhatTheyMeanToTheWorldStore) {
+  std::ifstream file(VESPER_TEST_UNITS "/vectors.csv");
+  std::string line;
+  std::getline(file, line);
+  int count = 0;
+  for (; std::getline(file, line); ++count) {
+    std::istringstream row(line);
+    std::string text, scale;
+    std::getline(row, text, ',');
+    std::getline(row, scale, ',');
+    vesper_unit parsed{};
+    if (scale == "refused") {
+      EXPECT_EQ(Parse(text, parsed).status, VESPER_INVALID_ARGUMENT) << text;
+      continue;
+    }
+    EXPECT_OK(Parse(text, parsed));
+    EXPECT_EQ(parsed.scale, std::stod(scale)) << text;
+    for (int8_t exponent : parsed.exponent) {
+      std::string expected;
+      std::getline(row, expected, ',');
+      EXPECT_EQ(exponent, std::stoi(expected)) << text;
+    }
+  }
+  EXPECT_GT(count, 150);
 }
 
 TEST(UnitTest, TextTooLongForASymbolLeavesItEmpty) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Structs of older and newer minor versions of the contract.
+// Tests structs of older and newer minor versions of the contract.
 #include "versioned_struct.hpp"
 
 #include <gtest/gtest.h>
@@ -7,13 +7,13 @@
 namespace vesper {
 namespace {
 
-/// As of today: `later` was appended to what there was at first.
+/// The struct of this build: `later` was appended to the first version.
 struct Grown {
   uint32_t struct_size;
   uint32_t first;
   uint64_t later;
 };
-/// As a newer contract will have it.
+/// The struct of a newer contract.
 struct Future {
   Grown known;
   uint64_t unheard_of;
@@ -39,7 +39,7 @@ void ExpectRefused(vesper_status status, const std::string& text, Call&& call) {
 }
 
 TEST(VersionedStructTest, FieldThatAnOlderSideDoesNotHaveIsZero) {
-  const Grown older{8, 5, 77};  // what follows its 8 bytes is not its own
+  const Grown older{8, 5, 77};  // the bytes after its first 8 do not belong to it
   const Grown read = ReadStruct(older, "it");
   EXPECT_EQ(read.first, 5u);
   EXPECT_EQ(read.later, 0u);

@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Learns to balance the pole of worlds/cart-pole, in lock-step with the world, from nothing but
-falling over.
+"""Learns to balance the pole of worlds/cart-pole in lock-step with the world, by trial and error.
 
-The agent pushes the cart by a weighted sum of what it observes. Which weights are good it finds by
-the cross-entropy method (R. Rubinstein, 1999): try some at random, keep the best, try again around
-these. The last line on standard output is a JSON summary.
+The agent pushes the cart by a weighted sum of its observations. It finds good weights by the
+cross-entropy method (R. Rubinstein, 1999): it tries random weights, keeps the best, and tries new
+ones near these. The last line on standard output is a JSON summary.
 
     python3 balance.py --launcher ./reve
 """
@@ -32,7 +31,7 @@ AT_MOST = 600  # steps of an episode, 10 s
 
 
 class Balance(Task):
-    """Keep the pole upright and the cart near the middle: a point for every frame."""
+    """Keep the pole upright and the cart near the middle: one point per frame."""
 
     observation_space = spaces.Box(-numpy.inf, numpy.inf, (4,), numpy.float64)
     action_space = spaces.Box(-1.0, 1.0, (1,), numpy.float32)
@@ -43,7 +42,8 @@ class Balance(Task):
         return [("tip", "physical.location", [math.sin(lean), math.cos(lean), 0.0])]
 
     def observe(self, perception: reve.Perception) -> Numbers:
-        """Where the cart is [m], its speed [m/s], how far the pole leans [1], and how fast [1/s]."""
+        """Returns position [m] and speed [m/s] of the cart, and tilt [1] and its rate [1/s] of the
+        pole."""
         cart, tip = perception.find("cart"), perception.find("tip")
         speed, tip_speed = cart.symbols["velocity"][0], tip.symbols["velocity"][0]
         lean = tip.location[0] - cart.location[0]
@@ -61,7 +61,7 @@ class Balance(Task):
 
 
 def play(environment: Environment, weights: Numbers, seed: int) -> float:
-    """The points of one episode."""
+    """Returns the points of one episode."""
     observation, _ = environment.reset(seed=seed)
     points, over, cut = 0.0, False, False
     while not (over or cut):
@@ -72,7 +72,7 @@ def play(environment: Environment, weights: Numbers, seed: int) -> float:
 
 
 def learn(environment: Environment, options: argparse.Namespace) -> Tuple[Numbers, List[float]]:
-    """The weights, and the mean points of each generation."""
+    """Returns the weights, and the mean points of each generation."""
     random = numpy.random.default_rng(options.seed)
     mean, spread = numpy.zeros(4), numpy.full(4, 3.0)
     history: List[float] = []
@@ -92,7 +92,7 @@ def parse(arguments: List[str]) -> argparse.Namespace:
     parser.add_argument("--launcher", default="./reve", help="the project's launcher")
     parser.add_argument("--world", default="worlds/cart-pole")
     parser.add_argument("--generations", type=int, default=8)
-    parser.add_argument("--tries", type=int, default=16, help="in each generation")
+    parser.add_argument("--tries", type=int, default=16, help="tries in each generation")
     parser.add_argument("--seed", type=int, default=1)
     return parser.parse_args(arguments)
 

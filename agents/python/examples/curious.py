@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A curious agent: goes to the item it finds most interesting, pushes it until it has moved, and
-turns to the next.
+"""Explores a world: goes to the most interesting item, pushes it until it moves, then takes the
+next.
 
-Interesting is what has a high symbol `interest`, or, among equals, what is unlike the rest: each
-symbol counts the more the fewer items share its value. What was pushed about is boring for a while.
-If its body has an action `roll`, it goes there and runs against the item; if the item has an action
-`push`, it does that. The last line on standard output is a JSON summary.
+An item is interesting if its symbol `interest` is high. Among items of equal `interest`, one that
+differs from the others is more interesting: the fewer items share the value of a symbol, the more
+it counts. An item that was pushed is boring for a while. If the agent's body has an action `roll`,
+the agent moves to the item and runs against it. If the item has an action `push`, the agent uses
+that. The last line on standard output is a JSON summary.
 
     ./reve serve worlds/playground --port 7777 &
     python3 curious.py --port 7777 --seconds 30
@@ -31,7 +32,10 @@ _BORED_FOR = 12.0  # s
 
 
 def surprise(item: reve.Item, items: Sequence[reve.Item]) -> float:
-    """How unlike the rest an item is [bits]: a symbol that one item in eight shares counts three."""
+    """Returns how much an item differs from the others [bits].
+
+    A symbol value that one item in eight shares counts three bits.
+    """
     bits = 0.0
     for symbol, value in item.symbols.items():
         if symbol not in _EVERYBODY_HAS:
@@ -41,14 +45,15 @@ def surprise(item: reve.Item, items: Sequence[reve.Item]) -> float:
 
 
 def interest(item: reve.Item, items: Sequence[reve.Item]) -> Tuple[float, float, str]:
-    """Sorts items; the name decides between equals, so that two runs agree."""
+    """Returns the sort key of an item. The name decides between equals, so that runs are
+    reproducible."""
     declared = item.symbols.get("interest", 0.0)
     number = float(declared) if isinstance(declared, (int, float)) else 0.0
     return number, surprise(item, items), item.name
 
 
 def along(start: Vector, end: Vector, length: float) -> List[float]:
-    """A vector of that length from start towards end; along x if they are the same place."""
+    """Returns a vector of that length from start towards end; along x if both are equal."""
     distance = math.dist(start, end)
     if distance == 0.0:
         return [length, 0.0, 0.0]
@@ -56,7 +61,7 @@ def along(start: Vector, end: Vector, length: float) -> List[float]:
 
 
 class Curious:
-    """Explores one world for a while and remembers what it saw and did."""
+    """An agent that explores one world for a while and records what it perceived and did."""
 
     def __init__(self, agent: reve.Agent, options: argparse.Namespace) -> None:
         self.agent = agent
@@ -116,7 +121,8 @@ class Curious:
                 self.pushes += 1
 
     def most_interesting(self, perception: reve.Perception) -> Optional[reve.Item]:
-        """Of what has a place, is not the agent itself, and is neither ground nor boring."""
+        """Returns the most interesting item with a place, except the agent, grounds and boring
+        items."""
         items = perception.items
         others = [
             i
@@ -168,16 +174,14 @@ def parse(arguments: List[str]) -> argparse.Namespace:
     parser.add_argument("--host", default="127.0.0.1")
     parser.add_argument("--port", type=int, default=7777)
     parser.add_argument("--name", default="curious")
+    parser.add_argument("--seconds", type=float, default=5.0, help="duration in world time [s]")
+    parser.add_argument("--frames", type=int, help="maximum number of frames")
+    parser.add_argument("--every", type=int, default=6, help="frames per perception")
     parser.add_argument(
-        "--seconds", type=float, default=5.0, help="how long to stay, in the world's time"
+        "--push-every", type=float, default=1.0, help="world time between pushes [s]"
     )
-    parser.add_argument("--frames", type=int, help="leave after so many frames, if that is sooner")
-    parser.add_argument("--every", type=int, default=6, help="perceive every that many frames")
-    parser.add_argument(
-        "--push-every", type=float, default=1.0, help="seconds of the world between pushes"
-    )
-    parser.add_argument("--strength", type=float, default=0.5, help="of a push [N*s]")
-    parser.add_argument("--force", type=float, default=80.0, help="to roll with [N]")
+    parser.add_argument("--strength", type=float, default=0.5, help="impulse of a push [N*s]")
+    parser.add_argument("--force", type=float, default=80.0, help="force to roll with [N]")
     return parser.parse_args(arguments)
 
 

@@ -14,20 +14,18 @@ from typing import AsyncIterator, Awaitable, Callable, List, Optional, Tuple, Ty
 
 from . import protocol
 from .commands import Commands
-from .conversation import RETRIED, Conversation
-from .errors import Disconnected, ProtocolError, ReveError
+from .conversation import CHUNK_BYTES, RETRY_SECONDS, Conversation, welcome_in
+from .errors import ReveError, broken, closed_by_server, left, not_answered, not_welcomed
 from .protocol import (
     Act,
     Argument,
-    Bye,
-    Error,
     Event,
     Image,
+    Incoming,
     Item,
     LockStep,
     Message,
     Perception,
-    Ping,
     Pong,
     Result,
     ServerMessage,
@@ -35,11 +33,27 @@ from .protocol import (
 )
 from .tls import Tls, failed, trusting
 
-_RETRY_SECONDS = 0.2
-_LONGEST_MESSAGE = 1 << 30
-
 _T = TypeVar("_T")
-_Wire = Tuple[asyncio.StreamReader, asyncio.StreamWriter]
+
+
+class _Wire:
+    """One connection: sends messages, and yields received ones."""
+
+    def __init__(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        self.writer = writer
+        self._reader = reader
+        self._incoming = Incoming()
+
+    async def next(self) -> Optional[ServerMessage]:
+        """Returns the next message, or None at the end of the connection."""
+        message = self._incoming.next()
+        while message is None:
+            data = await self._reader.read(CHUNK_BYTES)
+            if not data:
+                return None
+            self._incoming.feed(data)
+            message = self._incoming.next()
+        return message
 
 
 async def connect(
@@ -84,7 +98,7 @@ async def control(
 
 
 class Client:
-    """What agents and controls have in common; as `reve.Client`. For the tasks of one event loop."""
+    """The common part of agents and controls, as `reve.Client`. For the tasks of one event loop."""
 
     _talk: Conversation
     _reader: asyncio.Task[None]
@@ -107,28 +121,27 @@ class Client:
         try:
             return await asyncio.wait_for(self._join(greeting), self._timeout)
         except asyncio.TimeoutError as error:
-            raise ReveError(
-                "no-answer", "the server did not welcome us in time", "is its world running?"
-            ) from error
+            raise not_welcomed() from error
 
     async def _join(self, greeting: Message) -> Tuple[_Wire, Welcome]:
         context = trusting(self._tls) if self._tls else None
         try:
-            wire = await asyncio.open_connection(
-                *self._address, ssl=context, limit=_LONGEST_MESSAGE
-            )
+            wire = _Wire(*await asyncio.open_connection(*self._address, ssl=context))
         except ssl.SSLError as error:
             raise failed(error) from error
         try:
-            wire[1].write(protocol.encode(greeting))
-            return wire, await _welcome(wire[0])
+            wire.writer.write(protocol.encode(greeting))
+            while True:
+                welcome = welcome_in(await wire.next())
+                if welcome is not None:
+                    return wire, welcome
         except BaseException:
-            wire[1].close()
+            wire.writer.close()
             raise
 
     @property
     def welcome(self) -> Welcome:
-        """What the server said when we joined."""
+        """The server's first answer, which describes the session."""
         return self._talk.welcome
 
     @property
@@ -136,11 +149,12 @@ class Client:
         return self.welcome.agent
 
     async def perceive(self, relations: bool = False) -> Perception:
-        """The items of the next frame."""
+        """Returns the items of the next frame."""
         return await self._ask(lambda id: protocol.perceive(id, relations=relations), Perception)
 
     async def perceptions(self, every: int = 1) -> AsyncIterator[Perception]:
-        """A perception every that many frames, always the newest. Starting another ends the first."""
+        """Yields a perception every `every` frames, always the newest. A new stream ends the
+        previous one."""
         number, line = self._talk.subscribe(every)
         self._send(line)
         patience = self._timeout + every / self.welcome.rate
@@ -157,36 +171,37 @@ class Client:
                 self._send(farewell)
 
     async def ping(self) -> None:
-        """Returns when the server has answered."""
+        """Sends a ping and returns when the server has answered."""
         await self._ask(protocol.ping, Pong)
 
     def events(self) -> List[Event]:
-        """What happened since the last call, oldest first; the last 1,024 events are kept.
+        """Returns the events since the last call, oldest first; at most the last 1,024 are kept.
 
-        An event `missed` stands for those that the server did not send, as we read too slowly or
-        others caused too many at once.
+        An event `missed` replaces events that the server did not send, because this client reads
+        too slowly or other clients caused too many events at once.
         """
         return self._talk.events()
 
     @property
     def missed_events(self) -> int:
-        """How many events the server did not send, see `missed` above. At least: of what
-        happened while a connection was broken it may not know how many, and counts one.
+        """The minimum number of events that the server did not send, see `missed` above.
+
+        If the connection was broken, the server may not know the number, and counts one.
         """
         return self._talk.missed_events
 
     async def close(self) -> None:
-        """Leaves the world. Calling it again does nothing."""
-        self._finish(Disconnected("closed", "we have left"))
+        """Leaves the world. Another call has no effect."""
+        self._finish(left())
         self._send(self._talk.encode(protocol.bye()))
         await asyncio.wait([self._reader], timeout=self._timeout)
         self._reader.cancel()
-        self._wire[1].close()
+        self._wire.writer.close()
 
     async def __aexit__(self, *_: object) -> None:
         await self.close()
 
-    # ---- asking ----
+    # ---- requests ----
 
     async def _ask(self, build: Callable[[int], Message], answer_type: Type[_T]) -> _T:
         return await self._answer(
@@ -203,7 +218,7 @@ class Client:
             self._talk.drop(number)
 
     async def _wait(self, ready: Callable[[], bool], patience: float) -> None:
-        """Until ready, or the end of the connection or of patience [s]."""
+        """Waits until `ready`, the end of the connection or `patience` [s]."""
         loop = asyncio.get_running_loop()
         deadline = loop.time() + patience
         while not ready():
@@ -214,13 +229,11 @@ class Client:
             await asyncio.wait([change], timeout=deadline - loop.time())
             if not change.done():
                 self._waiters.remove(change)
-                raise ReveError(
-                    "no-answer", f"the server was silent for {patience} s", "is its world running?"
-                )
+                raise not_answered(patience)
 
     def _send(self, lines: bytes) -> None:
-        if not self._wire[1].is_closing():
-            self._wire[1].write(lines)
+        if not self._wire.writer.is_closing():
+            self._wire.writer.write(lines)
 
     def _finish(self, end: ReveError) -> None:
         self._talk.finish(end)
@@ -235,10 +248,10 @@ class Client:
     # ---- the reader's task ----
 
     async def _read(self) -> None:
-        end: ReveError = Disconnected("lost", "the server closed the connection without a reason")
+        end: ReveError = closed_by_server()
         while True:
             try:
-                message = await _next(self._wire[0])
+                message = await self._wire.next()
                 if message is not None:
                     reply = self._talk.take(message)
                     if reply is not None:
@@ -246,7 +259,7 @@ class Client:
                     self._changed()
                     continue
             except OSError as error:
-                end = Disconnected("lost", f"the connection broke: {error}")
+                end = broken(error)
             except ReveError as error:
                 self._finish(error)
                 return
@@ -255,9 +268,9 @@ class Client:
                 return
 
     async def _resume(self) -> bool:
-        """Goes on over another connection, until the time of grace is over. True if that worked."""
+        """Reconnects until the time of grace is over. Returns True if the session continues."""
         ticket = self.welcome.session
-        self._wire[1].close()
+        self._wire.writer.close()
         if ticket is None:
             return False
         loop = asyncio.get_running_loop()
@@ -269,10 +282,10 @@ class Client:
             try:
                 self._wire, _ = await self._open(greeting)
             except (ReveError, OSError) as error:
-                if isinstance(error, ReveError) and error.code not in RETRIED:
+                if isinstance(error, ReveError) and not self._talk.may_retry(error):
                     self._finish(error)
                     return False
-                await asyncio.sleep(_RETRY_SECONDS)
+                await asyncio.sleep(RETRY_SECONDS)
                 continue
             self._send(self._talk.gone_on())
             return True
@@ -280,7 +293,7 @@ class Client:
 
 
 class Agent(Client):
-    """An agent in a world, from `connect`; as `reve.Agent`."""
+    """An agent in a world, created by `connect`; as `reve.Agent`."""
 
     async def __aenter__(self) -> Agent:
         return self
@@ -291,31 +304,28 @@ class Agent(Client):
         return self.welcome.body
 
     async def act(self, item: Union[str, Item], action: str, /, **arguments: Argument) -> Result:
-        """Asks the item to do one of its actions and waits for the outcome. A refusal is a result."""
+        """Requests an action of the item and waits for its result. A refusal is a result."""
         target = item if isinstance(item, str) else item.name
         return await self._ask(lambda id: protocol.act(id, target, action, arguments), Result)
 
     async def look(self, sensor: str) -> Image:
-        """What one of our body's cameras sees now; ReveError with the server's code if there is no
-        picture.
+        """Returns the current picture of a camera of the agent's body.
+
+        Raises ReveError with the server's code if there is no picture.
         """
         return await self._ask(lambda id: protocol.look(id, sensor), Image)
 
     async def step(self, *acts: Act) -> Perception:
-        """In lock-step: does these things in the next frame and returns what is perceived then."""
+        """In lock-step: does the acts in the next frame and returns the perception after it."""
         self.ready(*acts)
         return await self.observe()
 
     def ready(self, *acts: Act) -> None:
-        """In lock-step: does these things in the next frame, for which the world need not wait any
-        longer.
-        """
+        """In lock-step: does the acts in the next frame; the world need not wait any longer."""
         self._send(self._talk.ready(acts))
 
     async def observe(self, frame: int = 0) -> Perception:
-        """In lock-step: waits for the perception of that frame or a later one that was not observed
-        yet.
-        """
+        """In lock-step: waits for the next unobserved perception, of that frame or a later one."""
         patience = self._timeout + self._talk.patience()
         while not self._talk.has_observation(frame):
             if self._talk.must_say_ready():
@@ -327,42 +337,14 @@ class Agent(Client):
 
 
 class Control(Client, Commands[Awaitable[Result]]):
-    """Runs a world, from `control`; as `reve.Control`."""
+    """A controller of a world, created by `control`; as `reve.Control`."""
 
     async def __aenter__(self) -> Control:
         return self
 
     async def foresee(self, frames: int) -> Perception:
-        """What would be perceived that many frames from now, if nobody did anything."""
+        """Returns the predicted perception that many frames from now, without further actions."""
         return await self._answer(self._talk.fork(frames), self._talk.foreseen)
 
     def _command(self, t: str, **fields: object) -> Awaitable[Result]:
         return self._ask(lambda id: protocol.command(id, t, **fields), Result)
-
-
-async def _welcome(reader: asyncio.StreamReader) -> Welcome:
-    """Before the welcome the server may only ping, refuse the hello or end the connection."""
-    while True:
-        message = await _next(reader)
-        if message is None:
-            raise Disconnected("lost", "the server closed the connection before its welcome")
-        if isinstance(message, Welcome):
-            return message
-        if isinstance(message, Bye):
-            raise Disconnected(message.code, message.message, message.hint)
-        if isinstance(message, Error):
-            raise ReveError(message.code, message.message, message.hint)
-        if not isinstance(message, Ping):
-            raise ProtocolError(f"expected a welcome, got {message}")
-
-
-async def _next(reader: asyncio.StreamReader) -> Optional[ServerMessage]:
-    """The next message of a connection, in either encoding; None at its end."""
-    try:
-        first = await reader.readexactly(1)
-        if first != b"\0":
-            return protocol.decode(first + await reader.readuntil(b"\n"))
-        length = int.from_bytes(first + await reader.readexactly(3), "big")
-        return protocol.decode_packed(await reader.readexactly(length))
-    except asyncio.IncompleteReadError:
-        return None

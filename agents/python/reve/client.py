@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A blocking client. One thread of its own reads, so pings are answered while the agent thinks."""
+"""A blocking client. Its own thread reads, so pings are answered while the agent computes."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ import threading
 import time as clock
 from functools import partial
 from typing import (
-    BinaryIO,
     Callable,
     Iterator,
     List,
@@ -23,20 +22,18 @@ from typing import (
 
 from . import protocol
 from .commands import Commands
-from .conversation import RETRIED, Conversation
-from .errors import Disconnected, ProtocolError, ReveError
+from .conversation import CHUNK_BYTES, RETRY_SECONDS, Conversation, welcome_in
+from .errors import ReveError, broken, closed_by_server, left, not_answered, not_welcomed
 from .protocol import (
     Act,
     Argument,
-    Bye,
-    Error,
     Event,
     Image,
+    Incoming,
     Item,
     LockStep,
     Message,
     Perception,
-    Ping,
     Pong,
     Result,
     ServerMessage,
@@ -44,9 +41,26 @@ from .protocol import (
 )
 from .tls import Tls, TlsSocket, secure
 
-_RETRY_SECONDS = 0.2
-
 _T = TypeVar("_T")
+
+
+class _Wire:
+    """One connection: sends messages, and yields received ones."""
+
+    def __init__(self, connection: Union[socket.socket, TlsSocket]) -> None:
+        self.socket = connection
+        self._incoming = Incoming()
+
+    def next(self) -> Optional[ServerMessage]:
+        """Returns the next message, or None at the end of the connection."""
+        message = self._incoming.next()
+        while message is None:
+            data = self.socket.recv(CHUNK_BYTES)
+            if not data:
+                return None
+            self._incoming.feed(data)
+            message = self._incoming.next()
+        return message
 
 
 def connect(
@@ -64,22 +78,23 @@ def connect(
     tls: Tls = False,
     timeout: float = 10.0,
 ) -> Agent:
-    """Joins the world at that address as agent `name` and returns when it has a body there.
+    """Joins the world at that address as agent `name`, and returns when the agent has a body.
 
-    `world` names one of the server's worlds; needed only where it has several.
+    `world` names one of the server's worlds; required only if the server has several.
     `body` names an item that the world lends to agents; without it the world chooses one.
-    As `role` "observer" one perceives everything and does nothing.
+    With `role` "observer" the client perceives everything and cannot act.
     `encoding` "msgpack" is faster and needs the package msgpack.
-    With a `time` the world waits for the agent, see `Agent.step`; else it goes on at its own pace.
-    `grace` [s] is how long the body may wait for us when the connection breaks; we reconnect by
-    ourselves, and whoever waits for an answer notices nothing.
-    `token` is what a server that asks for one was told to expect.
-    `tls` makes the connection private: True trusts whom this machine trusts, the name of a file
-    only the certificates in it.
-    `timeout` [s] bounds this and every later wait for an answer.
+    With a `time` the world waits for the agent, see `Agent.step`; otherwise it runs at its own
+    pace.
+    `grace` [s] is how long the server keeps the body when the connection breaks. The client
+    reconnects automatically, and calls that wait for an answer continue to wait.
+    `token` is the token that the server requires, if any.
+    `tls` encrypts the connection: True trusts the authorities of this machine, a file name only the
+    certificates in the file.
+    `timeout` [s] limits this call and every later wait for an answer.
 
-    Raises OSError where nobody listens, Disconnected with the server's code where the agent may not
-    join.
+    Raises OSError if no server listens at the address, and Disconnected with the server's code if
+    the agent may not join.
     """
     greeting = protocol.hello(
         name, body, role, encoding, grace, token=token, time=time, world=world
@@ -97,17 +112,16 @@ def control(
     tls: Tls = False,
     timeout: float = 10.0,
 ) -> Control:
-    """Joins a world to run it, without a body. As for `connect`."""
+    """Joins a world as its controller, without a body. Arguments and errors as in `connect`."""
     greeting = protocol.hello(name, role=protocol.CONTROL, token=token, world=world)
     return Control((host, port), greeting, timeout, tls)
 
 
 class Client:
-    """What agents and controls have in common: a connection, and perceptions. For use by any
-    thread.
+    """The common part of agents and controls: a connection, and perceptions. Thread-safe.
 
     Every call raises Disconnected once the connection has ended, and ReveError with code
-    `no-answer` when the server is silent for longer than the timeout.
+    `no-answer` if the server does not answer within the timeout.
     """
 
     def __init__(
@@ -116,9 +130,9 @@ class Client:
         self._address = address
         self._timeout = timeout
         self._tls = tls
-        self._sending = threading.Lock()  # taken before the other
+        self._sending = threading.Lock()  # acquired before the other lock
         self._changed = threading.Condition()
-        self._socket, self._stream, welcome = self._open(greeting)
+        self._wire, welcome = self._open(greeting)
         self._talk = Conversation(greeting, welcome)
         self._reader = threading.Thread(
             target=self._read, name=f"reve agent {welcome.agent}", daemon=True
@@ -135,25 +149,25 @@ class Client:
                 f"{host}:{port}: {error.strerror or error}; does a server run there?",
             ) from error
 
-    def _open(self, greeting: Message) -> Tuple[Union[socket.socket, TlsSocket], BinaryIO, Welcome]:
+    def _open(self, greeting: Message) -> Tuple[_Wire, Welcome]:
         plain = self._dial()
         connection: Union[socket.socket, TlsSocket] = plain
         try:
             plain.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             if self._tls:
                 connection = secure(plain, self._address[0], self._tls)
-            stream = connection.makefile("rb")
+            wire = _Wire(connection)
             connection.sendall(protocol.encode(greeting))
-            welcome = _await_welcome(stream)
+            welcome = _await_welcome(wire)
             connection.settimeout(None)
-            return connection, stream, welcome
+            return wire, welcome
         except BaseException:
             connection.close()
             raise
 
     @property
     def welcome(self) -> Welcome:
-        """What the server said when we joined."""
+        """The server's first answer, which describes the session."""
         return self._talk.welcome
 
     @property
@@ -161,17 +175,17 @@ class Client:
         return self.welcome.agent
 
     def perceive(self, relations: bool = False) -> Perception:
-        """The items of the next frame.
+        """Returns the items of the next frame.
 
-        With `relations`, the symbols of bodies with a shape hold `near`, `on`, `inside` and
-        `touching`, too.
+        With `relations`, the symbols of bodies with a shape also contain `near`, `on`, `inside` and
+        `touching`.
         """
         return self._ask(lambda id: protocol.perceive(id, relations=relations), Perception)
 
     def perceptions(self, every: int = 1) -> Iterator[Perception]:
-        """A perception every that many frames, always the newest: a slow loop skips, it never lags.
+        """Yields a perception every `every` frames, always the newest: a slow loop skips frames.
 
-        There is one such stream; starting another ends the first.
+        There is one such stream; a new one ends the previous one.
         """
         with self._sending:
             with self._changed:
@@ -194,43 +208,43 @@ class Client:
                     self._send(farewell)
 
     def ping(self) -> None:
-        """Returns when the server has answered."""
+        """Sends a ping and returns when the server has answered."""
         self._ask(protocol.ping, Pong)
 
     def events(self) -> List[Event]:
-        """What happened since the last call, oldest first; the last 1,024 events are kept.
+        """Returns the events since the last call, oldest first; at most the last 1,024 are kept.
 
-        An event `missed` stands for those that the server did not send, as we read too slowly or
-        others caused too many at once.
+        An event `missed` replaces events that the server did not send, because this client reads
+        too slowly or other clients caused too many events at once.
         """
         with self._changed:
             return self._talk.events()
 
     @property
     def missed_events(self) -> int:
-        """How many events the server did not send, see `missed` above. At least: of what
-        happened while a connection was broken it may not know how many, and counts one.
+        """The minimum number of events that the server did not send, see `missed` above.
+
+        If the connection was broken, the server may not know the number, and counts one.
         """
         return self._talk.missed_events
 
     def close(self) -> None:
-        """Leaves the world. Calling it again does nothing."""
-        self._finish(Disconnected("closed", "we have left"))
+        """Leaves the world. Another call has no effect."""
+        self._finish(left())
         try:
             with self._sending:
-                self._socket.sendall(self._talk.encode(protocol.bye()))
-            self._reader.join(self._timeout)  # ends with the server's bye, or with the connection
-            self._socket.shutdown(socket.SHUT_RDWR)
+                self._wire.socket.sendall(self._talk.encode(protocol.bye()))
+            self._reader.join(self._timeout)  # ends with the bye or the connection
+            self._wire.socket.shutdown(socket.SHUT_RDWR)
         except OSError:
-            pass  # the connection is gone already, which is all we want
+            pass  # the connection has already ended
         self._reader.join()
-        self._stream.close()
-        self._socket.close()
+        self._wire.socket.close()
 
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    # ---- asking ----
+    # ---- requests ----
 
     def _ask(self, build: Callable[[int], Message], answer_type: Type[_T]) -> _T:
         return self._answer(
@@ -254,22 +268,21 @@ class Client:
                 self._talk.drop(number)
 
     def _wait(self, ready: Callable[[], bool], patience: float) -> None:
-        """With `_changed` held: until ready, or the end of the connection or of patience [s]."""
+        """Waits, with `_changed` held, until `ready`, the end of the connection or `patience`."""
         self._changed.wait_for(lambda: self._talk.end is not None or ready(), patience)
         if not ready():
-            raise self._talk.end or ReveError(
-                "no-answer", f"the server was silent for {patience} s", "is its world running?"
-            )
+            raise self._talk.end or not_answered(patience)
 
     def _send(self, lines: bytes) -> None:
-        """With `_sending` held. Over a broken connection nothing: what matters is said again over
-        the next.
+        """Sends data, with `_sending` held. Does nothing if the connection is broken.
+
+        The next connection repeats all messages that are still needed.
         """
         try:
-            self._socket.sendall(lines)
+            self._wire.socket.sendall(lines)
         except OSError as error:
             if self.welcome.session is None:
-                self._finish(Disconnected("lost", f"the connection broke: {error}"))
+                self._finish(broken(error))
                 self._talk.require_open()
 
     def _finish(self, end: ReveError) -> None:
@@ -280,15 +293,15 @@ class Client:
     # ---- the reader's thread ----
 
     def _read(self) -> None:
-        end: ReveError = Disconnected("lost", "the server closed the connection without a reason")
+        end: ReveError = closed_by_server()
         while True:
             try:
-                message = protocol.read(self._stream)
+                message = self._wire.next()
                 if message is not None:
                     self._take(message)
                     continue
             except OSError as error:
-                end = Disconnected("lost", f"the connection broke: {error}")
+                end = broken(error)
             except ReveError as error:
                 self._finish(error)
                 return
@@ -305,12 +318,11 @@ class Client:
                 self._send(reply)
 
     def _resume(self) -> bool:
-        """Goes on over another connection, until the time of grace is over. True if that worked."""
+        """Reconnects until the time of grace is over. Returns True if the session continues."""
         ticket = self.welcome.session
         if ticket is None:
             return False
-        self._stream.close()
-        self._socket.close()
+        self._wire.socket.close()
         deadline = clock.monotonic() + ticket.grace_seconds
         while clock.monotonic() < deadline:
             with self._changed:
@@ -318,16 +330,16 @@ class Client:
             if greeting is None:
                 return False
             try:
-                connection, stream, _ = self._open(greeting)
+                wire, _ = self._open(greeting)
             except (ReveError, OSError) as error:
-                if isinstance(error, ReveError) and error.code not in RETRIED:
+                if isinstance(error, ReveError) and not self._talk.may_retry(error):
                     self._finish(error)
                     return False
                 with self._changed:
-                    self._changed.wait_for(lambda: self._talk.end is not None, _RETRY_SECONDS)
+                    self._changed.wait_for(lambda: self._talk.end is not None, RETRY_SECONDS)
                 continue
             with self._sending:
-                self._socket, self._stream = connection, stream
+                self._wire = wire
                 with self._changed:
                     lines = self._talk.gone_on()
                 self._send(lines)
@@ -336,7 +348,7 @@ class Client:
 
 
 class Agent(Client):
-    """An agent in a world, from `connect`."""
+    """An agent in a world, created by `connect`."""
 
     def __enter__(self) -> Agent:
         return self
@@ -347,13 +359,14 @@ class Agent(Client):
         return self.welcome.body
 
     def look(self, sensor: str) -> Image:
-        """What one of our body's cameras sees now; ReveError with the server's code if there is no
-        picture.
+        """Returns the current picture of a camera of the agent's body.
+
+        Raises ReveError with the server's code if there is no picture.
         """
         return self._ask(lambda number: protocol.look(number, sensor), Image)
 
     def act(self, item: Union[str, Item], action: str, /, **arguments: Argument) -> Result:
-        """Asks the item to do one of its actions and waits for the outcome.
+        """Requests an action of the item and waits for its result.
 
         A refusal is a result (`accepted` is False, with `code` and `reason`), not an exception.
         """
@@ -363,24 +376,25 @@ class Agent(Client):
     # ---- lock-step ----
 
     def step(self, *acts: Act) -> Perception:
-        """In lock-step: does these things in the next frame and returns what is perceived then, or
-        at the end of a round of several frames. The perception has the `results`.
+        """In lock-step: does the acts in the next frame and returns the perception after it.
+
+        If a round has several frames, returns the perception at its end. It contains the `results`.
         """
         self.ready(*acts)
         return self.observe()
 
     def ready(self, *acts: Act) -> None:
-        """In lock-step: does these things in the next frame, for which the world need not wait any
-        longer.
-        """
+        """In lock-step: does the acts in the next frame; the world need not wait any longer."""
         with self._sending:
             with self._changed:
                 lines = self._talk.ready(acts)
             self._send(lines)
 
     def observe(self, frame: int = 0) -> Perception:
-        """In lock-step: waits for the perception of that frame or a later one that was not observed
-        yet, after which the world waits for us. The first is that of the frame that we joined in.
+        """In lock-step: waits for the next unobserved perception, of that frame or a later one.
+
+        After that frame the world waits for this agent. The first perception is that of the frame
+        in which the agent joined.
         """
         patience = self._timeout + self._talk.patience()
         while True:
@@ -399,21 +413,23 @@ class Agent(Client):
 
 
 class Control(Client, Commands[Result]):
-    """Runs a world, from `control`: perceives everything, and each command waits for its result."""
+    """A controller of a world: perceives everything, and each command waits for its result."""
 
     def __enter__(self) -> Control:
         return self
 
     def foresee(self, frames: int) -> Perception:
-        """What would be perceived that many frames from now, if nobody did anything.
+        """Returns the predicted perception that many frames from now, without further actions.
 
-        ReveError with the server's code if it refuses to look so far ahead.
+        Raises ReveError with the server's code if it refuses a prediction of so many frames.
         """
         return self._answer(lambda: self._talk.fork(frames), self._talk.foreseen)
 
     def begin_edits(self, edits: Sequence[Tuple[str, str, Argument]]) -> Callable[[], List[Result]]:
-        """As `edit` for each item, property and value. Returns when the server has them all, which
-        it does in the next frame; what is returned waits for the results.
+        """Sends edits, as `edit` for each item, property and value, for the next frame.
+
+        Returns when the server has received all of them; the returned function waits for the
+        results.
         """
         with self._sending:
             with self._changed:
@@ -434,22 +450,11 @@ def _edit(edit: Tuple[str, str, Argument], number: int) -> Message:
     return protocol.command(number, "edit", item=item, property=property, value=value)
 
 
-def _await_welcome(stream: BinaryIO) -> Welcome:
-    """Before the welcome the server may only ping, refuse the hello or end the connection."""
+def _await_welcome(wire: _Wire) -> Welcome:
     while True:
         try:
-            message = protocol.read(stream)
+            welcome = welcome_in(wire.next())
         except socket.timeout as error:
-            raise ReveError(
-                "no-answer", "the server did not welcome us in time", "is its world running?"
-            ) from error
-        if message is None:
-            raise Disconnected("lost", "the server closed the connection before its welcome")
-        if isinstance(message, Welcome):
-            return message
-        if isinstance(message, Bye):
-            raise Disconnected(message.code, message.message, message.hint)
-        if isinstance(message, Error):
-            raise ReveError(message.code, message.message, message.hint)
-        if not isinstance(message, Ping):
-            raise ProtocolError(f"expected a welcome, got {message}")
+            raise not_welcomed() from error
+        if welcome is not None:
+            return welcome

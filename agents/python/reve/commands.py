@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What runs a world, for clients that wait and for those that do not."""
+"""The commands of the role control, for blocking and for asynchronous clients."""
 
 from __future__ import annotations
 
@@ -20,34 +20,36 @@ class Commands(ABC, Generic[R]):
     """
 
     def pause(self) -> R:
-        """Keeps the world from making frames."""
+        """Pauses the world: it makes no more frames."""
         return self._command("pause")
 
     def step(self, frames: int = 1) -> R:
-        """Lets a paused world make that many frames; the result names the last of them."""
+        """Lets a paused world make that many frames; the result contains the number of the last
+        one."""
         return self._command("step", frames=frames)
 
     def run(self) -> R:
-        """Lets a paused world go on."""
+        """Lets a paused world continue."""
         return self._command("run")
 
     def snapshot(self, image: str) -> R:
-        """Keeps the world as it is under that name, for `rewind`; the result names the frame it is
-        of.
+        """Stores the state of the world under that name, for `rewind`.
+
+        The result contains the frame of the state.
         """
         return self._command("snapshot", image=image)
 
     def rewind(self, image: Optional[str] = None) -> R:
-        """Goes back to a snapshot, or to where the world began, at once, even while it is paused.
+        """Restores a snapshot, or the initial state of the world, at once, even while it is paused.
 
-        The result names the frame that shows the world as it was. Streams of perceptions begin anew
-        with it.
+        The result contains the number of the frame that shows the restored state. Streams of
+        perceptions restart with this frame.
         """
         return self._command("rewind", **({} if image is None else {"image": image}))
 
     def save(self, file: str) -> R:
-        """Saves the world as it is as a world file of that name, in the folder that the server was
-        given.
+        """Saves the state of the world as a world file of that name, in the server's folder for
+        files.
         """
         return self._command("save", file=file)
 
@@ -57,14 +59,14 @@ class Commands(ABC, Generic[R]):
         return self._command("edit", item=target, property=property, value=value)
 
     def load_law(self, library: str, **parameters: float) -> R:
-        """Loads a library of laws that the server knows by that name; parameters in SI units."""
+        """Loads a law library that the server knows by that name; parameters are in SI units."""
         return self._command("load-law", library=library, parameters=parameters)
 
     def unload_law(self, library: str) -> R:
         return self._command("unload-law", library=library)
 
     def picture(self) -> R:
-        """Takes a picture of the next frame, into the server's folder for pictures."""
+        """Saves a picture of the next frame in the server's folder for pictures."""
         return self._command("picture")
 
     def shut_down(self) -> R:

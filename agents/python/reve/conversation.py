@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a client and a server have said to each other: no sockets, no threads. Who shares one holds
-a lock.
+"""The protocol state of a client, without sockets and threads. Users of several threads need a
+lock.
 """
 
 from __future__ import annotations
@@ -29,18 +29,40 @@ from .protocol import (
     Welcome,
 )
 
+RETRY_SECONDS = 0.2  # pause between two attempts to resume
+CHUNK_BYTES = 1 << 16  # maximum size of one read
+
 _EVENTS_KEPT = 1024
-# Codes of a refused `resume` that a client repeats during its time of grace.
-RETRIED = ("lost", "resumed-too-often")
+# Codes of a refused `resume` after which a client tries again during its time of grace.
+_RETRIED = ("lost", "resumed-too-often")
 _LOG = logging.getLogger("reve")
 
 _T = TypeVar("_T")
 
 
-class Conversation:
-    """One session, over however many connections.
+def welcome_in(message: Optional[ServerMessage]) -> Optional[Welcome]:
+    """Returns the welcome, or None if the client must read on.
 
-    What is to be sent is returned as bytes, what has come is given to `take`.
+    Before the welcome the server may only ping, refuse the hello or end the connection. The message
+    is None at the end of the connection.
+    """
+    if message is None:
+        raise Disconnected("lost", "the server closed the connection before its welcome")
+    if isinstance(message, Welcome):
+        return message
+    if isinstance(message, Bye):
+        raise Disconnected(message.code, message.message, message.hint)
+    if isinstance(message, Error):
+        raise ReveError(message.code, message.message, message.hint)
+    if not isinstance(message, Ping):
+        raise ProtocolError(f"expected a welcome, got {message}")
+    return None
+
+
+class Conversation:
+    """One session, over one or more connections.
+
+    Methods return bytes to send; `take` receives messages.
     """
 
     def __init__(self, greeting: Message, welcome: Welcome) -> None:
@@ -52,27 +74,28 @@ class Conversation:
         self._ids = itertools.count(1)
         self._waiting: Dict[int, Optional[ServerMessage]] = {}
         self._unanswered: Dict[int, bytes] = {}
-        self._ahead: Set[int] = set()  # questions about frames that are not made yet
-        # The stream of perceptions: in lock-step it has no id and is there from the beginning.
+        self._ahead: Set[int] = set()  # requests about frames that are not made yet
+        # The stream of perceptions. In lock-step it has no id and exists from the beginning.
         self._streaming = welcome.time is not None
         self._subscription: Optional[int] = None
         self._every = 0
         self._known: Optional[Perception] = None
         self._latest: Optional[Perception] = None
-        self._doing: List[int] = []  # acts of the round
-        self._ready_frame = -1  # of the perception that we have been ready for
+        self._doing: List[int] = []  # acts of the current round
+        self._ready_frame = -1  # frame of the perception that `ready` answered
         self._observed_frame = -1
         self._events: Deque[Event] = deque(maxlen=_EVENTS_KEPT)
         self._frame_seen = welcome.frame - 1
-        # Frames of the events that came after the last one seen whole.
+        # Frames of the events that came after the last frame whose events are complete.
         self._seen_after: List[int] = []
         self._known_already = 0
 
-    # ---- asking ----
+    # ---- requests ----
 
     def question(self, build: Callable[[int], Message]) -> Tuple[int, bytes]:
-        """A message that is answered, by its number, and as it is to be sent; or sent again after a
-        break.
+        """Creates a message that will be answered. Returns its number and its bytes.
+
+        The message is sent again after a reconnection.
         """
         self.require_open()
         number = next(self._ids)
@@ -82,13 +105,13 @@ class Conversation:
         return number, line
 
     def fork(self, frames: int) -> Tuple[int, bytes]:
-        """Asks what would be perceived that many frames from now."""
+        """Requests the predicted perception that many frames from now."""
         number, line = self.question(lambda id: protocol.command(id, "fork", frames=frames))
         self._ahead.add(number)
         return number, line
 
     def foreseen(self, number: int) -> Perception:
-        """What came in answer to `fork`; raises what the server refused."""
+        """Returns the answer to `fork`, or raises the server's refusal."""
         answer: object = self.answer(number, object)
         if isinstance(answer, Perception):
             return answer
@@ -101,7 +124,7 @@ class Conversation:
         return self._waiting[number] is not None
 
     def answer(self, number: int, answer_type: Type[_T]) -> _T:
-        """What came in answer; raises what the server refused."""
+        """Returns the answer, or raises the server's refusal."""
         answer = self._waiting[number]
         if isinstance(answer, Error):
             raise ReveError(answer.code, answer.message, answer.hint)
@@ -110,7 +133,7 @@ class Conversation:
         return answer
 
     def drop(self, number: int) -> None:
-        """Nobody waits for that answer any more."""
+        """Cancels the wait for that answer."""
         self._waiting.pop(number, None)
         self._unanswered.pop(number, None)
         self._ahead.discard(number)
@@ -123,14 +146,14 @@ class Conversation:
             raise self.end
 
     def finish(self, end: ReveError) -> None:
-        """The first reason counts."""
+        """Ends the session; only the first reason is kept."""
         if self.end is None:
             self.end = end
 
     # ---- a stream of perceptions ----
 
     def subscribe(self, every: int) -> Tuple[int, bytes]:
-        """Begins another stream in place of the one there is, if any."""
+        """Starts a stream, which replaces the previous one."""
         if every < 1:
             raise ValueError(f"every is {every}; expected a number of frames, 1 or more")
         if self.welcome.time is not None:
@@ -147,11 +170,11 @@ class Conversation:
         return self._streaming and self._subscription == number
 
     def has_news(self, number: int) -> bool:
-        """True if the stream has brought something, or has ended."""
+        """Returns True if the stream has a new perception or has ended."""
         return not self.has_stream(number) or self._latest is not None
 
     def news(self, number: int) -> Optional[Perception]:
-        """The newest perception of a stream; None where it has ended."""
+        """Returns the newest perception of a stream; None if it has ended."""
         if not self.has_stream(number):
             return None
         latest, self._latest = self._latest, None
@@ -167,7 +190,7 @@ class Conversation:
     # ---- lock-step ----
 
     def ready(self, acts: Tuple[Act, ...]) -> bytes:
-        """Does these things and is done with the round."""
+        """Does the acts and ends this agent's part of the round."""
         self._require_lock_step()
         self.require_open()
         for number in self._doing:
@@ -189,8 +212,9 @@ class Conversation:
         return line
 
     def has_observation(self, frame: int) -> bool:
-        """True if there is a perception of that frame or a later one that was not looked at, and
-        the results of what was done for it.
+        """Returns True if an unobserved perception of that frame or a later one is complete.
+
+        It is complete when the results of the acts before it are known.
         """
         self._require_lock_step()
         return (
@@ -211,8 +235,10 @@ class Conversation:
         return dataclasses.replace(self._known, results=results)
 
     def must_say_ready(self) -> bool:
-        """True if the round went on without us, and the next one waits while we still wait for
-        results.
+        """Returns True if a `ready` without acts is needed.
+
+        The round went on without this agent, and the next one waits for it while the agent still
+        waits for results.
         """
         return (
             bool(self._doing)
@@ -227,7 +253,8 @@ class Conversation:
         return self.encode(protocol.ready(self._known.frame))
 
     def patience(self) -> float:
-        """How long the others may keep a round from ending [s], beyond what an answer takes."""
+        """Returns how long other agents may delay the end of a round [s], beyond the time of an
+        answer."""
         time = self.welcome.time
         return 0.0 if time is None else time.deadline + time.every / self.welcome.rate
 
@@ -237,7 +264,7 @@ class Conversation:
                 "not-lock-step", "nobody waits for this agent", "connect with time=reve.LockStep()"
             )
 
-    # ---- hearing ----
+    # ---- received messages ----
 
     def events(self) -> List[Event]:
         events = list(self._events)
@@ -245,7 +272,7 @@ class Conversation:
         return events
 
     def take(self, message: ServerMessage) -> Optional[bytes]:
-        """Something has come. Returns what is to be said to it at once, if anything."""
+        """Processes a received message. Returns the bytes to send at once, if any."""
         if isinstance(message, Ping):
             return self.encode(protocol.pong())
         if isinstance(message, Bye):
@@ -261,7 +288,7 @@ class Conversation:
         return None
 
     def _hear(self, event: Event) -> None:
-        if self._known_already > 0:  # told again after a break
+        if self._known_already > 0:  # sent again after a reconnection
             self._known_already -= 1
             return
         self._events.append(event)
@@ -269,7 +296,7 @@ class Conversation:
         self._seen_after.append(event.frame)
 
     def _miss(self, gap: Event) -> None:
-        """The server did not send the events of some frames, up to that of the gap."""
+        """Records that the server did not send the events of some frames, up to that of the gap."""
         if self.missed_events == 0:
             _LOG.warning(
                 "%s misses events from frame %d to %d, as it reads too slowly or others cause too "
@@ -286,7 +313,7 @@ class Conversation:
         self._known_already = min(self._known_already, len(self._seen_after))
 
     def _has_seen(self, frame: int) -> None:
-        """All events up to that frame have come."""
+        """Records that all events up to that frame have arrived."""
         self._frame_seen = max(self._frame_seen, frame)
         self._seen_after = [f for f in self._seen_after if f > self._frame_seen]
 
@@ -310,10 +337,11 @@ class Conversation:
         elif isinstance(message, Error):
             raise ReveError(message.code, message.message, message.hint)
 
-    # ---- when a connection breaks ----
+    # ---- reconnection ----
 
     def greeting(self) -> Optional[Message]:
-        """The hello with which another connection goes on; None where that is not possible."""
+        """Returns the hello that resumes the session on another connection; None if that is
+        impossible."""
         if self.welcome.session is None or self.end is not None:
             return None
         return protocol.hello(
@@ -325,9 +353,15 @@ class Conversation:
             world=self.welcome.world,
         )
 
+    @staticmethod
+    def may_retry(error: Exception) -> bool:
+        """Returns False if a resume failed for a permanent reason."""
+        return not isinstance(error, ReveError) or error.code in _RETRIED
+
     def gone_on(self) -> bytes:
-        """Another connection has been welcomed: what has to be said again over it, or that we leave
-        if that is over meanwhile.
+        """Returns the bytes to send over a new connection after its welcome.
+
+        These are unanswered messages, or a bye if the client has left in the meantime.
         """
         if self.end is not None:
             return self.encode(protocol.bye())

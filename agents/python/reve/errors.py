@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What can go wrong between an agent and its world."""
+"""Errors between an agent and its world."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Optional
 
 
 class ReveError(Exception):
-    """The server refused a message, or did not answer. `code` is for programs, the rest for people."""
+    """A refused message, or a missing answer. `code` is for programs, the message for people."""
 
     def __init__(self, code: str, message: str, hint: Optional[str] = None) -> None:
         super().__init__(f"{code}: {message}" + (f" ({hint})" if hint else ""))
@@ -17,7 +17,7 @@ class ReveError(Exception):
 
 
 class Disconnected(ReveError):
-    """The connection ended; `code` is the server's reason, or `lost` where it gave none."""
+    """The connection ended; `code` is the server's reason, or `lost` if it gave none."""
 
 
 class ProtocolError(ReveError):
@@ -25,3 +25,26 @@ class ProtocolError(ReveError):
 
     def __init__(self, message: str) -> None:
         super().__init__("protocol", message)
+
+
+# Errors of connections, which both clients raise.
+
+
+def not_welcomed() -> ReveError:
+    return ReveError("no-answer", "the server did not welcome us in time", "is its world running?")
+
+
+def not_answered(seconds: float) -> ReveError:
+    return ReveError("no-answer", f"the server was silent for {seconds} s", "is its world running?")
+
+
+def broken(error: OSError) -> Disconnected:
+    return Disconnected("lost", f"the connection broke: {error}")
+
+
+def closed_by_server() -> Disconnected:
+    return Disconnected("lost", "the server closed the connection without a reason")
+
+
+def left() -> Disconnected:
+    return Disconnected("closed", "we have left")

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The messages of protocol version 1 and how they are written: JSON lines or MessagePack.
+"""The messages of protocol version 1 and their encodings: JSON lines or MessagePack.
 
-The protocol is described in agents/protocol/PROTOCOL.md.
+agents/protocol/PROTOCOL.md describes the protocol.
 """
 
 from __future__ import annotations
@@ -13,7 +13,6 @@ import math
 from dataclasses import dataclass, field
 from typing import (
     Any,
-    BinaryIO,
     Callable,
     Dict,
     Iterable,
@@ -33,7 +32,7 @@ JSON, MSGPACK = "json", "msgpack"
 NOT_TURNED = (0.0, 0.0, 0.0, 1.0)
 
 Value = Union[str, float, bool, List[float]]
-"""A symbol's or an event field's value."""
+"""The value of a symbol or of an event's field."""
 Argument = Union[str, bool, float, Sequence[float]]
 """An argument of an action, in the unit that the action declares."""
 Message = Dict[str, Any]
@@ -41,12 +40,13 @@ Message = Dict[str, Any]
 
 @dataclass(frozen=True)
 class Limits:
-    """What the server takes from a client: bytes of a line, messages in a second (of the clock, or
-    of the world if that goes faster), commands that wait for their result, silence [s] after which
-    it asks whether the client is still there, grace [s] that one can ask for; items in the world at
-    a time that actions of this agent created, and that actions of all agents created; bytes of
-    events in a second of world time that they raise. None for a limit that the server does not
-    have.
+    """The server's limits for a client; None if the server has no such limit.
+
+    Bytes of a line; messages per second (of the clock, or of world time if that is faster);
+    commands that wait for their result; silence [s] after which the server sends a ping; maximum
+    grace [s]; items that exist at the same time and were created by actions of this agent, and by
+    actions of all agents; bytes of events that actions of this agent raise per second of world
+    time.
     """
 
     line_bytes: int
@@ -62,8 +62,8 @@ class Limits:
 
 @dataclass(frozen=True)
 class Ticket:
-    """With the token another connection goes on with the session, that long [s] after the first
-    broke.
+    """The token with which another connection resumes the session, within `grace_seconds` after a
+    break.
     """
 
     token: str
@@ -72,7 +72,7 @@ class Ticket:
 
 @dataclass(frozen=True)
 class Act:
-    """An action of an item with its arguments; the item None stands for one's own body."""
+    """An action of an item with its arguments; the item None is the agent's own body."""
 
     item: Optional[str]
     action: str
@@ -81,9 +81,10 @@ class Act:
 
 @dataclass(frozen=True)
 class LockStep:
-    """The world waits for the agent after every `every`th frame, at most `deadline` [s]; if that
-    was not long enough, its body does the `fallback`. With `relations` it perceives what is near,
-    on, inside and touching, too.
+    """The rhythm of lock-step: the world waits for the agent after every `every`th frame.
+
+    It waits at most `deadline` [s]; if the agent has not answered by then, its body does the
+    `fallback`. With `relations`, perceptions also contain `near`, `on`, `inside` and `touching`.
     """
 
     every: int = 1
@@ -94,8 +95,10 @@ class LockStep:
 
 @dataclass(frozen=True)
 class Welcome:
-    """The first answer: who you are in which world. `rate` is its frames per second; only agents
-    have a body. `time` says the rhythm and the deadline that an agent in lock-step has got.
+    """The first answer: the agent's name and world.
+
+    `rate` is the world's frames per second. Only agents have a body. `time` contains the rhythm and
+    the deadline granted to an agent in lock-step.
     """
 
     id: Optional[int]
@@ -115,8 +118,10 @@ class Welcome:
 
 @dataclass(frozen=True)
 class Parameter:
-    """What an action takes. What follows the type is given for "number" only: how many, in which
-    unit, and within which bounds each of them, if there are any.
+    """A parameter of an action.
+
+    The fields after the type are for "number" only: how many numbers, their unit, and the bounds of
+    each, if any.
     """
 
     type: str
@@ -128,10 +133,12 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Item:
-    """One item as perceived. `location` is x, y, z [m] in the world's frame and `orientation` a
-    unit quaternion x, y, z, w; `location` is None for what has no place, or one that we do not
-    sense. `needs` are the capabilities that a body must have for an action, of those that need any;
-    `capabilities` are the item's own.
+    """One item as perceived.
+
+    `location` is x, y, z [m] in the world's frame, and `orientation` a unit quaternion x, y, z, w.
+    `location` is None for an item without a place, or if no sensor reaches it. `needs` are the
+    capabilities that a body must have for an action, for actions that need any; `capabilities` are
+    the item's own.
     """
 
     name: str
@@ -145,8 +152,9 @@ class Item:
 
 @dataclass(frozen=True)
 class Perception:
-    """All items that we perceive in one frame; `time` is the world's [s]. In lock-step `results`
-    are those of what was done in the round before, in order.
+    """All items that the client perceives in one frame; `time` is the world's [s].
+
+    In lock-step, `results` are those of the acts in the round before, in order.
     """
 
     id: Optional[int]
@@ -156,11 +164,11 @@ class Perception:
     results: Tuple[Result, ...] = ()
 
     def find(self, name: str) -> Optional[Item]:
-        """The item of that name, if it was perceived."""
+        """Returns the item of that name; None if it was not perceived."""
         return next((item for item in self.items if item.name == name), None)
 
     def updated(self, update: Update) -> Perception:
-        """What we perceive after an update to this perception."""
+        """Returns this perception with an update applied."""
         if update.since != self.frame:
             raise ProtocolError(f"an update to frame {update.since} came after frame {self.frame}")
         items = {item.name: item for item in self.items}
@@ -177,7 +185,7 @@ class Perception:
 
 @dataclass(frozen=True)
 class Change:
-    """What is new about an item; None for what is as before."""
+    """The changes of an item; None for a field that did not change."""
 
     name: str
     location: Optional[Tuple[float, float, float]] = None
@@ -189,7 +197,7 @@ class Change:
 
 @dataclass(frozen=True)
 class Update:
-    """What is different from the perception of frame `since`."""
+    """The difference from the perception of frame `since`."""
 
     id: Optional[int]
     frame: int
@@ -202,7 +210,10 @@ class Update:
 
 @dataclass(frozen=True)
 class Result:
-    """How an act ended: the frame it took effect in, or a code and a reason. True where accepted."""
+    """The outcome of an act: the frame in which it took effect, or a code and a reason.
+
+    True if it was accepted.
+    """
 
     id: int
     accepted: bool
@@ -216,12 +227,13 @@ class Result:
 
 @dataclass(frozen=True)
 class Image:
-    """What a camera saw, row by row from the top; numbers are little-endian.
+    """A camera's picture, row by row from the top; numbers are little-endian.
 
-    `colour` is red, green and blue in sRGB, a byte each; `depth` [m] 32-bit floats along the view,
-    0 where nothing is in range; `items` 16 bits, 0 for no item, else its place in `names`, from 1.
-    Layers that the camera lacks are None. With numpy: `numpy.frombuffer(image.colour,
-    "u1").reshape(image.height, image.width, 3)`, `"<f4"` for the depth and `"<u2"` for the items.
+    `colour` is red, green and blue in sRGB, one byte each. `depth` [m] is 32-bit floats along the
+    view, 0 if nothing is in range. `items` is 16 bits, 0 for no item, otherwise the index in
+    `names`, from 1. Layers that the camera lacks are None. With numpy:
+    `numpy.frombuffer(image.colour, "u1").reshape(image.height, image.width, 3)`, `"<f4"` for the
+    depth and `"<u2"` for the items.
     """
 
     id: int
@@ -236,7 +248,8 @@ class Image:
     names: Tuple[str, ...] = ()
 
     def find(self, x: int, y: int) -> Optional[str]:
-        """The name of the item at that pixel, counted from the upper left."""
+        """Returns the name of the item at that pixel, counted from the upper left; None for no
+        item."""
         if self.items is None:
             raise ValueError(f"the camera {self.sensor} does not tell items")
         at = 2 * (y * self.width + x)
@@ -246,7 +259,7 @@ class Image:
 
 @dataclass(frozen=True)
 class Event:
-    """Something happened in the world in that frame."""
+    """An event in the world in that frame."""
 
     frame: int
     type: str
@@ -255,7 +268,7 @@ class Event:
 
 @dataclass(frozen=True)
 class Error:
-    """A message was refused; the connection goes on."""
+    """A refused message; the connection remains open."""
 
     id: Optional[int]
     code: str
@@ -265,21 +278,21 @@ class Error:
 
 @dataclass(frozen=True)
 class Ping:
-    """The server asks whether we are still there."""
+    """The server's question whether the client still responds."""
 
     id: Optional[int]
 
 
 @dataclass(frozen=True)
 class Pong:
-    """The server is still there."""
+    """The server's answer to a ping."""
 
     id: Optional[int]
 
 
 @dataclass(frozen=True)
 class Bye:
-    """The connection ends, and why."""
+    """The end of the connection, and its reason."""
 
     id: Optional[int]
     code: str
@@ -301,7 +314,7 @@ def hello(
     time: Optional[LockStep] = None,
     world: Optional[str] = None,
 ) -> Message:
-    """`resume` is the token of a session and the last frame whose events have all come."""
+    """`resume` is the token of a session and the last frame whose events are complete."""
     message: Message = {"t": "hello", "protocol": VERSION, "name": name}
     if role != AGENT:
         message["role"] = role
@@ -356,17 +369,17 @@ def act(id: int, item: str, action: str, arguments: Mapping[str, Argument]) -> M
 
 
 def ready(frame: Optional[int] = None) -> Message:
-    """`frame` is that of the perception one goes by."""
+    """`frame` is that of the perception on which the decision is based."""
     return {"t": "ready"} if frame is None else {"t": "ready", "frame": frame}
 
 
 def and_ready(act: Message, frame: Optional[int] = None) -> Message:
-    """An act that says `ready`, too."""
+    """Returns an act that also contains `ready`."""
     return {**act, **ready(frame), "t": "act", "ready": True}
 
 
 def command(id: int, t: str, **fields: Any) -> Message:
-    """What only the role control may say."""
+    """Returns a command, which only the role control may send."""
     return {"t": t, "id": id, **fields}
 
 
@@ -383,9 +396,10 @@ def bye() -> Message:
 
 
 def encode(message: Message, encoding: str = JSON) -> bytes:
-    """The message as it goes over the wire.
+    """Returns the message as sent over the connection.
 
-    ValueError for a number that is not finite, TypeError for what JSON has no form of.
+    Raises ValueError for a number that is not finite, TypeError for a value that JSON cannot
+    represent.
     """
     if encoding == JSON:
         text = json.dumps(message, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
@@ -396,7 +410,7 @@ def encode(message: Message, encoding: str = JSON) -> bytes:
 
 
 def decode(line: bytes) -> ServerMessage:
-    """The message that a line from the server says; ProtocolError if it says none."""
+    """Decodes a line from the server; raises ProtocolError if it is not a message."""
     try:
         return _message(json.loads(line.decode("utf-8")))
     except (ValueError, KeyError, TypeError, AttributeError) as error:
@@ -407,7 +421,7 @@ def decode(line: bytes) -> ServerMessage:
 
 
 def decode_packed(message: bytes) -> ServerMessage:
-    """The message that MessagePack, without its length, says; ProtocolError if it says none."""
+    """Decodes MessagePack without its length; raises ProtocolError if it is not a message."""
     try:
         return _message(_msgpack().unpackb(message))
     except (ValueError, KeyError, TypeError, AttributeError) as error:
@@ -416,22 +430,43 @@ def decode_packed(message: bytes) -> ServerMessage:
         ) from error
 
 
-def read(stream: BinaryIO) -> Optional[ServerMessage]:
-    """The next message of a connection, in either encoding; None where it has ended, be that
-    within a message.
-    """
-    first = stream.read(1)
-    if not first:
-        return None
-    if first != b"\0":
-        line = first + stream.readline()
-        return decode(line) if line.endswith(b"\n") else None
-    rest = stream.read(3)
-    if len(rest) < 3:
-        return None
-    length = int.from_bytes(rest, "big")
-    message = stream.read(length)
-    return decode_packed(message) if len(message) == length else None
+class Incoming:
+    """Splits the received bytes of one connection into messages, in either encoding. One thread."""
+
+    def __init__(self) -> None:
+        self._bytes = bytearray()
+        self._start = 0  # start of the next message
+        self._searched = 0  # position up to which its end was searched
+
+    def feed(self, data: bytes) -> None:
+        """Appends received bytes, which may contain several messages and parts of messages."""
+        if self._start > 0:
+            del self._bytes[: self._start]
+            self._searched -= self._start
+            self._start = 0
+        self._bytes += data
+
+    def next(self) -> Optional[ServerMessage]:
+        """Returns the next message, or None if it is incomplete. Raises ProtocolError if it is
+        invalid."""
+        if self._bytes[self._start : self._start + 1] == b"\0":
+            message = self._take(self._start + 4 + self._length())
+            return None if message is None else decode_packed(message[4:])
+        end = self._bytes.find(b"\n", max(self._searched, self._start)) + 1
+        self._searched = len(self._bytes)
+        line = self._take(end) if end > 0 else None
+        return None if line is None else decode(line)
+
+    def _length(self) -> int:
+        """Returns the number of bytes after the length prefix; too few if it is incomplete."""
+        return int.from_bytes(self._bytes[self._start : self._start + 4], "big")
+
+    def _take(self, end: int) -> Optional[bytes]:
+        if end > len(self._bytes):
+            return None
+        message = bytes(self._bytes[self._start : end])
+        self._start = self._searched = end
+        return message
 
 
 def _message(message: Message) -> ServerMessage:

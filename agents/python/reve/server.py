@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A server of one's own, for as long as one needs it."""
+"""A local server for the duration of a context."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ def serve(
     """Runs `./reve serve WORLD` on a free port; yields host and port, and ends the server
     afterwards.
 
-    It makes frames as fast as its agents in lock-step go on, waits an hour for them, and lets them
-    keep others waiting for any time. `options` are more of those of `./reve serve`, `launcher` is
-    the project's launcher. Raises ReveError if it cannot be run, or with what the server said if
-    that does not start.
+    The server makes frames as fast as its agents in lock-step allow. It waits an hour for them, and
+    lets them delay the others for any time. `options` are further options of `./reve serve`,
+    `launcher` is the project's launcher. Raises ReveError if the launcher cannot be run, or with
+    the server's output if the server does not start.
     """
     command = [
         os.fspath(launcher),
@@ -90,7 +90,7 @@ def _port(events: IO[str]) -> "int | None":
 
 
 def _drain(events: IO[str]) -> None:
-    """So that the server never waits for a reader of its events."""
-    with contextlib.suppress(OSError, ValueError):  # closed under us
+    """Reads and discards events, so that the server never waits for a reader."""
+    with contextlib.suppress(OSError, ValueError):  # another thread closed the stream
         while os.read(events.fileno(), 1 << 16):
             pass

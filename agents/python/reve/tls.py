@@ -1,14 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Private connections: TLS over a socket."""
+"""Encrypted connections: TLS over a socket."""
 
 from __future__ import annotations
 
 import errno
-import io
 import socket
 import ssl
 import threading
-from typing import Any, BinaryIO, Union
+from typing import Union
 
 from .errors import Disconnected
 
@@ -21,8 +20,9 @@ _CHUNK = 64 * 1024
 
 
 def secure(connection: socket.socket, host: str, tls: Tls) -> TlsSocket:
-    """Shakes hands with the server and makes sure that it is `host`; Disconnected `tls-failed` if
-    not.
+    """Makes the TLS handshake and checks that the server is `host`.
+
+    Raises Disconnected with `tls-failed` if this fails.
     """
     try:
         return TlsSocket(connection, trusting(tls), host)
@@ -33,7 +33,7 @@ def secure(connection: socket.socket, host: str, tls: Tls) -> TlsSocket:
 
 
 def trusting(tls: Tls) -> ssl.SSLContext:
-    """What trusts whom `tls`, which is not False, says."""
+    """Returns a TLS context that trusts the certificates of `tls`, which is not False."""
     if isinstance(tls, ssl.SSLContext):
         return tls
     if tls is True:
@@ -51,7 +51,7 @@ def trusting(tls: Tls) -> ssl.SSLContext:
 
 
 def failed(error: Exception) -> Disconnected:
-    """What to raise from a handshake that failed."""
+    """Returns the exception for a failed handshake."""
     return Disconnected(
         "tls-failed",
         str(error),
@@ -60,9 +60,7 @@ def failed(error: Exception) -> Disconnected:
 
 
 class TlsSocket:
-    """A socket with TLS. One thread may read while others write, which ssl.SSLSocket does not
-    promise.
-    """
+    """A socket with TLS. One thread may read while others write, unlike with ssl.SSLSocket."""
 
     def __init__(self, connection: socket.socket, context: ssl.SSLContext, host: str) -> None:
         self._socket = connection
@@ -80,7 +78,7 @@ class TlsSocket:
                         "the server closed the connection before it was private"
                     ) from None
             except ssl.SSLError:
-                self._flush()  # the alert that tells the server why
+                self._flush()  # sends the TLS alert with the reason
                 raise
         self._flush()
 
@@ -99,10 +97,6 @@ class TlsSocket:
                 except ssl.SSLWantReadError:
                     self._flush()
             self._fill()
-
-    def makefile(self, mode: str) -> BinaryIO:
-        assert mode == "rb"
-        return io.BufferedReader(_Reader(self))
 
     def settimeout(self, seconds: Union[float, None]) -> None:
         self._socket.settimeout(seconds)
@@ -126,16 +120,3 @@ class TlsSocket:
             else:
                 self._incoming.write_eof()
         return bool(data)
-
-
-class _Reader(io.RawIOBase):
-    def __init__(self, connection: TlsSocket) -> None:
-        self._connection = connection
-
-    def readable(self) -> bool:
-        return True
-
-    def readinto(self, buffer: Any) -> int:
-        data = self._connection.recv(len(buffer))
-        buffer[: len(data)] = data
-        return len(data)

@@ -15,8 +15,8 @@ import java.util.List;
 import java.util.Optional;
 
 /**
- * Serves a world file on an ephemeral port, for the tests beside it: prints the port, then makes
- * frames until its standard input ends. Run as a source file.
+ * Serves a world file on an ephemeral port for the tests in this folder. Prints the port, then
+ * makes frames until its standard input ends. Run as a source file.
  */
 final class PondServer {
 
@@ -49,7 +49,7 @@ final class PondServer {
                     .start(
                             () -> {
                                 while (readByte() >= 0) {
-                                    // Nothing is expected but the end.
+                                    // Only the end of the input is expected.
                                 }
                                 server.stop();
                             });

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A way to a server that breaks."""
+"""A proxy that breaks connections to a server."""
 
 from __future__ import annotations
 
@@ -12,8 +12,7 @@ _CHUNK = 4096
 
 
 class Cutter:
-    """Passes connections on, and ends each where the server has said some bytes, in the midst of
-    a message mostly."""
+    """A proxy that ends each connection after some bytes from the server."""
 
     def __init__(self, server: int, seed: int, most_bytes: int) -> None:
         self.cuts = 0
@@ -54,7 +53,7 @@ class Cutter:
                         self.cuts += 1
                         break
         except OSError:
-            pass  # the other way has ended
+            pass  # the other direction has ended
         for end in (source, target):
             try:
                 end.shutdown(socket.SHUT_RDWR)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the tests share: the package beside them, the protocol's vectors, and a real server."""
+"""Shared parts of the tests: the package under test, the protocol's vectors, and a real server."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ sys.path.insert(0, str(PACKAGE))
 
 
 def vectors(name: str) -> List[Any]:
-    """One value per line of a file of test vectors."""
+    """Returns one value per line of a file of test vectors."""
     text = (PROTOCOL / "vectors" / name).read_text("utf-8")
     return [json.loads(line) for line in text.splitlines()]
 
 
 def java(program: str, *arguments: str) -> List[str]:
-    """The command that runs a class, or a Java source file, against the project's classes."""
+    """Returns the command that runs a class, or a Java source file, with the project's classes."""
     class_path = os.environ.get("REVE_TEST_CLASSPATH")
     java_home = os.environ.get("REVE_JAVA_HOME")
     if not class_path or not java_home:
@@ -39,8 +39,7 @@ def java(program: str, *arguments: str) -> List[str]:
 
 @contextlib.contextmanager
 def launched(*arguments: str) -> Iterator[int]:
-    """`./reve` with these arguments, which make it a server, in the project's folder; yields its
-    port."""
+    """Runs `./reve` with arguments that start a server; yields its port."""
     root = PACKAGE.parents[1]
     server = subprocess.Popen(
         [str(root / "reve"), *arguments, "--json"], cwd=root, stdout=subprocess.PIPE, text=True
@@ -56,7 +55,7 @@ def launched(*arguments: str) -> Iterator[int]:
 
 @contextlib.contextmanager
 def pond() -> Iterator[int]:
-    """A server with the world of pond.yaml, as a process of its own; yields its port."""
+    """Runs a server with the world of pond.yaml as a separate process; yields its port."""
     command = java(str(HERE / "PondServer.java"), str(HERE / "pond.yaml"))
     server = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
     try:

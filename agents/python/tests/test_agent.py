@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The client against the real server, in a process of its own, making 240 frames a second."""
+"""Tests of the client with a real server in a separate process that makes 240 frames per second."""
 
 import contextlib
 import importlib.util
@@ -34,7 +34,7 @@ class AgentTest(unittest.TestCase):
         return agent
 
     def test_an_agent_is_welcomed_with_its_body_and_the_worlds_name(self):
-        # The refusal comes from a frame in which all who left before have given their bodies back.
+        # By the frame of the refusal, all agents that left earlier have returned their bodies.
         with self.assertRaises(reve.Disconnected) as raised:
             self.join("ada", body="duck")
         self.assertEqual(raised.exception.code, "no-such-body")
@@ -48,7 +48,7 @@ class AgentTest(unittest.TestCase):
     def test_a_perception_has_places_symbols_and_actions(self):
         with self.join("eve") as eve:
             perception = eve.perceive()
-            # The welcome may come before its frame is published, which is then the next one.
+            # The welcome may arrive before its frame is published; that frame is then the next one.
             self.assertGreaterEqual(perception.frame, eve.welcome.frame)
             self.assertIsNotNone(perception.find(eve.body))
             self.assertAlmostEqual(perception.time, perception.frame / 240)
@@ -123,7 +123,7 @@ class AgentTest(unittest.TestCase):
         with self.join("lea") as lea:
             with self.join("max"):
                 self.assertIsNotNone(lea.perceive().find("max"))
-            lea.perceive()  # of a frame that had begun when max left, perhaps
+            lea.perceive()  # may be of a frame that had begun when max left
             self.assertIsNone(lea.perceive().find("max"))
 
     def test_a_refused_message_raises_its_code_and_the_agent_goes_on(self):
@@ -191,7 +191,7 @@ class AgentTest(unittest.TestCase):
             perceptions = mia.perceptions()
             before = next(perceptions).find("duck")
             self.assertTrue(mia.act("duck", "paint", colour="blau"))
-            mia._socket.shutdown(socket.SHUT_RDWR)
+            mia._wire.socket.shutdown(socket.SHUT_RDWR)
             self.assertEqual(mia.act("swan", "paint").code, "no-such-item")
             while next(perceptions).find("duck").symbols["colour"] != "blau":
                 pass
@@ -246,7 +246,7 @@ class AgentTest(unittest.TestCase):
             perceptions = pam.perceptions()
             before = next(perceptions)
             for number in range(5):
-                pam._socket.shutdown(socket.SHUT_RDWR)
+                pam._wire.socket.shutdown(socket.SHUT_RDWR)
                 self.assertTrue(pam.act("duck", "paint", colour=f"shade {number}"))
             self.assertIsNotNone(quy.perceive().find(pam.body))
             self.assertGreater(next(perceptions).frame, before.frame)
@@ -303,7 +303,7 @@ class AgentTest(unittest.TestCase):
         with self.join("yan", time=reve.LockStep(deadline=5.0), grace=20.0) as yan:
             perception = yan.observe()
             for number in range(5):
-                yan._socket.shutdown(socket.SHUT_RDWR)
+                yan._wire.socket.shutdown(socket.SHUT_RDWR)
                 after = yan.step(reve.Act("duck", "paint", {"colour": f"shade {number}"}))
                 self.assertGreater(after.frame, perception.frame)
                 self.assertTrue(after.results[0])

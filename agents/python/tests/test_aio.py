@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The client for asyncio against the real server."""
+"""Tests of the asyncio client with a real server."""
 
 import asyncio
 import unittest
@@ -61,7 +61,7 @@ class AsyncAgentTest(unittest.IsolatedAsyncioTestCase):
     async def test_a_broken_connection_comes_back_and_nothing_is_done_twice(self):
         async with await self.join("eve", grace=20.0) as eve:
             for number in range(5):
-                eve._wire[1].transport.abort()
+                eve._wire.writer.transport.abort()
                 self.assertTrue(await eve.act("duck", "paint", colour=f"shade {number}"))
             acted = [e for e in eve.events() if e.type == "acted" and e.fields["agent"] == "eve"]
             self.assertEqual(len(acted), 5)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a client makes of what the server says, without a connection."""
+"""Tests of the client's protocol state, without a connection."""
 
 import unittest
 
@@ -66,7 +66,7 @@ class MissedEventsTest(unittest.TestCase):
         self.assertEqual(4, self.frame_seen())
         self.talk.gone_on()
         with self.assertLogs("reve", "WARNING"):
-            self.talk.take(missed(5, 8))  # the server has forgotten those, too
+            self.talk.take(missed(5, 8))  # the server has dropped those, too
         self.talk.take(said(9))
         self.assertEqual([5, 5, 5, 8, 9], [event.frame for event in self.talk.events()])
         self.assertEqual(1, self.talk.missed_events)

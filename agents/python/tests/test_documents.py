@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The examples in the documents, run as they are against the real server; only the port is
-exchanged."""
+"""Runs the examples in the documents unchanged against a real server; only the port is replaced."""
 
 import os
 import pathlib
@@ -20,7 +19,7 @@ PAGE = PACKAGE.parents[1] / "docs" / "agents.md"
 
 
 def examples(document: pathlib.Path, language: str, port: int) -> List[str]:
-    """The code blocks in that language, "" for those that name none."""
+    """Returns the code blocks in that language; "" selects those without a language."""
     text = document.read_text("utf-8")
     blocks = re.findall(r"^```(\w*)\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
     return [code.replace("7777", str(port)) for name, code in blocks if name == language]
@@ -46,7 +45,7 @@ class ReadmeTest(unittest.TestCase):
 
 
 class PageTest(unittest.TestCase):
-    """docs/agents.md, in the world that its first command serves."""
+    """Tests docs/agents.md, in the world that its first command serves."""
 
     @classmethod
     def setUpClass(cls):

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Worlds to learn in: against the checkers of Gymnasium and PettingZoo, on real servers with real
-physics."""
+"""Tests of the learning environments with the checkers of Gymnasium and PettingZoo, on real servers
+with real physics."""
 
 import importlib.util
 import json
@@ -33,7 +33,7 @@ if HAS_GYM:
     from balance import Balance
 
     class Reach(Task):
-        """Roll to the red ball; the nearer the better."""
+        """Roll to the red ball; smaller distances give larger rewards."""
 
         observation_space = spaces.Box(-numpy.inf, numpy.inf, (3,), numpy.float64)
         action_space = spaces.Box(-1.0, 1.0, (2,), numpy.float32)
@@ -116,7 +116,7 @@ class GymTest(unittest.TestCase):
         red, _, blue = numpy.moveaxis(before.astype(int), 2, 0)
         cart, tip = numpy.argwhere(blue > red + 60), numpy.argwhere(red > blue + 60)
         self.assertLess(tip[:, 0].mean(), cart[:, 0].min())  # the tip is above the cart
-        self.assertAlmostEqual(cart[:, 1].mean(), 119.5, delta=12)  # which is in the middle
+        self.assertAlmostEqual(cart[:, 1].mean(), 119.5, delta=12)  # at the middle of the picture
         numpy.testing.assert_array_equal(environment.render(), before)  # the world stands still
         for _ in range(30):
             environment.step(numpy.array([1.0], numpy.float32))
@@ -204,7 +204,7 @@ class GymTest(unittest.TestCase):
             text=True,
             timeout=300,
         )
-        self.assertIn(run.returncode, (0, 1), run.stderr)  # 1: not yet perfect
+        self.assertIn(run.returncode, (0, 1), run.stderr)  # 1: the task is not solved yet
         history = json.loads(run.stdout)["history"]
         self.assertGreater(max(history[1:]), 2 * history[0], run.stderr)
 

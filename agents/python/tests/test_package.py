@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The package as a whole: it installs, and its types hold."""
+"""Tests of the package as a whole: it can be installed, and its types are correct."""
 
 import importlib.util
 import pathlib

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The protocol's test vectors, as every client must reproduce them."""
+"""The protocol's test vectors, which every client must reproduce."""
 
 import base64
-import io
 import json
 import math
 import unittest
@@ -17,8 +16,15 @@ except ImportError:
     msgpack = None
 
 
+def received(data):
+    """Returns the first message in these received bytes."""
+    incoming = protocol.Incoming()
+    incoming.feed(data)
+    return incoming.next()
+
+
 def written(message):
-    """The JSON that a server must have sent for the client to understand this message."""
+    """Returns the JSON that a server must have sent for the client to decode this message."""
     t = type(message).__name__.lower()
     fields = {
         name: value
@@ -88,8 +94,8 @@ def item(perceived):
 
 
 def understood(message):
-    """A message of the server without what an item says by saying nothing: that it has no
-    actions."""
+    """Returns a server message without fields that are omitted on the wire, e.g. an empty
+    `actions`."""
     if message["t"] == "image":
         return message
     for one in message.get("items", []) + message.get("entered", []):
@@ -112,7 +118,7 @@ def lock_step(time):
 
 
 def said(message):
-    """What this client writes for a message with those values."""
+    """Returns what this client encodes for a message with those values."""
     t = message["t"]
     if t == "hello":
         resume, time = message.get("resume"), message.get("time")
@@ -168,7 +174,7 @@ class ProtocolTest(unittest.TestCase):
             with self.subTest(message=vector["message"]):
                 frame, message = bytes.fromhex(vector["bytes"]), vector["message"]
                 if vector["from"] == "server":
-                    self.assertEqual(written(protocol.read(io.BytesIO(frame))), understood(message))
+                    self.assertEqual(written(received(frame)), understood(message))
                 else:
                     encoded = protocol.encode(said(message), protocol.MSGPACK)
                     self.assertEqual(int.from_bytes(encoded[:4], "big"), len(encoded) - 4)
@@ -186,8 +192,30 @@ class ProtocolTest(unittest.TestCase):
             whole = protocol.encode(pong, encoding)
             for length in range(len(whole)):
                 with self.subTest(encoding=encoding, length=length):
-                    self.assertIsNone(protocol.read(io.BytesIO(whole[:length])))
-            self.assertEqual(protocol.read(io.BytesIO(whole)), protocol.Pong(1))
+                    self.assertIsNone(received(whole[:length]))
+            self.assertEqual(received(whole), protocol.Pong(1))
+
+    def test_messages_arrive_whole_however_a_connection_cuts_them(self):
+        pongs = [protocol.Pong(number) for number in (1, 2_000, 3)]
+        encodings = [protocol.JSON, protocol.MSGPACK if msgpack else protocol.JSON, protocol.JSON]
+        messages = [{"t": "pong", "id": pong.id} for pong in pongs]
+        whole = b"".join(map(protocol.encode, messages, encodings))
+        for size in range(1, len(whole) + 1):
+            with self.subTest(size=size):
+                incoming, taken = protocol.Incoming(), []
+                for begin in range(0, len(whole), size):
+                    incoming.feed(whole[begin : begin + size])
+                    message = incoming.next()
+                    while message is not None:
+                        taken.append(message)
+                        message = incoming.next()
+                self.assertEqual(taken, pongs)
+
+    def test_a_message_that_is_none_leaves_the_next_one_readable(self):
+        incoming = protocol.Incoming()
+        incoming.feed(b'nonsense\n{"t":"pong","id":1}\n')
+        self.assertRaises(reve.ProtocolError, incoming.next)
+        self.assertEqual(incoming.next(), protocol.Pong(1))
 
     def test_updates_add_up(self):
         messages = [protocol.decode(json.dumps(m).encode()) for m in vectors("server.jsonl")]

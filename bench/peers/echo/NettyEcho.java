@@ -9,7 +9,7 @@ import io.netty.channel.nio.NioIoHandler;
 import io.netty.channel.socket.SocketChannel;
 import io.netty.channel.socket.nio.NioServerSocketChannel;
 
-/** An echo server of Netty with two event loops. */
+/** An echo server on Netty with two event loops. */
 final class NettyEcho {
 
     public static void main(String[] arguments) throws InterruptedException {

@@ -6,7 +6,7 @@ import java.net.InetSocketAddress;
 import java.net.ServerSocket;
 import java.net.Socket;
 
-/** An echo server with a virtual thread for each connection, which reads and writes blocking. */
+/** An echo server with a virtual thread per connection, which uses blocking reads and writes. */
 final class ThreadEcho {
 
     public static void main(String[] arguments) throws IOException {
@@ -30,7 +30,7 @@ final class ThreadEcho {
                 out.write(bytes, 0, count);
             }
         } catch (IOException e) {
-            // The client has gone.
+            // The client has disconnected.
         }
     }
 }

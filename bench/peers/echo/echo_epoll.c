@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// An echo server of one thread that waits with epoll: what the kernel alone costs.
+// An echo server with one thread that waits with epoll; measures the cost of the kernel alone.
 //   echo_epoll PORT
 #include <arpa/inet.h>
 #include <netinet/tcp.h>

@@ -6,13 +6,19 @@ import com.github.stephengold.joltjni.enumerate.EMotionType;
 import com.github.stephengold.joltjni.readonly.ConstVertexAttributes;
 import com.sun.management.OperatingSystemMXBean;
 
+import java.io.IOException;
 import java.lang.management.ManagementFactory;
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.util.List;
+import java.util.regex.Pattern;
 
 /**
- * The world of bench/icosahedra as soft bodies of Jolt, 5 iterations a step, as frames of 1/60 s
- * per second.
+ * The world of bench/icosahedra as soft bodies of Jolt, with 5 iterations per step. Measures frames
+ * of 1/60 s per second.
  *
- * <p>java JoltIcosahedra LIBRARY THREADS. Prints a line of JSON.
+ * <p>java JoltIcosahedra LIBRARY THREADS SCENE. The scene (worlds/icosahedron/solid.vesper) has the
+ * faces. Prints a line of JSON.
  */
 public final class JoltIcosahedra {
     private static final int ICOSAHEDRA = 1000;
@@ -21,13 +27,10 @@ public final class JoltIcosahedra {
     private static final int MOVING = 0;
     private static final int FIXED = 1;
 
-    private static final int[][] FACES = {
-        {0, 11, 5}, {0, 5, 1}, {0, 1, 7}, {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
-        {11, 10, 2}, {10, 7, 6}, {7, 1, 8}, {3, 9, 4}, {3, 4, 2}, {3, 2, 6}, {3, 6, 8},
-        {3, 8, 9}, {4, 9, 5}, {2, 4, 11}, {6, 2, 10}, {8, 6, 7}, {9, 8, 1}
-    };
+    private static final int FACES = 20;
+    private static final Pattern FACE = Pattern.compile("\\((\\d+) (\\d+) (\\d+)\\)");
 
-    public static void main(String[] arguments) {
+    public static void main(String[] arguments) throws IOException {
         System.load(arguments[0]);
         int threads = Integer.parseInt(arguments[1]);
         Jolt.registerDefaultAllocator();
@@ -39,7 +42,7 @@ public final class JoltIcosahedra {
                         ? new JobSystemSingleThreaded(Jolt.cMaxPhysicsJobs)
                         : new JobSystemThreadPool(
                                 Jolt.cMaxPhysicsJobs, Jolt.cMaxPhysicsBarriers, threads - 1);
-        PhysicsSystem system = world();
+        PhysicsSystem system = world(faces(Path.of(arguments[2])));
         for (int frame = 0; frame < SETTLE; frame++) {
             system.update(1 / 60f, 1, memory, jobs);
         }
@@ -57,7 +60,7 @@ public final class JoltIcosahedra {
         System.exit(0);
     }
 
-    /** Of the bodies' centres [m]. */
+    /** Returns the mean height of the bodies' centres [m]. */
     private static double meanHeight(PhysicsSystem system) {
         double sum = 0;
         BodyIdVector ids = new BodyIdVector();
@@ -73,7 +76,27 @@ public final class JoltIcosahedra {
                 .getProcessCpuTime();
     }
 
-    private static PhysicsSystem world() {
+    /** Returns the corners of each face, counter-clockwise as seen from outside. */
+    private static List<int[]> faces(Path scene) throws IOException {
+        String line =
+                Files.readAllLines(scene).stream()
+                        .filter(text -> text.startsWith("vertices "))
+                        .findFirst()
+                        .orElseThrow();
+        return FACE.matcher(line)
+                .results()
+                .limit(FACES) // the faces of the ground follow
+                .map(
+                        face ->
+                                new int[] {
+                                    Integer.parseInt(face.group(1)),
+                                    Integer.parseInt(face.group(2)),
+                                    Integer.parseInt(face.group(3))
+                                })
+                .toList();
+    }
+
+    private static PhysicsSystem world(List<int[]> faces) {
         var system = new PhysicsSystem();
         system.init(
                 ICOSAHEDRA + 16,
@@ -93,7 +116,7 @@ public final class JoltIcosahedra {
                         EMotionType.Static,
                         FIXED),
                 EActivation.DontActivate);
-        SoftBodySharedSettings icosahedron = icosahedron();
+        SoftBodySharedSettings icosahedron = icosahedron(faces);
         int side = (int) Math.round(Math.sqrt(ICOSAHEDRA));
         for (int i = 0; i < ICOSAHEDRA; i++) {
             var place = new RVec3(10.0 * (i % side - side / 2), 1.2, 10.0 * (i / side - side / 2));
@@ -107,7 +130,7 @@ public final class JoltIcosahedra {
         return system;
     }
 
-    private static SoftBodySharedSettings icosahedron() {
+    private static SoftBodySharedSettings icosahedron(List<int[]> faces) {
         var settings = new SoftBodySharedSettings();
         float s = (float) Math.sqrt((5 - Math.sqrt(5)) / 10);
         float l = (float) Math.sqrt((5 + Math.sqrt(5)) / 10);
@@ -121,7 +144,7 @@ public final class JoltIcosahedra {
                 settings.addVertex(vertex);
             }
         }
-        for (int[] face : FACES) {
+        for (int[] face : faces) {
             var triangle = new Face();
             for (int i = 0; i < 3; i++) {
                 triangle.setVertex(i, face[i]);

@@ -8,7 +8,7 @@ import java.lang.management.ManagementFactory;
 import java.util.Random;
 
 /**
- * The world of bench/spheres as rigid bodies of Jolt, as frames of 1/60 s per second.
+ * The world of bench/spheres as rigid bodies of Jolt. Measures frames of 1/60 s per second.
  *
  * <p>java JoltSpheres LIBRARY BODIES THREADS. Prints a line of JSON.
  */

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes chosen properties frame by frame: a line per frame and row.
+// Writer of selected properties: one CSV line per frame and row.
 #pragma once
 
 #include <fstream>
@@ -16,19 +16,20 @@ class FileError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// "1.5", the shortest text that reads back as the same number of that type.
+/// Returns the shortest text that reads back as the same number of this type, e.g. "1.5".
 std::string FormatNumber(double number, vesper_scalar_type type);
 
-/// "mass", or "position.x"; beyond four components "name.4".
+/// Returns a column name such as "mass" or "position.x"; beyond four components "name.4".
 std::string CsvColumnName(const vesper_property_descriptor& property, uint32_t component);
 
 class CsvWriter {
  public:
-  /// `columns`: of one kind, borrowed. Throws FileError if the file cannot be written.
+  /// Opens the file. `columns` belong to one kind and are borrowed. Throws FileError if the file
+  /// cannot be written.
   CsvWriter(const std::string& path, std::vector<const AnyColumn*> columns);
 
   void WriteFrame(uint64_t frame, double time);
-  /// Throws FileError if something was not written.
+  /// Closes the file. Throws FileError if data could not be written.
   void Close();
 
  private:

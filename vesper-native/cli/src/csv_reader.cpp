@@ -12,7 +12,7 @@
 namespace vesper::cli {
 namespace {
 
-/// Where the numbers below a name go; no property for those that are passed over.
+/// Destination of the numbers below a column name; skipped columns have no property.
 struct Target {
   const vesper_property_descriptor* property = nullptr;
   uint32_t component = 0;
@@ -23,7 +23,7 @@ class CsvReader {
   CsvReader(std::string text, const std::string& file)
       : text_(std::move(text)), place_{file, 0, 1} {}
 
-  /// The cells of the next line; false at the end.
+  /// Reads the cells of the next line; returns false at the end.
   bool NextLine() {
     cells_.clear();
     if (at_ >= text_.size()) return false;

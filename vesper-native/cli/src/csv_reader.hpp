@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rows of a kind from a CSV file, such as the one that --csv writes.
+// Reader of the rows of a kind from a CSV file, for example a file written with --csv.
 #pragma once
 
 #include <string>
@@ -8,9 +8,10 @@
 
 namespace vesper::cli {
 
-/// Adds the kind's rows and the columns that the file's first line names: `mass`, `position.x`, …,
-/// all components of a property. The columns frame, time and row are passed over; of several frames
-/// the last one is read. Throws SceneError with the place in the file.
+/// Adds the rows of the kind and the columns named in the first line of the file: `mass`,
+/// `position.x`, …, with all components of a property. Skips the columns frame, time and row. If
+/// the file contains several frames, reads the last one. Throws SceneError with the place in the
+/// file.
 void ReadCsvRows(const std::string& file, const std::string& kind, Scene& scene);
 
 }  // namespace vesper::cli

@@ -11,7 +11,7 @@
 namespace vesper::cli {
 namespace {
 
-constexpr uint64_t kLargestSide = 8192, kMostPixels = 1 << 24;  // the renderer's limits
+constexpr uint64_t kLargestSide = 8192, kMostPixels = 1 << 24;  // limits of the renderer
 constexpr double kFovs[] = {0.1, 170};                          // [degrees]
 constexpr double kWidths[] = {0.25, 64};                        // [px]
 

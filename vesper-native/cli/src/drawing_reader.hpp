@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The lines of a scene that say what its pictures show.
+// Readers of the lines of a scene that describe its pictures.
 #pragma once
 
 #include "scene.hpp"
@@ -7,7 +7,7 @@
 
 namespace vesper::cli {
 
-/// Each reads the words behind its own into the scene's drawing; throws SceneError.
+/// Each function reads the words after its keyword into the scene's drawing; throws SceneError.
 void ReadImage(SceneReader& reader, Scene& scene);
 void ReadCamera(SceneReader& reader, Scene& scene);
 void ReadBackground(SceneReader& reader, Scene& scene);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How commands end; docs/command-line.md has the same table.
+// Exit codes of the commands; docs/command-line.md contains the same table.
 #pragma once
 
 namespace vesper::cli {
@@ -8,6 +8,6 @@ inline constexpr int kDone = 0;
 inline constexpr int kFailed = 1;
 inline constexpr int kWrongUsage = 2;
 inline constexpr int kInvalidScene = 3;
-inline constexpr int kNotLoaded = 4;  // a law, or the renderer
+inline constexpr int kNotLoaded = 4;  // a law or the renderer could not be loaded
 
 }  // namespace vesper::cli

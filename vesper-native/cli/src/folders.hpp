@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the command finds what belongs to it.
+// Locations of the command's files.
 #pragma once
 
 #include <string>
@@ -7,14 +7,14 @@
 
 namespace vesper::cli {
 
-/// The folder that this program lies in.
+/// Returns the folder of this program.
 std::string ProgramFolder();
-/// A relative path in a file is meant from the folder that the file lies in.
+/// Resolves a relative path in a file against the folder of that file.
 std::string FromFolderOf(const std::string& file, const std::string& path);
-/// The bytes of a file of at most 64 MiB. Throws std::runtime_error if it cannot be read.
+/// Returns the bytes of a file of at most 64 MiB. Throws std::runtime_error if it cannot be read.
 std::string ReadFile(const std::string& file);
-/// From the environment variable VESPER_LAW_PATH (folders separated by ':'); else the folder
-/// `laws` beside this program, if there is one.
+/// Returns the folders in the environment variable VESPER_LAW_PATH (separated by ':'). If it is not
+/// set, returns the folder `laws` beside this program if it exists.
 std::vector<std::string> DefaultLawFolders();
 
 }  // namespace vesper::cli

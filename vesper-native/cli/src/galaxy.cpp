@@ -13,13 +13,13 @@ namespace {
 
 using Vector = Vec3<double>;
 
-// How a galaxy is made up; its mass and the scale length of its disc are 1.
+// Parameters of a galaxy, in units of its mass and of the scale length of its disc.
 constexpr double kDiscMass = 0.2;
 constexpr double kDiscEdge = 5;
 constexpr double kDiscHeight = 0.1;
-constexpr double kDiscDispersion = 0.1;  // of the circular speed
-constexpr double kHaloRadius = 1.5;      // of Plummer's sphere
-constexpr double kHaloEdge = 0.99;       // share of its mass that is kept
+constexpr double kDiscDispersion = 0.1;  // fraction of the circular speed
+constexpr double kHaloRadius = 1.5;      // radius of the Plummer sphere
+constexpr double kHaloEdge = 0.99;       // fraction of its mass that is kept
 
 struct Body {
   Vector position, velocity;
@@ -29,9 +29,9 @@ class Random {
  public:
   explicit Random(uint64_t seed) : random_(seed) {}
 
-  /// In (0, 1).
+  /// Returns a number in (0, 1).
   double Uniform() { return std::ldexp(static_cast<double>(random_() >> 11) + 0.5, -53); }
-  /// Of mean 0 and deviation 1, by G. Box and M. Muller.
+  /// Returns a normal deviate of mean 0 and deviation 1, by the method of G. Box and M. Muller.
   double Normal() {
     const double r = std::sqrt(-2 * std::log(Uniform()));
     return r * std::cos(2 * M_PI * Uniform());
@@ -50,16 +50,17 @@ class Random {
   std::mt19937_64 random_;
 };
 
-/// Share of an exponential disc within r.
+/// Returns the fraction of an exponential disc within r.
 double DiscWithin(double r) { return 1 - (1 + r) * std::exp(-r); }
 
-/// Speed on a circle about the centre: of Plummer's sphere, and of the disc as if it were round.
+/// Returns the circular speed in the field of a Plummer sphere and of the disc, treated as
+/// spherical.
 double CircularSpeed(double r) {
   const double halo = (1 - kDiscMass) * r * r * std::pow(r * r + kHaloRadius * kHaloRadius, -1.5);
   return std::sqrt(halo + kDiscMass * DiscWithin(r) / r);
 }
 
-/// A body of the disc in the plane z = 0, on nearly a circle.
+/// Returns a body of the disc in the plane z = 0, on a nearly circular orbit.
 Body MakeDiscBody(Random& random) {
   const double share = random.Uniform() * DiscWithin(kDiscEdge);
   double low = 0, high = kDiscEdge;
@@ -73,8 +74,8 @@ Body MakeDiscBody(Random& random) {
               random.Normals() * (kDiscDispersion * speed)};
 }
 
-/// A body of Plummer's sphere, by S. Aarseth, M. Henon and R. Wielen, Astron. Astrophys. 37 (1974)
-/// 183. The disc's mass counts as the sphere's.
+/// Returns a body of a Plummer sphere, by S. Aarseth, M. Henon and R. Wielen, Astron. Astrophys. 37
+/// (1974) 183. The mass of the disc is added to that of the sphere.
 Body MakeHaloBody(Random& random) {
   const double x = 1 / std::sqrt(std::pow(kHaloEdge * random.Uniform(), -2.0 / 3) - 1);
   double q = 0, height = 1;
@@ -87,7 +88,7 @@ Body MakeHaloBody(Random& random) {
   return {position, random.Direction() * speed};
 }
 
-/// Turns the z axis into `axis`, of length 1, the short way.
+/// Applies the shortest rotation from the z axis to `axis`, which has length 1.
 Vector Turned(const Vector& v, const Vector& axis) {
   const Vector cross{-axis.y, axis.x, 0};  // z x axis
   if (axis.z < -1 + 1e-12) return {v.x, -v.y, -v.z};
@@ -137,7 +138,7 @@ AnyColumn& Given(SceneReader& reader, Scene& scene, const char* property) {
   return found->second;
 }
 
-/// Moves the bodies so that centre of mass and momentum are 0.
+/// Shifts the bodies so that their centre of mass and total momentum are 0.
 void Centre(std::vector<Body>& bodies, uint64_t disc, double disc_mass, double halo_mass) {
   Body mean{};
   for (uint64_t i = 0; i < bodies.size(); ++i) {

@@ -7,8 +7,9 @@
 
 namespace vesper::cli {
 
-/// galaxy ROWS…: mass M radius R at P moving V axis N seed S. Gives these bodies mass, position and
-/// velocity; all bodies must have some already, and the world its gravitational constant.
+/// Reads `galaxy ROWS…: mass M radius R at P moving V axis N seed S` and gives these bodies mass,
+/// position and velocity. All bodies must already have these properties, and the world a
+/// gravitational constant.
 void ReadGalaxy(SceneReader& reader, Scene& scene);
 
 }  // namespace vesper::cli

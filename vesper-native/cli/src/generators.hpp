@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The values of a property, listed or generated.
+// Readers of the values of a property, listed or generated.
 #pragma once
 
 #include <string>
@@ -13,9 +13,10 @@ namespace vesper::cli {
 void ReadColumn(SceneReader& reader, const Scene& scene, AnyColumn& column);
 /// Reads one value that has the column's components.
 Value ReadRow(SceneReader& reader, const AnyColumn& column);
-/// Whether a property of that type can hold the number.
+/// Returns true if a property of that type can represent the number.
 bool CanHold(const vesper_property_descriptor& property, double number);
-/// Checks that the column's type can hold the value; `reader` says where it came from.
+/// Sets a row after a check that the column's type can represent the value; `reader` gives the
+/// place for messages.
 void SetRow(SceneReader& reader, AnyColumn& column, uint64_t row, const Value& value);
 
 }  // namespace vesper::cli

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The files of a new law; @NAME@ and @CLASS@ stand for its names.
+// Templates of the files of a new law, with placeholders @NAME@ and @CLASS@.
 #pragma once
 
 namespace vesper::cli {

@@ -53,7 +53,7 @@ std::vector<std::string> ClaimNames(uint32_t claims) {
   return names;
 }
 
-/// "real x 3", "u32 x 2": what both precisions of a law have in common.
+/// Returns the type that both precisions of a law share, e.g. "real x 3" or "u32 x 2".
 std::string TypeName(const vesper_property_use& use) {
   const std::string scalar = use.scalar_type <= VESPER_F64 ? "real" : ScalarName(use.scalar_type);
   return use.components == 1 ? scalar : scalar + " x " + std::to_string(use.components);
@@ -88,7 +88,7 @@ Json Describe(const vesper_law_desc& law) {
           {"parameters", parameters}};
 }
 
-/// Laws in double precision stand for both; a law for one precision only is listed too.
+/// Returns each law once: laws in double precision, and laws that exist in one precision only.
 std::vector<const vesper_law_desc*> DistinctLaws(const LawFile& library) {
   std::vector<const vesper_law_desc*> laws = library.Laws(VESPER_F64);
   for (const vesper_law_desc* law : library.Laws(VESPER_F32)) {
@@ -99,7 +99,7 @@ std::vector<const vesper_law_desc*> DistinctLaws(const LawFile& library) {
   return laws;
 }
 
-/// One library: its laws, or the reason why it cannot be loaded.
+/// Describes one library: its laws, or the reason why it cannot be loaded.
 Json Describe(const std::string& file) {
   Json library{{"file", file}};
   try {

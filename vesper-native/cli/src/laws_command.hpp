@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// vesper laws: what is in folders of law libraries.
+// vesper laws: lists the law libraries in folders.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ struct LawsOptions {
   bool json = false;
 };
 
-/// The exit code. A library that cannot be loaded is listed with the reason.
+/// Returns the exit code. Lists a library that cannot be loaded with the reason.
 int ListLaws(const LawsOptions& options);
 
 }  // namespace vesper::cli

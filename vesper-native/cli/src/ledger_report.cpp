@@ -10,7 +10,7 @@
 namespace vesper::cli {
 namespace {
 
-// Parts of the largest number of a column that are rounding of the sums.
+// Fraction of the largest number of a column below which a value is attributed to rounding.
 constexpr double kRounding = 1e-12;
 
 double Length(const double* v) { return std::hypot(v[0], v[1], v[2]); }
@@ -30,7 +30,7 @@ std::string Numbers(const double* v, double largest) {
          ")";
 }
 
-/// A column of cells whose sizes are compared: `size` gives a line's, `print` its text.
+/// A column of cells with comparable sizes: `size` returns that of a line, `print` its text.
 template <class Size, class Print>
 std::vector<std::string> Cells(const std::vector<LedgerLine>& lines, Size size, Print print) {
   double largest = 0, largest_of_laws = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The ledger of a run, one line per law, as a table or as JSON. See docs/ledger.md.
+// Report of the ledger of a run, one line per law, as a table or as JSON. See docs/ledger.md.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -10,22 +10,22 @@
 
 namespace vesper::cli {
 
-/// One law, the client, the ground, or the total.
+/// Line of one law, the client, the ground, or the total.
 struct LedgerLine {
   std::string name;
   bool is_law;
   vesper_ledger_entry entry;
 
   double PotentialChange() const { return entry.potential_energy - entry.initial_potential_energy; }
-  /// Zero for forces that keep energy.
+  /// Returns the energy balance, which is zero for conservative forces.
   double EnergyBalance() const { return entry.energy + PotentialChange(); }
 };
 
-/// Lines of `laws`, whose ids and order are the engine's; the client's and the ground's where they
-/// hold something; the total.
+/// Returns the lines of `laws` (with the engine's ids and order), the lines of client and ground if
+/// they are not zero, and the total.
 std::vector<LedgerLine> ReadLedger(PhysicsEngine& engine, const std::vector<vesper_law_info>& laws);
 
-/// Marks the law with the largest momentum, angular momentum and balance of energy.
+/// Prints the lines; marks the laws with the largest momentum, angular momentum and energy balance.
 void PrintLedger(std::ostream& out, const std::vector<LedgerLine>& lines);
 
 nlohmann::ordered_json LedgerJson(const std::vector<LedgerLine>& lines);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// vesper: the engine on the command line.
+// vesper: the command line of the engine.
 #include <CLI/CLI.hpp>
 #include <cerrno>
 #include <cstdio>
@@ -30,7 +30,7 @@ void AddRun(CLI::App& app, int& code) {
   options->law_folders = DefaultLawFolders();
   command->add_option("SCENE", options->scene, "The scene's file")->required();
   command->add_option("--frames", options->frames, "Frames to run")->capture_default_str();
-  command->add_option("--every", options->every, "Frames from one written frame to the next")
+  command->add_option("--every", options->every, "Interval of written frames")
       ->check(CLI::Range(uint64_t{1}, UINT64_MAX))
       ->capture_default_str();
   command->add_option("--csv", options->csv, "Write properties to this file, frame 0 first");
@@ -51,7 +51,7 @@ void AddRun(CLI::App& app, int& code) {
   command->add_option("--threads", options->threads, "Threads")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
-  command->add_flag("--validate", options->validate, "Hold laws to their declarations");
+  command->add_flag("--validate", options->validate, "Check laws against their declarations");
   command->add_flag("--ledger", options->ledger,
                     "Report how much each law changed momentum, angular momentum and energy");
   command->add_flag("--json", options->json, "Print the report as one JSON document");
@@ -70,8 +70,8 @@ void AddLaws(CLI::App& app, int& code) {
 }
 
 void AddTest(CLI::App& app, int& code) {
-  auto* command =
-      app.add_subcommand("test", "Holds law libraries to what every law promises and they claim.");
+  auto* command = app.add_subcommand(
+      "test", "Checks law libraries against the rules for laws and against their claims.");
   auto options = std::make_shared<TestOptions>();
   command->add_option("LIBRARY", options->libraries, "Files of law libraries")
       ->required()
@@ -85,12 +85,13 @@ void AddNewLaw(CLI::App& app, int& code) {
       app.add_subcommand("new-law", "Writes a folder with a law that builds and passes its tests.");
   auto options = std::make_shared<NewLawOptions>();
   command->add_option("NAME", options->name, "Name of the law, in snake_case")->required();
-  command->add_option("--dir", options->folder, "Where the folder NAME is made")
+  command->add_option("--dir", options->folder, "Parent of the new folder NAME")
       ->capture_default_str();
   command->callback([options, &code] { code = WriteNewLaw(*options); });
 }
 
-/// The exit code of a command that has printed its results: another one if they are lost.
+/// Returns the exit code of a command that has printed its results; another code if the output was
+/// lost.
 int CodeAfterPrinting(int code) {
   errno = 0;
   std::cout.flush();

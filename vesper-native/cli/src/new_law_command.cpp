@@ -13,7 +13,7 @@
 namespace vesper::cli {
 namespace {
 
-/// uniform_drag -> UniformDrag
+/// Converts a name: uniform_drag becomes UniformDrag.
 std::string ClassName(const std::string& name) {
   std::string result;
   bool begins_word = true;

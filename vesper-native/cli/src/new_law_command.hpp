@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// vesper new-law: writes a folder with a law that builds, is tested and acts.
+// vesper new-law: writes a folder with a new law, complete with build file and test.
 #pragma once
 
 #include <string>
@@ -8,10 +8,10 @@ namespace vesper::cli {
 
 struct NewLawOptions {
   std::string name;          // snake_case
-  std::string folder = ".";  // where the folder of the law is made
+  std::string folder = ".";  // parent of the new law's folder
 };
 
-/// The exit code. Writes nothing if the law's folder is there already.
+/// Returns the exit code. Writes nothing if the law's folder already exists.
 int WriteNewLaw(const NewLawOptions& options);
 
 }  // namespace vesper::cli

@@ -14,10 +14,11 @@ constexpr uint32_t kDefaultMaterial = 0, kNoItem = 0;
 constexpr std::array<uint32_t, 2> kAllTriangles{0, 0};
 constexpr uint32_t kSamples = 4, kShadows = 1, kPerspective = 0;
 constexpr double kFitFov = 34;      // [degrees]
-constexpr double kFitFill = 0.82;   // part of the picture that a fitted box may take up
-constexpr double kGroundSide = 60;  // in sides of the box: beyond what fading leaves
+constexpr double kFitFill = 0.82;   // fraction of the picture that a fitted box may fill
+constexpr double kGroundSide = 60;  // in sides of the box; greater than the visible part, because
+                                    // the ground fades
 constexpr double kBallsPerSide = 60;
-constexpr double kLineWidth = 1.0 / 200;  // in heights of the picture
+constexpr double kLineWidth = 1.0 / 200;  // fraction of the picture's height
 constexpr Colour kBallColour{52, 152, 219, 255}, kLineColour{110, 118, 130, 255},
     kTriangleColour{230, 180, 80, 255};
 
@@ -34,7 +35,8 @@ const AnyColumn* Positions(const Scene& scene) {
   return column != nullptr && column->is_vector() ? column : nullptr;
 }
 
-/// The column of a kind whose values are two or three rows that have positions; null if none is.
+/// Returns the column of a kind whose values refer to two or three rows with positions; null if
+/// none does.
 const AnyColumn* References(const Scene& scene, const std::string& kind) {
   const AnyColumn* positions = Positions(scene);
   if (positions == nullptr) return nullptr;
@@ -54,7 +56,7 @@ void PutRepeated(Message& message, const T& value, size_t count) {
   for (size_t i = 0; i < count; ++i) message.Put(value);
 }
 
-/// INSTANCES that are not turned, the same size along all axes.
+/// Starts an INSTANCES message for instances without rotation, of equal size along all axes.
 Message Instances(uint32_t shape, uint32_t mesh, const std::vector<Point>& positions,
                   const std::vector<float>& sizes, const std::vector<Colour>& colours,
                   uint32_t flags) {
@@ -81,7 +83,7 @@ Colour Mix(const std::vector<Colour>& colours, double t) {
   return mixed;
 }
 
-/// The value of a row, or the length of a vector.
+/// Returns the value of a row, or the length of a vector.
 double Magnitude(const AnyColumn& column, uint64_t row) {
   const uint32_t components = column.descriptor().components;
   if (components == 1) return column.Get(row);
@@ -157,7 +159,7 @@ std::vector<PictureWriter::Layer> PictureWriter::MakeLayers() const {
   if (lines.empty()) {
     throw std::runtime_error(scene_.file + ": there is nothing to draw; expected 'position'");
   }
-  std::map<std::string, std::vector<size_t>> line_of_row;  // by kind; counted from 1
+  std::map<std::string, std::vector<size_t>> line_of_row;  // by kind; indices count from 1
   for (size_t i = 0; i < lines.size(); ++i) {
     auto& line_of = line_of_row[lines[i].kind];
     line_of.resize(scene_.rows.at(lines[i].kind));
@@ -177,7 +179,7 @@ std::vector<PictureWriter::Layer> PictureWriter::MakeLayers() const {
   return layers;
 }
 
-/// Sends what all pictures share.
+/// Sends the messages that all pictures share.
 void PictureWriter::SetUp() {
   const Drawing& drawing = scene_.drawing;
   Message image(Message::kImage);
@@ -205,7 +207,8 @@ PictureWriter::Box PictureWriter::BoundsOf() const {
   return box;
 }
 
-/// Sees the whole box in a three-quarter view from above; a point as if it were 1 m wide.
+/// Returns a camera that shows the whole box in a three-quarter view from above; a point counts as
+/// 1 m wide.
 Camera PictureWriter::Fit(const Box& box) const {
   const Vec3<double> back = Normalized({0.48, 0.42, 1});
   const Vec3<double> right = Normalized(Cross(Vec3<double>{0, 1, 0}, back));
@@ -274,7 +277,7 @@ void PictureWriter::SendLines(const Layer& layer) {
   renderer_.Send(message);
 }
 
-/// A mesh for each colour of the layer.
+/// Sends a mesh for each colour of the layer.
 void PictureWriter::SendTriangles(const Layer& layer) {
   const AnyColumn& corners = *References(scene_, layer.line.kind);
   const std::vector<Colour> colours = ColoursOf(layer);

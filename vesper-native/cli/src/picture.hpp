@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws a scene as it stands: rows with a position as balls, rows that refer to two of those as
-// lines, to three as triangles.
+// Draws the current state of a scene: rows with a position as balls, rows that refer to two of them
+// as lines, and rows that refer to three as triangles.
 #pragma once
 
 #include <cstdint>
@@ -15,28 +15,30 @@ namespace vesper::cli {
 
 enum class Form { kNone, kBalls, kLines, kTriangles };
 
-/// How rows of a kind can be drawn.
+/// Returns the form in which rows of a kind can be drawn.
 Form FormOf(const Scene& scene, const std::string& kind);
 
-/// Where pictures go: a path with the frame's number in it.
+/// Path pattern of pictures, with a placeholder for the frame number.
 class PicturePattern {
  public:
-  /// "frame-%04d.png": one %d or %0Nd, and %% for a percent sign. Throws std::invalid_argument.
+  /// Parses a pattern such as "frame-%04d.png": one %d or %0Nd, and %% for a percent sign. Throws
+  /// std::invalid_argument.
   explicit PicturePattern(const std::string& text);
   std::string For(uint64_t frame) const;
 
  private:
   std::string before_, after_;
-  size_t digits_ = 0;  // at least
+  size_t digits_ = 0;  // minimum width, padded with zeros
 };
 
 class PictureWriter {
  public:
-  /// `scene`: borrowed; its columns may change between pictures, their sizes may not. `program`:
-  /// the renderer. Throws SceneError where a kind cannot be drawn, RendererError.
+  /// Starts the renderer `program`. `scene` is borrowed; its columns may change between pictures,
+  /// but not their sizes. Throws SceneError if a kind cannot be drawn, and RendererError.
   PictureWriter(const Scene& scene, PicturePattern pattern, const std::string& program);
 
-  /// Throws FileError if the picture cannot be written, RendererError if it cannot be drawn.
+  /// Draws and writes a picture. Throws FileError if it cannot be written, RendererError if it
+  /// cannot be drawn.
   void WriteFrame(uint64_t frame);
 
  private:
@@ -49,7 +51,7 @@ class PictureWriter {
 
   struct Box {
     Vec3<double> low, high;
-    double Side() const;  // the longest one
+    double Side() const;  // the longest side
   };
 
   std::vector<Layer> MakeLayers() const;
@@ -66,8 +68,8 @@ class PictureWriter {
   const Scene& scene_;
   PicturePattern pattern_;
   std::vector<Layer> layers_;
-  double radius_ = 0;  // of balls whose radius nobody gives [m]
-  uint32_t mesh_ = 0;  // the last one of this picture
+  double radius_ = 0;  // default radius of balls [m]
+  uint32_t mesh_ = 0;  // the last mesh id used for this picture
   RendererProcess renderer_;
 };
 

@@ -18,14 +18,14 @@ extern char** environ;
 namespace vesper::cli {
 namespace {
 
-constexpr timeval kPatience{120, 0};  // [s], for one picture
+constexpr timeval kPatience{120, 0};  // timeout for one picture [s]
 constexpr uint32_t kStreamVersion = 3;
-constexpr uint32_t kLargestAnswer = 1 << 16;  // [B]; pictures go to files
+constexpr uint32_t kLargestAnswer = 1 << 16;  // [B]; pictures are written to files
 
 enum AnswerStatus : uint32_t { kOk = 0, kOutput = 2 };
 
-/// Runs `program` with `socket` as its standard input and output, in a process group of its own:
-/// Ctrl-C ends the run after its frame, picture included.
+/// Runs `program` with `socket` as its standard input and output, in its own process group, so that
+/// Ctrl-C ends the run only after its frame and picture.
 int Spawn(const std::string& program, int socket, pid_t& pid) {
   posix_spawn_file_actions_t actions;
   posix_spawnattr_t attributes;
@@ -70,7 +70,7 @@ RendererProcess::RendererProcess(const std::string& program) : RendererProcess()
 RendererProcess::~RendererProcess() {
   if (socket_ >= 0) close(socket_);
   if (pid_ < 0) return;
-  kill(pid_, SIGKILL);  // every picture was answered, or is not wanted any more
+  kill(pid_, SIGKILL);  // every picture was answered, or is no longer needed
   waitpid(pid_, nullptr, 0);
 }
 
@@ -81,7 +81,7 @@ void RendererProcess::Send(Message& message) {
     if (sent >= 0) {
       rest = rest.subspan(static_cast<size_t>(sent));
     } else if (errno != EINTR) {
-      // It may have said why before it stopped reading.
+      // The renderer may have sent a reason before it stopped reading.
       if (errno == EPIPE || errno == ECONNRESET) Await();
       FailBroken(errno);
     }
@@ -124,7 +124,7 @@ void RendererProcess::FailBroken(int error) {
                         " drew no picture in 120 s; ask for a smaller one, or draw less");
   }
   int status = 0;
-  kill(pid_, SIGKILL);  // no effect on one that ended
+  kill(pid_, SIGKILL);  // no effect if it has ended
   waitpid(pid_, &status, 0);
   pid_ = -1;
   const std::string how = WIFSIGNALED(status)

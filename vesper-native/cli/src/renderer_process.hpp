@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The program `vesper-render`, which draws pictures in a process of its own.
+// The program `vesper-render`, which draws pictures in a separate process.
 #pragma once
 
 #include <sys/types.h>
@@ -14,7 +14,7 @@
 
 namespace vesper::cli {
 
-/// The renderer cannot be started, broke down, or refuses to draw.
+/// A failure to start the renderer, to communicate with it, or to draw.
 class RendererError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -45,7 +45,7 @@ class Message {
     bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
     return *this;
   }
-  /// Header and payload.
+  /// Returns header and payload.
   std::span<const std::byte> Bytes() {
     const auto length = static_cast<uint32_t>(bytes_.size() - 2 * sizeof(uint32_t));
     std::memcpy(bytes_.data() + sizeof(uint32_t), &length, sizeof length);
@@ -65,7 +65,8 @@ class RendererProcess {
   RendererProcess& operator=(const RendererProcess&) = delete;
 
   void Send(Message& message);
-  /// Has what was sent drawn into a PNG file. Throws FileError if that cannot be written.
+  /// Draws the scene that was sent, into a PNG file. Throws FileError if the file cannot be
+  /// written.
   void Render(const std::string& path);
 
  private:

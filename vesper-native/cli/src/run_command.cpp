@@ -25,7 +25,7 @@ namespace {
 
 volatile std::sig_atomic_t interrupted = 0;
 
-/// Ctrl-C and SIGTERM end the run after its frame.
+/// Makes Ctrl-C and SIGTERM end the run after its frame.
 void EndOnSignals() {
   struct sigaction action{};
   action.sa_handler = [](int) { interrupted = 1; };
@@ -42,7 +42,7 @@ std::string Join(const std::vector<std::string>& texts, char separator) {
   return joined;
 }
 
-/// A library named by a path is looked for from the scene's folder.
+/// Resolves a library path against the scene's folder.
 std::string Locate(const std::string& library, const std::string& scene) {
   return library.find('/') == std::string::npos ? library : FromFolderOf(scene, library);
 }
@@ -52,7 +52,7 @@ int Fail(int code, const std::string& message) {
   return code;
 }
 
-/// A law of a scene that could not be loaded, or does not fit.
+/// A law of a scene that could not be loaded, or that does not match its prototype.
 class LawError : public SceneError {
   using SceneError::SceneError;
 };
@@ -87,7 +87,8 @@ class SceneRun {
     if (csv_) csv_->Close();
   }
 
-  /// Where a failed frame has its cause: a law that broke down, or else the scene.
+  /// Prints the cause of a failed frame and returns the exit code: for a failed law, or for the
+  /// scene.
   int Explain(const Error& error) const {
     if (error.status() == VESPER_LAW_FAILED || error.status() == VESPER_LAW_MISBEHAVED) {
       return Fail(kFailed, scene_.file + ": frame " + std::to_string(frame_) + ": " + error.what());
@@ -106,7 +107,7 @@ class SceneRun {
   }
 
  private:
-  /// Sums of forces start at zero and are the engine's; a scene does not speak of them.
+  /// Adds columns for sums of forces, which start at zero and which scenes do not contain.
   void AddSums() {
     const auto& prototype = *scene_.prototype;
     for (const auto& property : std::span(prototype.properties, prototype.property_count)) {
@@ -150,7 +151,7 @@ class SceneRun {
     return static_cast<double>(frame * scene_.steps) * scene_.dt;
   }
 
-  /// Of what laws keep on devices, only what is written comes back.
+  /// Writes a frame. Synchronizes only the columns that are written.
   void Write(uint64_t frame) {
     if (csv_) {
       std::vector<const char*> names;
@@ -223,7 +224,7 @@ class SceneRun {
   std::optional<CsvWriter> csv_;
   std::optional<PictureWriter> pictures_;
   uint64_t picture_count_ = 0;
-  uint64_t frame_ = 0;  // the last one that was begun
+  uint64_t frame_ = 0;  // the last frame that was begun
 };
 
 }  // namespace

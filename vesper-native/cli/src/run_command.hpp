@@ -14,8 +14,8 @@ namespace vesper::cli {
 struct RunOptions {
   std::string scene;
   uint64_t frames = 60;
-  uint64_t every = 1;                 // frames between two that are written
-  std::string csv;                    // file; empty: none
+  uint64_t every = 1;                 // interval of written frames
+  std::string csv;                    // path; empty: none
   std::optional<PicturePattern> png;  // none: no pictures
   std::vector<std::string> law_folders;
   uint32_t threads = 1;
@@ -24,7 +24,7 @@ struct RunOptions {
   bool json = false;
 };
 
-/// The exit code. Results go to standard output, messages to standard error.
+/// Returns the exit code. Results go to standard output, messages to standard error.
 int Run(const RunOptions& options);
 
 }  // namespace vesper::cli

@@ -15,11 +15,11 @@
 namespace vesper::cli {
 namespace {
 
-constexpr double kLargestColumn = 1e9;  // values
+constexpr double kLargestColumn = 1e9;  // maximum number of values
 
 using Names = std::vector<std::string>;
 
-/// What the lines of a scene do to it.
+/// Interpreter of the lines of a scene.
 class SceneParser {
  public:
   SceneParser(std::string text, const std::string& file) : reader_(std::move(text), file) {
@@ -65,7 +65,8 @@ class SceneParser {
     Keep(word, std::move(column));
   }
 
-  /// What a scene can give values for: fields are functions, which law libraries bring.
+  /// Returns the properties for which a scene can contain values. Fields are functions, which law
+  /// libraries provide.
   auto Properties() const {
     return std::span(scene_.prototype->properties, scene_.prototype->property_count) |
            std::views::filter([](const auto& p) { return p.scalar_type != VESPER_FIELD; });
@@ -87,7 +88,7 @@ class SceneParser {
     return kinds;
   }
 
-  /// The column of the property named by the last word: as it is, or new and zero.
+  /// Returns the column of the property named by the last word, or a new column of zeros.
   AnyColumn TakeColumn(const std::string& name, const Names& known) {
     for (const auto& property : Properties()) {
       if (property.name != name) continue;
@@ -121,8 +122,6 @@ class SceneParser {
     scene_.columns.insert_or_assign(name, std::move(column));
     scene_.places.insert_or_assign(name, reader_.LineStart());
   }
-
-  // --- statements ---
 
   void ReadPrototype() {
     if (!scene_.rows.empty()) reader_.FailLast("must come before the first 'rows'");
@@ -225,7 +224,7 @@ class SceneParser {
 
   SceneReader reader_;
   Scene scene_;
-  std::string kind_;  // of the rows that are being described
+  std::string kind_;  // kind of the rows being described
 };
 
 const std::array<SceneParser::Statement, 13> SceneParser::kStatements{{

@@ -24,20 +24,21 @@ struct SceneLaw {
 struct Scene {
   std::string file;
   const vesper_prototype* prototype = nullptr;
-  std::optional<LoadedPrototype> own_prototype;  // if it comes from a file
+  std::optional<LoadedPrototype> own_prototype;  // if the prototype comes from a file
   double dt = 0;                                 // [the prototype's unit of time]
-  uint32_t steps = 1;                            // per frame
+  uint32_t steps = 1;                            // steps per frame
   std::vector<SceneLaw> laws;
   std::map<std::string, uint64_t> rows;      // of each kind
   std::map<std::string, AnyColumn> columns;  // by property
-  std::map<std::string, Place> places;       // where a property was given
+  std::map<std::string, Place> places;       // the place where each property was set
   std::vector<std::string> csv;              // properties, all of one kind
   Drawing drawing;
 
   const AnyColumn* Find(const std::string& property) const;
 };
 
-/// Throws SceneError for what is wrong in the text, std::runtime_error if it cannot be read.
+/// Reads a scene. Throws SceneError for an error in the text, std::runtime_error if the file cannot
+/// be read.
 Scene ReadScene(const std::string& file);
 Scene ParseScene(std::string text, const std::string& file);
 

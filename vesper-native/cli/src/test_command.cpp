@@ -66,7 +66,7 @@ void PrintResults(const std::vector<Result>& results) {
   Print(std::cout, table, "  ");
 }
 
-/// Opened in a process of its own first: one that cannot be loaded is not tested.
+/// Throws if a library cannot be loaded. Loads it in a separate process first.
 void RequireLoadable(const std::string& file) { PreparedLibrary(EngineConfig{}, file); }
 
 }  // namespace

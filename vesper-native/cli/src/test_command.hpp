@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// vesper test: holds law libraries to what every law promises, and to what they claim.
+// vesper test: checks law libraries against the rules for all laws, and against their claims.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ struct TestOptions {
   bool json = false;
 };
 
-/// The exit code: 1 if a check failed.
+/// Returns the exit code: 1 if a check failed.
 int TestLaws(const TestOptions& options);
 
 }  // namespace vesper::cli

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A line of a scene, cut into words.
+// Tokenizer for the lines of a scene.
 #pragma once
 
 #include <stdexcept>
@@ -16,7 +16,7 @@ struct Place {
   int column = 1;
 };
 
-/// What is wrong in a scene; what() is "file:line:column: message".
+/// An error in a scene; what() is "file:line:column: message".
 class SceneError : public std::runtime_error {
  public:
   SceneError(const Place& place, const std::string& message)
@@ -33,12 +33,13 @@ struct Token {
   bool is_unit() const { return !quoted && text.starts_with('['); }
 };
 
-/// Tokens of one line up to a comment, which is `#` at the start of a word and before a blank
-/// or the end of the line. Throws SceneError for a quote or a unit without its end and for
-/// control characters.
+/// Returns the tokens of one line up to a comment, which starts with `#` at the start of a word,
+/// followed by a blank or the end of the line. Throws SceneError for an unterminated quote or unit
+/// and for control characters.
 std::vector<Token> Tokenize(std::string_view line, Place place);
 
-/// "1.5", "-2e3" or a fraction such as "1/240". False if `text` is no finite number.
+/// Parses "1.5", "-2e3" or a fraction such as "1/240". Returns false if `text` is not a finite
+/// number.
 bool ParseNumber(std::string_view text, double& out);
 
 }  // namespace vesper::cli

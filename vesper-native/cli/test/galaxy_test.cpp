@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The statement `galaxy` of scenes.
+// Tests the statement `galaxy` of scenes.
 #include <gtest/gtest.h>
 
 #include <cmath>

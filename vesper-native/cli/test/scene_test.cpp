@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reading scenes: what a line means, and what is said about a line that means nothing.
+// Tests the scene reader: valid lines, and the messages for invalid ones.
 #include "scene.hpp"
 
 #include <gtest/gtest.h>
@@ -30,7 +30,8 @@ std::string ErrorOf(const std::string& text) {
   return "no error";
 }
 
-/// Of a scene whose third line is `line`, behind rows of three kinds if there is a third line.
+/// Returns the error of a scene whose third line is `line`; if there is such a line, the scene has
+/// rows of three kinds.
 std::string ErrorIn(const std::string& line) {
   return ErrorOf("scene 1\ndt 1\nrows world 1\nrows spring 2\nrows body 3\n" + line);
 }
@@ -97,7 +98,7 @@ TEST(SceneTest, PrototypeMayComeFromAFileBesideTheScene) {
   EXPECT_EQ(ErrorOf("scene 1\nprototype ./none.prototype\n").substr(0, 19), "s:2:11: NOT_FOUND: ");
 }
 
-/// Of a scene whose bodies come from a CSV file with this text.
+/// Reads a scene whose bodies come from a CSV file with this text.
 Scene FromCsv(const std::string& csv) {
   const std::string folder = ::testing::TempDir();
   std::ofstream(folder + "bodies.csv") << csv;
@@ -188,7 +189,7 @@ TEST(GeneratorTest, GridEdgesJoinNeighboursOfTheGrid) {
   EXPECT_EQ(Values(scene, "length"), std::vector<double>(20, 1));
 }
 
-// A spoke of the innermost ring is as long as every other one; a chord of ring r measures 2 r sin.
+// All segments of a spoke have equal length; a chord of ring r has length 2 r sin.
 TEST(GeneratorTest, WebEdgesAreSpokesAndChords) {
   const Scene scene = Parse(
       "rows body 13\nposition web 2 6 radius 4\nrows spring 24\n"
@@ -228,7 +229,7 @@ TEST(SceneErrorTest, FileAsAWhole) {
 
 struct Wrong {
   const char* line;
-  const char* error;  // behind "s:6:"
+  const char* error;  // after "s:6:"
 };
 void PrintTo(const Wrong& wrong, std::ostream* out) { *out << wrong.line; }
 

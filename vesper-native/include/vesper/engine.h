@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-/* The C interface of the Vesper physics engine: what a client calls.
+/* The C interface of the Vesper physics engine, for clients of the engine.
  *
- * The engine knows no physics. It holds named, typed, unit-checked property arrays that belong to
- * the client, and applies laws to them, each an independently compiled library.
+ * The engine contains no physics. It holds named, typed property arrays with checked units. The
+ * arrays belong to the client. Laws act on them, and each law library is compiled independently.
  *
- * Threads: an engine is thread-compatible: one call at a time, from any thread; engines are
- * independent of each other. During `vesper_engine_advance` the arrays belong to the engine and
- * every other call on it returns VESPER_BUSY.
- * Errors: every fallible call returns a status and fills the optional `error`; misuse is a status,
- * in release too. Out-parameters are untouched on failure.
- * Memory: arrays are borrowed from add or rebind until remove, rebind or destroy. Strings and
- * structs passed in are copied. A returned `const char*` is static or lives as long as the engine
- * or library it describes.
+ * Threads: an engine accepts one call at a time, from any thread. Engines are independent of each
+ * other. During `vesper_engine_advance` the arrays belong to the engine, and every other call on
+ * the same engine returns VESPER_BUSY.
+ * Errors: every call that can fail returns a status and fills the optional `error`. Misuse also
+ * returns a status, in release builds too. Out-parameters are unchanged on failure.
+ * Memory: the engine borrows arrays from add or rebind until remove, rebind or destroy. It copies
+ * strings and structs that it receives. A returned `const char*` is static, or lives as long as the
+ * engine or library that it describes.
  */
 #ifndef VESPER_ENGINE_H_
 #define VESPER_ENGINE_H_
@@ -20,312 +20,343 @@
 #include "vesper/types.h"
 
 #ifdef __cplusplus
+/** Declares that no exception leaves the engine. */
 #define VESPER_NOEXCEPT noexcept
 extern "C" {
 #else
 #define VESPER_NOEXCEPT
 #endif
 #if defined(__GNUC__)
+/** Marks the exported functions of the engine's library. */
 #define VESPER_API __attribute__((visibility("default")))
 #else
 #define VESPER_API
 #endif
 
+/** An engine, created by `vesper_engine_create`. */
 typedef struct vesper_engine vesper_engine;
+/** The registered arrays of an engine. */
 typedef struct vesper_provider vesper_provider;
+/** A library that was opened and checked, but not yet loaded into an engine. */
 typedef struct vesper_prepared_library vesper_prepared_library;
 
-/** What a client's own provider answers about one property: arrays as in
- *  `vesper_provider_add_physical_property`, borrowed until it answers otherwise. */
+/** The answer of the client's own provider about one property: arrays as in
+ *  `vesper_provider_add_physical_property`, borrowed until the next answer about the property. */
 typedef struct vesper_provided_property {
   uint32_t struct_size;
   uint32_t reserved;
-  void* data;
-  uint64_t value_count;
-  const uint32_t* indices;
-  uint64_t object_count;
-  uint64_t version;   /**< Another number after values were edited in place; see touch. */
-  vesper_field field; /**< Instead of arrays, for a FIELD property. */
+  void* data;              /**< (value_count x components). */
+  uint64_t value_count;    /**< Number of values in `data`. */
+  const uint32_t* indices; /**< (object_count), or null: row i is value i. */
+  uint64_t object_count;   /**< Number of rows of the kind. */
+  uint64_t version;        /**< Changes after values were edited in place; see touch. */
+  vesper_field field;      /**< For a FIELD property, instead of arrays. */
 } vesper_provided_property;
 
-/** A property provider of the client's own. Its functions are called between steps, on the thread
- *  that calls the engine; they must not call the engine and must not throw. */
+/** A property provider that the client implements. The engine calls its functions between steps,
+ *  on the thread that calls the engine. They must not call the engine and must not throw. */
 typedef struct vesper_provider_callbacks {
   uint32_t struct_size;
   uint32_t reserved;
-  void* user; /**< Handed back as first argument. */
-  /** Fills `out` (zeroed, struct_size set) with the property of that name; NOT_FOUND if the client
-   *  has none. Any other status fails the call of the engine that asked, with that message. */
+  void* user; /**< First argument of each callback. */
+  /** Fills `out` (zeroed, struct_size set) with the named property; returns NOT_FOUND if the
+   *  client has no such property. Any other status fails the engine call that needed the
+   *  property; that call returns the message of the provider. */
   vesper_status (*find)(void* user, const char* name, vesper_provided_property* out,
                         vesper_error* error);
-  /** Another number whenever `find` would answer otherwise; asked before every advance. */
+  /** Returns a number that changes whenever `find` would answer differently. The engine calls it
+   *  before every advance. */
   uint64_t (*version)(void* user);
 } vesper_provider_callbacks;
 
-/** How an engine is made. Start with `vesper_engine_config_init`. */
+/** Configuration of an engine. Initialise it with `vesper_engine_config_init`. */
 typedef struct vesper_engine_config {
   uint32_t struct_size;
-  uint32_t threads;  /**< For laws that run at the same time, and for `parallel_for`; the
-                          caller's included, idle ones sleep; default 1. */
-  uint32_t validate; /**< 1: laws run on guarded copies and are held to their declaration. */
-  uint32_t probe_timeout_ms; /**< For the throw-away probe of a library; default 5000. */
-  const char* law_path;      /**< Folders searched for bare law names, separated by ':'. */
-  const char* probe_path;    /**< The `vesper-probe` program; null: beside the engine library. */
-  /** Receives log lines of engine and laws, on the calling thread; null: discarded. */
+  uint32_t threads;  /**< Number of threads for concurrent laws and for `parallel_for`, including
+                          the caller's thread. Idle threads sleep. Default 1. */
+  uint32_t validate; /**< 1: laws run on guarded copies, and the engine checks them against their
+                          declarations. */
+  uint32_t probe_timeout_ms; /**< Timeout [ms] of the process that probes a library; default
+                                  5000. */
+  const char* law_path;      /**< Folders in which bare law names are searched, separated by ':'. */
+  const char* probe_path;    /**< Path of the `vesper-probe` program; null: beside the engine
+                                  library. */
+  /** Receives log lines of engine and laws, on the calling thread. Null: lines are discarded. */
   void (*log)(void* user, uint32_t level, const char* message);
-  void* log_user;
-  /** What becomes of DEFERRED writes (see law.h). 0: `advance` synchronizes all arrays before it
-   *  returns, and takes them as it finds them, so that a client need not know of any. 1: they stay
-   *  where they are; the client calls `vesper_engine_synchronize` before it reads, copies, moves or
-   *  edits an array, and touches what it edited. Since 1.1. */
+  void* log_user; /**< First argument of `log`. */
+  /** Handling of DEFERRED writes (see law.h). 0: `advance` synchronizes all arrays before it
+   *  returns and reads them again at its next call, so the client can ignore deferred writes. 1:
+   *  `advance` leaves deferred arrays stale. The client calls `vesper_engine_synchronize` before
+   *  it reads, copies, moves or edits an array, and touches each array that it edited. Since
+   *  1.1. */
   uint32_t deferred;
-  /** 1: the client touches every array that it edited, so that what laws made of the others (copies
-   *  on a device, springs in another order) still holds; `deferred` 1 asks for the same. 0: any
-   *  array may have been edited between two calls. Since 1.1. */
+  /** 1: the client touches every array that it edited, so laws may keep what they derived from
+   *  the other arrays (copies on a device, reordered springs). `deferred` 1 requires the same.
+   *  0: any array may have been edited between two calls. Since 1.1. */
   uint32_t touches;
 } vesper_engine_config;
 
-/** What is known about one loaded law. */
+/** Information about one loaded law. */
 typedef struct vesper_law_info {
   uint32_t struct_size;
-  vesper_library_id library_id;
-  const char* library; /**< Name of its library. */
-  const char* name;
-  const char* version;
-  const char* doc;
-  vesper_phase phase;
-  uint32_t stages;
-  uint32_t use_count;
-  uint32_t parameter_count;
-  const vesper_property_use* uses;
-  const vesper_parameter_desc* parameters;
-  uint64_t calls;       /**< Of its `advance`, since it was loaded. */
-  uint64_t nanoseconds; /**< Spent in these calls and in `synchronize`, wall clock, that of laws at
-                             the same time counted for each; for people, never for the world. */
+  vesper_library_id library_id; /**< Id of its library. */
+  const char* library;          /**< Name of its library. */
+  const char* name;             /**< As in `vesper_law_desc`, like all fields up to `parameters`. */
+  const char* version;          /**< major.minor.patch */
+  const char* doc;              /**< One line. */
+  vesper_phase phase;           /**< Phase of a step in which it runs. */
+  uint32_t stages;              /**< Stages of an integrator, else 0. */
+  uint32_t use_count;           /**< Length of `uses`. */
+  uint32_t parameter_count;     /**< Length of `parameters`. */
+  const vesper_property_use* uses;         /**< (use_count). */
+  const vesper_parameter_desc* parameters; /**< (parameter_count). */
+  uint64_t calls;                          /**< Calls of its `advance` since it was loaded. */
+  uint64_t nanoseconds; /**< Wall-clock time [ns] in these calls and in `synchronize`. Concurrent
+                             laws each count their full time. For display only; it must not
+                             affect the world. */
 } vesper_law_info;
 
-/** One line of the ledger, since it was switched on; see docs/ledger.md. In SI units, whatever the
- *  prototype's. Since 1.1. */
+/** One line of the ledger, since the ledger was switched on; see docs/ledger.md. Values are in
+ *  SI units, whatever units the prototype has. Since 1.1. */
 typedef struct vesper_ledger_entry {
   uint32_t struct_size;
-  uint32_t has_potential_energy;   /**< 1: the two fields below say something; else they are 0. */
-  double momentum[3];              /**< Given to bodies [kg*m/s]. */
-  double angular_momentum[3];      /**< About the origin [kg*m^2/s]. */
-  double energy;                   /**< Kinetic [J]: the work of a force law. */
-  double initial_potential_energy; /**< [J], when the ledger first saw the law's arrays. */
-  double potential_energy;         /**< [J], of the present state. */
+  uint32_t has_potential_energy;   /**< 1: the two potential-energy fields are valid. 0: both are
+                                        0. */
+  double momentum[3];              /**< Momentum given to bodies [kg*m/s]. */
+  double angular_momentum[3];      /**< Angular momentum given to bodies, about the origin
+                                        [kg*m^2/s]. */
+  double energy;                   /**< Kinetic energy given to bodies [J]; for a force law, its
+                                        work. */
+  double initial_potential_energy; /**< [J], when the ledger first read the arrays of the law. */
+  double potential_energy;         /**< [J], in the present state. */
 } vesper_ledger_entry;
 
-/** Lines of the ledger that are no law's; see `vesper_engine_ledger`. */
-#define VESPER_LEDGER_CLIENT 0u   /**< appliedForce, and what the client changed between calls. */
-#define VESPER_LEDGER_GROUND 1u   /**< What immovable bodies took, sign turned. */
-#define VESPER_LEDGER_UNLOADED 2u /**< Laws that were unloaded since. */
-#define VESPER_LEDGER_TOTAL 3u    /**< What all bodies gained, measured: the sum of all lines. */
+/** Ledger lines that belong to no law; see `vesper_engine_ledger`. */
+#define VESPER_LEDGER_CLIENT 0u   /**< appliedForce, and changes by the client between calls. */
+#define VESPER_LEDGER_GROUND 1u   /**< Impulses that immovable bodies absorbed, negated. */
+#define VESPER_LEDGER_UNLOADED 2u /**< Laws that have been unloaded. */
+#define VESPER_LEDGER_TOTAL 3u    /**< Measured change of all bodies: the sum of all lines. */
 
-/** One row of the layout table: how this build lays out the structs of the contract. */
+/** One row of the layout table, which describes how this build lays out the contract's structs. */
 typedef struct vesper_layout_entry {
   const char* struct_name; /**< e.g. "vesper_error" */
-  const char* field;       /**< null: the row gives the struct's size. */
-  uint32_t offset;
-  uint32_t size;
+  const char* field;       /**< Null: the row gives the size of the struct. */
+  uint32_t offset;         /**< [bytes] from the start of the struct; 0 for the struct itself. */
+  uint32_t size;           /**< [bytes] of the field or the struct. */
 } vesper_layout_entry;
 
+/** Returns the VESPER_ABI_VERSION of the headers that the engine was built with. */
 VESPER_API uint32_t vesper_abi_version(void) VESPER_NOEXCEPT;
-/** Compiler, flags and version of this build; static. */
+/** Returns compiler, flags and version of this build; static. */
 VESPER_API const char* vesper_build_info(void) VESPER_NOEXCEPT;
-/** "OK", "INVALID_ARGUMENT", …; "UNKNOWN" for a number that is no status. Static. */
+/** Returns "OK", "INVALID_ARGUMENT", …, or "UNKNOWN" for a number that is not a status. Static. */
 VESPER_API const char* vesper_status_name(vesper_status status) VESPER_NOEXCEPT;
-/** Sizes and offsets of all structs of the contract, for bindings to check theirs against. */
+/** Returns sizes and offsets of all structs of the contract, so that bindings can check theirs. */
 VESPER_API const vesper_layout_entry* vesper_abi_layout(uint32_t* count) VESPER_NOEXCEPT;
 
-/** The standard prototypes, "si-f64" and "si-f32"; null for any other name. Static. */
+/** Returns the standard prototype "si-f64" or "si-f32"; null for any other name. Static. */
 VESPER_API const vesper_prototype* vesper_prototype_standard(const char* name) VESPER_NOEXCEPT;
 
 /** Reads a prototype from a file; the caller frees `*out`. One line declares one property:
  *      body temperature: real x1 [K] read_write "Temperature of the whole body."
- *  docs/properties-and-units.md has the whole format. NOT_FOUND if the file cannot be read; what
- *  is wrong in it is named by file:line:column, found and expected. */
+ *  docs/properties-and-units.md describes the format. NOT_FOUND if the file cannot be read; other
+ *  messages contain file:line:column, what was found and what was expected. */
 VESPER_API vesper_status vesper_prototype_load(const char* path, vesper_prototype** out,
                                                vesper_error* error) VESPER_NOEXCEPT;
-/** The same from text; `source` names it in messages. */
+/** Reads a prototype from text. `source` names the text in messages. */
 VESPER_API vesper_status vesper_prototype_parse(const char* text, const char* source,
                                                 vesper_prototype** out,
                                                 vesper_error* error) VESPER_NOEXCEPT;
-/** Frees what load or parse gave. Engines keep copies of their own. Null is fine. */
+/** Frees the result of load or parse. Engines keep their own copies. Accepts null. */
 VESPER_API void vesper_prototype_free(vesper_prototype* prototype) VESPER_NOEXCEPT;
 
-/** Reads a unit as people write it, e.g. "N/m", "kg*m^2/s^2", "km/h", "m^3/(kg*s^2)", "deg", "1".
- *  Products and quotients from left to right of powers with whole exponents; parentheses; SI units
- *  with prefixes f to P, and deg, min, h, d, L, t, bar, eV; numbers above 0. The symbol of `out` is
- *  the text, or empty if that is longer than 15 bytes. INVALID_ARGUMENT names the column. */
+/** Parses a unit such as "N/m", "kg*m^2/s^2", "km/h", "m^3/(kg*s^2)", "deg" or "1". The text is
+ *  UTF-8: products and quotients, evaluated from left to right, of powers with integer
+ *  exponents. It may contain parentheses, the units and prefixes listed in
+ *  docs/properties-and-units.md, and numbers above 0. The symbol of `out` is the text, or empty
+ *  if the text is longer than 15 bytes. INVALID_ARGUMENT names the column in bytes. */
 VESPER_API vesper_status vesper_unit_parse(const char* text, vesper_unit* out,
                                            vesper_error* error) VESPER_NOEXCEPT;
 
-/** Fills the first `size` bytes, sizeof *config as the client was built, with defaults.
- *  Since 1.1. */
+/** Fills the first `size` bytes of `config` with defaults. `size` is sizeof *config in the
+ *  client's build. Since 1.1. */
 VESPER_API void vesper_engine_config_init_sized(vesper_engine_config* config,
                                                 uint64_t size) VESPER_NOEXCEPT;
-/** The same as a function without `size`, as clients built for 1.0 call it: it fills their 48
- *  bytes and no more. In source, `vesper_engine_config_init(&config)` is the macro, which knows
- *  the size. */
+/** Fills the 48 bytes of the 1.0 struct with defaults; binary clients built for 1.0 call it. In
+ *  source, `vesper_engine_config_init(&config)` is the macro, which passes the size. */
 VESPER_API void vesper_engine_config_init(vesper_engine_config* config) VESPER_NOEXCEPT;
+/** Fills `config` with defaults and passes the size of the client's struct. */
 #define vesper_engine_config_init(config) \
   vesper_engine_config_init_sized((config), sizeof(*(config)))
+/** Creates an engine for a prototype; both arguments are copied. The caller destroys `*out`. */
 VESPER_API vesper_status vesper_engine_create(const vesper_engine_config* config,
                                               const vesper_prototype* prototype,
                                               vesper_engine** out,
                                               vesper_error* error) VESPER_NOEXCEPT;
-/** Unloads every law and frees the engine. Null is fine. */
+/** Unloads every law and frees the engine. Accepts null. */
 VESPER_API void vesper_engine_destroy(vesper_engine* engine) VESPER_NOEXCEPT;
 
-/** The engine's property provider; borrowed, lives as long as the engine. */
+/** Returns the property provider of the engine; borrowed, lives as long as the engine. */
 VESPER_API vesper_provider* vesper_engine_property_provider(vesper_engine* engine) VESPER_NOEXCEPT;
 
-/** Lets the engine ask the client for arrays instead of having them registered: for every property
- *  of the prototype, at the next load, advance, find or hash, and again when `version` changes. The
- *  callbacks are copied. Refused with ALREADY_EXISTS while registered arrays are bound; add, rebind
- *  and remove are refused with ACCESS_CONFLICT from then on. `callbacks` null: nothing is bound,
- *  and arrays are registered again. */
+/** Makes the engine query the client for arrays, instead of using registered ones. The engine
+ *  queries every property of the prototype at the next load, advance, find or hash, and again
+ *  when `version` changes. It copies the callbacks. Refused with ALREADY_EXISTS while registered
+ *  arrays are bound; from then on add, rebind and remove are refused with ACCESS_CONFLICT.
+ *  `callbacks` null: unbinds all properties, and arrays can be registered again. */
 VESPER_API vesper_status vesper_engine_set_property_provider(
     vesper_engine* engine, const vesper_provider_callbacks* callbacks,
     vesper_error* error) VESPER_NOEXCEPT;
 
 /** Registers the client's array for a property of the prototype.
- *  data: (value_count x components) of the prototype's type. Without `indices` row i is value i and
- *  `value_count == object_count`. With `indices` (object_count), row i is value indices[i]; such a
- *  shared property is read-only to laws, and the engine expands it into a dense column. */
+ *  data: (value_count x components) of the prototype's type. Without `indices`, row i is value i
+ *  and `value_count == object_count`. With `indices` (object_count), row i is value indices[i].
+ *  Such a shared property is read-only to laws, and the engine expands it into a dense column. */
 VESPER_API vesper_status vesper_provider_add_physical_property(
     vesper_provider* provider, const char* name, void* data, uint64_t value_count,
     const uint32_t* indices, uint64_t object_count, vesper_error* error) VESPER_NOEXCEPT;
-/** Same arguments: the arrays grew, shrank or moved. All properties of a kind must agree on
- *  `object_count` again by the next `advance`. */
+/** Replaces the array of a property after it grew, shrank or moved; arguments as in add. All
+ *  properties of a kind must agree on `object_count` again before the next `advance`. */
 VESPER_API vesper_status vesper_provider_rebind_physical_property(
     vesper_provider* provider, const char* name, void* data, uint64_t value_count,
     const uint32_t* indices, uint64_t object_count, vesper_error* error) VESPER_NOEXCEPT;
-/** Registers, or replaces, the field that stands for a FIELD property; it is copied. Remove it like
- *  arrays. TYPE_MISMATCH for any other property. */
+/** Registers or replaces the field of a FIELD property; the engine copies `field`. Remove a
+ *  field in the same way as arrays. TYPE_MISMATCH for any other property. */
 VESPER_API vesper_status vesper_provider_set_field(vesper_provider* provider, const char* name,
                                                    const vesper_field* field,
                                                    vesper_error* error) VESPER_NOEXCEPT;
-/** Refused with ACCESS_CONFLICT while a loaded law needs the property. */
+/** Unbinds a property. Refused with ACCESS_CONFLICT while a loaded law needs it. */
 VESPER_API vesper_status vesper_provider_remove_physical_property(
     vesper_provider* provider, const char* name, vesper_error* error) VESPER_NOEXCEPT;
-/** Fills `out` (whose struct_size the caller has set) with the property as it is bound. */
+/** Fills `out` with the property as it is bound. The caller sets struct_size of `out` first. */
 VESPER_API vesper_status
 vesper_provider_find_physical_property(const vesper_provider* provider, const char* name,
                                        vesper_property* out, vesper_error* error) VESPER_NOEXCEPT;
-/** Says that values were edited in place: raises versions, re-checks references, re-expands shared
- *  values, and lets laws rebuild what they cache. Not needed for what laws read afresh each step,
- *  unless the property is a reference or indexed, or `config.deferred` is 1. `names` null: all. */
+/** Marks values as edited in place: raises versions, checks references again, expands shared
+ *  values again, and lets laws rebuild their caches. Not needed for values that laws read in
+ *  each step, unless the property is a reference or indexed, or `config.deferred` is 1. `names`
+ *  null: all properties. */
 VESPER_API vesper_status vesper_provider_touch(vesper_provider* provider, const char* const* names,
                                                uint32_t count, vesper_error* error) VESPER_NOEXCEPT;
 
-/** Opens a law library without an engine, on any thread: finds it (a bare name `x` is searched as
- *  `libvesper_law_x.so` in `config->law_path`, anything with a '/' is used as is), checks that the
- *  ELF file is complete, copies it to a private file named by its content, opens the copy in a
- *  throw-away probe process, then here, and checks its tables. */
+/** Opens a law library without an engine, on any thread. Searches a bare name `x` as
+ *  `libvesper_law_x.so` in `config->law_path`, and uses a name that contains '/' as a path.
+ *  Checks that the ELF file is complete and copies it to a private file named by its content.
+ *  Opens the copy in a separate probe process, then in this process, and checks its tables. */
 VESPER_API vesper_status vesper_library_prepare(const vesper_engine_config* config,
                                                 const char* library, vesper_prepared_library** out,
                                                 vesper_error* error) VESPER_NOEXCEPT;
-/** Closes a prepared library that no engine took. Null is fine. */
+/** Closes a prepared library that was not loaded into an engine. Accepts null. */
 VESPER_API void vesper_library_discard(vesper_prepared_library* prepared) VESPER_NOEXCEPT;
-/** Name in the library's own table; lives as long as `prepared`, or the library it became. */
+/** Returns the name in the library's own table. The string lives as long as `prepared` or the
+ *  library loaded from it. */
 VESPER_API const char* vesper_library_name(const vesper_prepared_library* prepared) VESPER_NOEXCEPT;
 
-/** Activates a prepared library: instant, between frames. Takes `prepared` on success only. */
+/** Activates a prepared library between frames, without delay. Takes ownership of `prepared` on
+ *  success only. */
 VESPER_API vesper_status vesper_engine_load_prepared(vesper_engine* engine,
                                                      vesper_prepared_library* prepared,
                                                      const vesper_parameter* parameters,
                                                      uint32_t count, vesper_library_id* out,
                                                      vesper_error* error) VESPER_NOEXCEPT;
-/** Prepare and activate in one call. */
+/** Prepares and activates a library in one call. */
 VESPER_API vesper_status vesper_engine_load_physics_law(vesper_engine* engine, const char* library,
                                                         const vesper_parameter* parameters,
                                                         uint32_t count, vesper_library_id* out,
                                                         vesper_error* error) VESPER_NOEXCEPT;
+/** Unloads a library's laws and closes the library, between frames, without delay. Clears a
+ *  fault that its laws caused. */
 VESPER_API vesper_status vesper_engine_unload_physics_law(vesper_engine* engine,
                                                           vesper_library_id library,
                                                           vesper_error* error) VESPER_NOEXCEPT;
-/** The i-th law of a loaded library (in the engine's precision); NOT_FOUND past the last. */
+/** Fills `out` with the i-th law of a loaded library, in the engine's precision. NOT_FOUND past
+ *  the last law. */
 VESPER_API vesper_status vesper_engine_law_info(const vesper_engine* engine,
                                                 vesper_library_id library, uint32_t index,
                                                 vesper_law_info* out,
                                                 vesper_error* error) VESPER_NOEXCEPT;
 
-/** Applies all laws for `steps` steps of `dt` [time unit]: all steps count, or none. If a step
- *  fails, the engine is FAULTED, its time has not moved, and written arrays are undefined: restore
- *  them and call `vesper_engine_clear_fault`, or unload the library named in `error`. NaN or
- *  infinity is told from where it came: LAW_MISBEHAVED if a law wrote it, INVALID_ARGUMENT with
- *  property and row, and no library, if a law only read it.
- *  What is wrong before the first step is no fault: nothing was written, and another call is right
- *  as soon as the reason is gone. That is a bad `dt`, arrays that disagree on their rows
- *  (COUNT_MISMATCH) or share memory that laws may write (ACCESS_CONFLICT), a reference out of range
- *  (INVALID_ARGUMENT), a property that a law needs and nobody bound (NOT_FOUND), a law that refuses
- *  its arrays (LAW_FAILED), a provider of the client's that fails. */
+/** Applies all laws for `steps` steps of `dt` [time unit]. Either all steps count, or none. If a
+ *  step fails, the engine is FAULTED, its time is unchanged, and written arrays are undefined.
+ *  Restore them and call `vesper_engine_clear_fault`, or unload the library named in `error`.
+ *  The status for NaN or infinity shows the source: LAW_MISBEHAVED if a law wrote it,
+ *  INVALID_ARGUMENT with property and row but no library if a law only read it.
+ *  An error found before the first step is not a fault. Nothing was written, and the call can be
+ *  repeated once the cause is removed. Such errors are a bad `dt`; arrays that disagree on their
+ *  number of rows (COUNT_MISMATCH), or share memory that laws may write (ACCESS_CONFLICT); a
+ *  reference out of range (INVALID_ARGUMENT); a property that a law needs but that is not bound
+ *  (NOT_FOUND); a law that refuses its arrays (LAW_FAILED); a failure of the client's provider. */
 VESPER_API vesper_status vesper_engine_advance(vesper_engine* engine, double dt, uint32_t steps,
                                                vesper_error* error) VESPER_NOEXCEPT;
+/** Clears the fault of a failed step. The client must have restored the arrays. */
 VESPER_API vesper_status vesper_engine_clear_fault(vesper_engine* engine,
                                                    vesper_error* error) VESPER_NOEXCEPT;
-/** Makes arrays fresh whose newest values a law keeps elsewhere; `names` null: all. Nothing to do
- *  unless `vesper_engine_config.deferred` is 1. Unload, find, state_hash and save_state do it for
- *  what they concern; destroy does not. If it fails, or if what a law gives is not finite, the
- *  engine is FAULTED as after a failed step, but the steps stay counted: go back to a saved state.
- *  Arrays that the client touches or rebinds count as they are, whatever a law keeps. */
+/** Writes deferred values back to the named arrays; `names` null: to all arrays. Has an effect
+ *  only if `vesper_engine_config.deferred` is 1. Unload, find, state_hash and save_state
+ *  synchronize the arrays that they need; destroy does not. If the call fails, or a law delivers
+ *  values that are not finite, the engine is FAULTED as after a failed step, but the steps stay
+ *  counted: load a saved state. An array that the client touches or rebinds is valid as it is,
+ *  and deferred values of it are discarded. */
 VESPER_API vesper_status vesper_engine_synchronize(vesper_engine* engine, const char* const* names,
                                                    uint32_t count,
                                                    vesper_error* error) VESPER_NOEXCEPT;
-/** Says that the client moves row `from` of a kind to row `to` <= `from`, whose own item is
- *  gone, as when the last row fills the gap of one that was removed: what laws keep in SCRATCH
- *  moves along, and row `from` is as new. `from == to`: the item of that row is gone. Needed
- *  only where a row stands for another item than before; rows added or cut off at the end the
- *  engine sees itself. */
+/** Announces that the client moves row `from` of a kind to row `to` <= `from`, whose item was
+ *  removed, for example when the last row fills a gap. SCRATCH values of the laws move with the
+ *  row, and row `from` is reset. `from == to`: the item of that row was removed. Call it only if
+ *  a row now stands for another item; the engine detects rows that were added or removed at the
+ *  end. */
 VESPER_API vesper_status vesper_engine_move_row(vesper_engine* engine, const char* kind,
                                                 uint64_t from, uint64_t to,
                                                 vesper_error* error) VESPER_NOEXCEPT;
-/** What lives in the engine and in no array of the client: step count and time, and what laws keep
- *  in SCRATCH. Together with the arrays it continues a run to the bit, in this process or another
- *  of this machine's kind. `out`: bytes that save writes at present. */
+/** Returns in `out` the number of bytes that save_state would write now. The saved state
+ *  contains what is in the engine and in no array of the client: step count, time, and the
+ *  SCRATCH values of laws. Together with the arrays it continues a run with identical bits, in
+ *  this process or another one on the same type of machine. */
 VESPER_API vesper_status vesper_engine_state_size(vesper_engine* engine, uint64_t* out,
                                                   vesper_error* error) VESPER_NOEXCEPT;
-/** Writes the state to `out` (size bytes, as state_size said): versioned, with a checksum. */
+/** Writes the state to `out`, with a version and a checksum. `size` is the result of state_size,
+ *  in bytes. */
 VESPER_API vesper_status vesper_engine_save_state(vesper_engine* engine, void* out, uint64_t size,
                                                   vesper_error* error) VESPER_NOEXCEPT;
-/** Takes over a saved state; the arrays that belong to it the client restores. INVALID_ARGUMENT if
- *  it is damaged, ACCESS_CONFLICT if it is that of another prototype, or of other laws or versions
- *  than those loaded, which are named; then nothing is changed. A fault stays: clear it too. */
+/** Restores a saved state; the client restores the matching arrays. INVALID_ARGUMENT if the
+ *  state is damaged. ACCESS_CONFLICT if it belongs to another prototype, or to other laws or law
+ *  versions than the loaded ones; the message names them. On failure nothing changes. A fault
+ *  remains until it is cleared. */
 VESPER_API vesper_status vesper_engine_load_state(vesper_engine* engine, const void* state,
                                                   uint64_t size,
                                                   vesper_error* error) VESPER_NOEXCEPT;
-/** Counts on as if `steps` steps of `dt` [s] had been done, from time 0: for arrays that come from
- *  such a run, without its saved state. What laws keep in SCRATCH stays. INVALID_ARGUMENT if `dt`
- *  is not finite or not above 0. */
+/** Sets the clock as if `steps` steps of `dt` [s] had been done from time 0. Use it for arrays
+ *  of such a run that come without a saved state. SCRATCH values of laws are unchanged.
+ *  INVALID_ARGUMENT if `dt` is not finite or not above 0. */
 VESPER_API vesper_status vesper_engine_set_step_count(vesper_engine* engine, uint64_t steps,
                                                       double dt,
                                                       vesper_error* error) VESPER_NOEXCEPT;
-/** Steps done since create, those that were set or loaded included. */
+/** Returns the number of steps since create, including steps that were set or loaded. */
 VESPER_API uint64_t vesper_engine_step_count(const vesper_engine* engine) VESPER_NOEXCEPT;
 
-/** XXH3-64 over the step count, then the bound properties in prototype order, rows in row order,
- *  -0 as +0. Indexed properties are hashed as rows, not as values. */
+/** Computes XXH3-64 over the step count and then the bound properties in prototype order, with
+ *  rows in row order and -0 as +0. Indexed properties are hashed as rows, not as values. */
 VESPER_API vesper_status vesper_engine_state_hash(vesper_engine* engine, uint64_t* out,
                                                   vesper_error* error) VESPER_NOEXCEPT;
 
-/** Opens the ledger (1): from the next advance on the engine books how much momentum, angular
- *  momentum and energy each law gives to the bodies, which takes a few passes over their columns in
- *  each step. On again starts anew; off (0) costs nothing. It needs properties mass, position and
- *  velocity of the standard prototypes, of one kind, and knows externalForce, torque, orientation,
- *  angularVelocity and inertia where there are any: NOT_FOUND, TYPE_MISMATCH or UNIT_MISMATCH name
- *  what the prototype lacks. `advance` returns NOT_FOUND if the first three are not bound. */
+/** Switches the ledger on (1) or off (0). From the next advance on, the ledger records the
+ *  momentum, angular momentum and energy that each law gives to the bodies; this costs a few
+ *  passes over their columns in each step. Switching on again resets it; off costs nothing. The
+ *  ledger needs the properties mass, position and velocity of the standard prototypes, all of
+ *  one kind. It also uses externalForce, torque, orientation, angularVelocity and inertia where
+ *  they exist. NOT_FOUND, TYPE_MISMATCH or UNIT_MISMATCH name what the prototype lacks.
+ *  `advance` returns NOT_FOUND if one of the first three is not bound. */
 VESPER_API vesper_status vesper_engine_set_ledger(vesper_engine* engine, uint32_t on,
                                                   vesper_error* error) VESPER_NOEXCEPT;
-/** The line of a law of a loaded library, or, of VESPER_NO_LIBRARY, one of VESPER_LEDGER_…, as of
- *  the last advance that succeeded; the caller has set struct_size. NOT_FOUND if there is no such
- *  line or the ledger is off; FAULTED after a failed step where potential energy is asked for. */
+/** Fills `out` with the ledger line of a law of a loaded library, as of the last successful
+ *  advance. If `library` is VESPER_NO_LIBRARY, `law` is one of VESPER_LEDGER_…. The caller sets
+ *  struct_size first. NOT_FOUND if the line does not exist or the ledger is off; FAULTED after a
+ *  failed step if the line includes potential energy. */
 VESPER_API vesper_status vesper_engine_ledger(vesper_engine* engine, vesper_library_id library,
                                               uint32_t line, vesper_ledger_entry* out,
                                               vesper_error* error) VESPER_NOEXCEPT;
-/** Potential energy [J] of the present state that the law's forces derive from; ledger on or off.
- *  NOT_FOUND if the law reports none. */
+/** Computes the potential energy [J] of the forces of a law in the present state, whether the
+ *  ledger is on or off. NOT_FOUND if the law reports none. */
 VESPER_API vesper_status vesper_engine_potential_energy(vesper_engine* engine,
                                                         vesper_library_id library, uint32_t law,
                                                         double* out,

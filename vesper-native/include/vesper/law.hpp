@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/* The C++20 layer for authors of physics laws; a law library needs nothing else.
+/* The C++20 layer for authors of physics laws; a law library needs no other header.
  *
- * A law is a class template over the real type. Its members are the properties and parameters it
- * uses, and one macro at the end of the file makes the library, for both precisions:
+ * A law is a class template over the real type. Its members are the properties and parameters that
+ * it uses. One macro at the end of the file defines the library, for both precisions:
  *
  *     using namespace vesper;
  *
@@ -27,21 +27,21 @@
  *
  * A law must have kName, kVersion, kDoc, kPhase, Properties() and Advance(). It may have:
  *   uint32_t kStages        force evaluations per step of an integrator; 1 if absent
- *   uint32_t kFirstStage    1 if an integrator has nothing to do before the first of them (stage 0)
+ *   uint32_t kFirstStage    1 if an integrator has no work before the first evaluation (stage 0)
  *   std::array<double, 1 + kStages> kForceWeights
- *                           how its velocities follow from the forces; see `force_weights` in law.h
+ *                           weights of the forces in the velocities; see `force_weights` in law.h
  *   uint32_t kClaims        vesper::Claim values joined with |; none if absent
  *   auto Parameters()       std::tie of its parameters
- *   void Bind()             rebuilds what it caches: arrays are new, or were edited by the client
+ *   void Bind()             rebuilds its caches: arrays are new, or the client edited them
  *   double PotentialEnergy()  [J] of the present state
- *   void Synchronize(auto& column)  writes a Deferred column of its own; needed if it has one
- *   using Suite = S;        a class that the laws of the library share: one S for each engine, made
- *   void Join(Suite&)       with S() before its laws and dropped after them; handed to each law
- *                           once it has its parameters, in the order of the library
+ *   void Synchronize(auto& column)  writes one of its Deferred columns; required if it has any
+ *   using Suite = S;        a class that the laws of the library share. Each engine has one S,
+ *   void Join(Suite&)       created with S() before the laws and destroyed after them. Join passes
+ *                           it to each law after the parameters, in the order of the library
  *
  * The law is default-constructed once when its library is opened, to read the declarations, and
- * once for every engine that loads it. Names and docs must be string literals. An exception thrown
- * by the constructor or by Join at load, by Bind, Advance or PotentialEnergy becomes LAW_FAILED
+ * once for every engine that loads it. Names and docs must be string literals. An exception from
+ * the constructor or Join at load, or from Bind, Advance or PotentialEnergy, becomes LAW_FAILED
  * with its what() as message.
  */
 #ifndef VESPER_LAW_HPP_
@@ -61,7 +61,7 @@
 
 namespace vesper {
 
-/** When a law runs within a step: phase by phase, and in order of loading within one. */
+/** Phase of a step in which a law runs. Order of execution: phase, then load order. */
 enum class Phase : vesper_phase {
   kForce = VESPER_PHASE_FORCE,
   kIntegrate = VESPER_PHASE_INTEGRATE,
@@ -69,7 +69,7 @@ enum class Phase : vesper_phase {
   kObserve = VESPER_PHASE_OBSERVE,
 };
 
-/** What a law promises; the law contract tests hold it to it. */
+/** Invariants that a law guarantees; the law contract tests check them. */
 enum Claim : uint32_t {
   kMomentum = VESPER_CLAIM_MOMENTUM,
   kAngularMomentum = VESPER_CLAIM_ANGULAR_MOMENTUM,
@@ -77,16 +77,20 @@ enum Claim : uint32_t {
   kRotation = VESPER_CLAIM_ROTATION,
 };
 
-/** A number fixed while the law is loaded, in the unit declared; the engine refuses values outside
- *  [minimum, maximum]. Holds its default until the law is loaded, its value from Bind on. */
+/** A number in the declared unit, constant while the law is loaded. The engine refuses values
+ *  outside [minimum, maximum]. Holds its default until the law is loaded, and its actual value
+ *  from Bind on. */
 class Parameter {
  public:
+  /** Stores name, one line of documentation and unit, and default and range in that unit. */
   constexpr Parameter(const char* name, const char* doc, const vesper_unit& unit,
                       double default_value, double minimum, double maximum)
       : desc_{sizeof desc_, 0, name, doc, unit, default_value, minimum, maximum},
         value_(default_value) {}
 
+  /** Returns the value, in the declared unit. */
   constexpr double value() const { return value_; }
+  /** Returns the value in the law's real type. */
   template <std::floating_point Real>
   explicit constexpr operator Real() const {
     return static_cast<Real>(value_);
@@ -103,24 +107,25 @@ class Parameter {
 /** One stage of one step, valid during Advance. */
 class Step {
  public:
-  /** 0 before the first force evaluation (integrators only), else 1..stage_count. */
+  /** 0 before the first force evaluation (integrators only), then 1..stage_count. */
   const uint32_t stage;
+  /** Number of force evaluations in this step. */
   const uint32_t stage_count;
   /** Length of the step [time unit of the prototype], > 0. */
   const double dt;
-  /** Time at the beginning of the step: index * dt if dt never changed. */
+  /** Time at the start of the step: index * dt if dt never changed. */
   const double time;
-  /** Steps done before this one. */
+  /** Number of steps before this one. */
   const uint64_t index;
 
-  /** Calls body(begin, end) for disjoint ranges that cover [0, count), perhaps at the same time,
-   *  and returns when all are done. Ranges do not depend on the number of threads; they are `grain`
-   *  long, or as long as the engine likes if 0. If bodies throw, the exception of the first range
-   *  that threw is rethrown here. */
+  /** Calls body(begin, end) for disjoint ranges that cover [0, count), possibly concurrently,
+   *  and returns when all calls have returned. Ranges have `grain` elements, or a length chosen
+   *  by the engine if `grain` is 0; they do not depend on the number of threads. If bodies
+   *  throw, it rethrows the exception of the lowest range. */
   template <std::invocable<uint64_t, uint64_t> Body>
   void ParallelFor(uint64_t count, uint64_t grain, Body&& body) const;
 
-  /** Writes a line to the engine's log (VESPER_LOG_...). Not from within ParallelFor. */
+  /** Writes a line to the engine's log (VESPER_LOG_...). Must not be called within ParallelFor. */
   void Log(uint32_t level, const char* message) const { host_.log(host_.context, level, message); }
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a law declares its properties with: units, the types of rows, columns and fields. Part of
+// Types for the declarations of a law's properties: units, rows, columns and fields. Part of
 // vesper/law.hpp, which laws include.
 #ifndef VESPER_LAW_COLUMNS_HPP_
 #define VESPER_LAW_COLUMNS_HPP_
@@ -37,11 +37,15 @@ inline constexpr vesper_unit gravitational_constant = VESPER_UNIT_GRAVITATIONAL_
 inline constexpr vesper_unit coulomb_constant = VESPER_UNIT_COULOMB_CONSTANT;
 }  // namespace units
 
-/** Three numbers of one row, as they lie in a column of 3 components. */
+/** Three numbers of one row, with the layout of a column of 3 components. */
 template <class Real>
 struct Vec3 {
-  Real x{}, y{}, z{};
+  Real x{}; /**< Component 0. */
+  Real y{}; /**< Component 1. */
+  Real z{}; /**< Component 2. */
 
+  /** @{ */
+  /** Component-wise operations. */
   friend constexpr Vec3 operator+(Vec3 a, Vec3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
   friend constexpr Vec3 operator-(Vec3 a, Vec3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
   friend constexpr Vec3 operator-(Vec3 a) { return {-a.x, -a.y, -a.z}; }
@@ -50,6 +54,7 @@ struct Vec3 {
   friend constexpr Vec3& operator+=(Vec3& a, Vec3 b) { return a = a + b; }
   friend constexpr Vec3& operator-=(Vec3& a, Vec3 b) { return a = a - b; }
   friend constexpr bool operator==(const Vec3&, const Vec3&) = default;
+  /** @} */
 };
 
 template <class Real>
@@ -78,7 +83,7 @@ struct Scalar<int32_t> : std::integral_constant<vesper_scalar_type, VESPER_I32> 
 template <>
 struct Scalar<uint32_t> : std::integral_constant<vesper_scalar_type, VESPER_U32> {};
 
-/** Scalar type and number of components of what a row holds. */
+/** Scalar type and number of components of a row type. */
 template <class Row>
 struct RowType {
   static constexpr vesper_scalar_type kScalar = Scalar<Row>::value;
@@ -100,29 +105,38 @@ class Instance;
 
 }  // namespace detail
 
-/** A column that a law uses: (rows x components of Row), borrowed from the client between two
- *  Binds. Row is float, double, int32_t, uint32_t, Vec3 of a real, or std::array of a scalar. What
- *  the access only reads is const. Use it through the names below. */
+/** A column that a law uses: (rows x components of Row), borrowed from the client until the next
+ *  Bind. Row is float, double, int32_t, uint32_t, Vec3 of a real, or std::array of a scalar.
+ *  Elements are const if the access is read-only. Use it through the aliases below. */
 template <class Row, vesper_access access, uint32_t flags>
 class Column {
  public:
+  /** Access of the law to the property. */
   static constexpr vesper_access kAccess = access;
+  /** Type of a row; const if the access is read-only. */
   using Element = std::conditional_t<access == VESPER_READ, const Row, Row>;
 
+  /** Stores the declaration by which the property is matched. The strings are literals. */
   constexpr Column(const char* name, const char* kind, const vesper_unit& unit)
       : name_(name), kind_(kind), unit_(unit) {}
 
+  /** Returns row `row`, which must be less than size(); not checked. */
   Element& operator[](uint64_t row) const { return data_[row]; }
+  /** Returns the first row; null if there is none. */
   Element* data() const { return data_; }
+  /** Returns the first row. */
   Element* begin() const { return data_; }
+  /** Returns the end, after the last row. */
   Element* end() const { return data_ + size_; }
-  /** Rows; 0 if an optional property is absent. */
+  /** Returns the number of rows; 0 if an optional property is absent. */
   uint64_t size() const { return size_; }
+  /** Returns the name of the property. */
   const char* name() const { return name_; }
-  /** Another number once the client has touched or rebound the property; of a Deferred column,
-   *  whenever anybody else wrote the array. */
+  /** Returns a number that changes when the client touches or rebinds the property. For a
+   *  Deferred column, it changes whenever the client or another library writes the array. */
   uint64_t version() const { return version_; }
-  /** False if the prototype lacks this optional property or the client gave no array for it. */
+  /** Returns false if the prototype lacks this optional property or the client bound no array to
+   *  it. */
   bool present() const
     requires((flags & VESPER_USE_OPTIONAL) != 0)
   {
@@ -161,17 +175,19 @@ class Column {
 
 template <class Row>
 using Read = Column<Row, VESPER_READ, 0>;
-/** Every row must be written before Advance returns; what was in it is not to be read. */
+/** A column of which every row must be written before Advance returns. Its previous contents
+ *  must not be read. */
 template <class Row>
 using Write = Column<Row, VESPER_WRITE, 0>;
 template <class Row>
 using ReadWrite = Column<Row, VESPER_READ_WRITE, 0>;
-/** Add to it, in phase kForce. It starts at zero for each law; the engine sums over laws. */
+/** A column to add to, in phase kForce. It starts at zero for each law; the engine sums over
+ *  laws. */
 template <class Row>
 using Accumulate = Column<Row, VESPER_ACCUMULATE, 0>;
-/** Memory that the engine keeps for this law, one Row for each row of the kind, zero at first; read
- *  and written in Advance only. It is undone with a step that failed, saved with the engine, and
- *  follows its row when the client moves that. The name is the law's own. */
+/** Memory that the engine keeps for this law: one Row for each row of the kind, initially zero,
+ *  read and written in Advance only. It is rolled back with a failed step, saved with the
+ *  engine, and moves with its row when the client moves the row. The law chooses the name. */
 template <class Row>
 using Scratch = Column<Row, VESPER_SCRATCH, 0>;
 template <class Row>
@@ -183,10 +199,11 @@ using OptionalReadWrite = Column<Row, VESPER_READ_WRITE, VESPER_USE_OPTIONAL>;
 template <class Row>
 using OptionalAccumulate = Column<Row, VESPER_ACCUMULATE, VESPER_USE_OPTIONAL>;
 
-/** Columns of which the laws of a library keep one copy in their Suite, on a device say. Bind takes
- *  the array if version() is another than the copy was taken at; otherwise the copy counts, and may
- *  be newer than the array. Advance works on the copy only. What it writes there, the engine asks
- *  for by law.Synchronize(column), which must fill the whole column; see VESPER_USE_DEFERRED. */
+/** Columns of which the laws of a library keep one copy in their Suite, for example on a device.
+ *  Bind reads the array if version() differs from the version of the copy; otherwise the copy is
+ *  valid and may be newer than the array. Advance works on the copy only. To get written values,
+ *  the engine calls law.Synchronize(column), which must fill the whole column; see
+ *  VESPER_USE_DEFERRED. */
 template <class Row>
 using DeferredRead = Column<Row, VESPER_READ, VESPER_USE_DEFERRED>;
 template <class Row>
@@ -198,17 +215,19 @@ using DeferredReadWrite = Column<Row, VESPER_READ_WRITE, VESPER_USE_DEFERRED>;
 template <class Row>
 using DeferredAccumulate = Column<Row, VESPER_ACCUMULATE, VESPER_USE_DEFERRED>;
 
-/** A function of position that a law reads: wind, a magnetic field. Value is a real or Vec3 of one;
- *  the values come in the unit declared. For many positions at once, Evaluate is one call. */
+/** A function of position that a law reads, for example wind or a magnetic field. Value is a
+ *  real or Vec3 of one, in the declared unit. Evaluate computes many positions in one call. */
 template <class Value, uint32_t flags>
 class FieldOf {
  public:
+  /** Fields are read-only. */
   static constexpr vesper_access kAccess = VESPER_READ;
 
+  /** Stores the declaration by which the property is matched. The strings are literals. */
   constexpr FieldOf(const char* name, const char* kind, const vesper_unit& unit)
       : name_(name), kind_(kind), unit_(unit) {}
 
-  /** The value at a position [m]. */
+  /** Returns the value at a position [m]. */
   template <class Real>
   Value operator()(const Vec3<Real>& at) const {
     const double from[3] = {at.x, at.y, at.z};
@@ -220,11 +239,11 @@ class FieldOf {
       return {static_cast<Real>(out[0]), static_cast<Real>(out[1]), static_cast<Real>(out[2])};
     }
   }
-  /** out (count x components) at the positions `at` (count x 3) [m]. */
+  /** Writes values to `out` (count x components) for the positions `at` (count x 3) [m]. */
   void Evaluate(uint64_t count, const double* at, double* out) const {
     field_->evaluate(field_->user, count, at, out);
   }
-  /** False if the prototype lacks this optional field or nobody gave one. */
+  /** Returns false if the prototype lacks this optional field or no field is bound to it. */
   bool present() const
     requires(flags == VESPER_USE_OPTIONAL)
   {

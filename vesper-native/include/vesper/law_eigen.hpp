@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Rows and columns of a law as Eigen maps, so that small-vector maths reads like the equation:
+/* Eigen maps of the rows and columns of a law, for vector expressions close to the equations:
  *
  *     const auto r = VectorAt(position, i) - centre;
  *     VectorAt(force, i) -= mass[i] * omega.cross(omega.cross(r));
  *
  * Optional: only laws that include this header need Eigen (3.4, Debian package libeigen3-dev). Maps
- * own and copy nothing; what a law only reads is const in its map as well.
+ * own and copy nothing. The map of a read-only column is const.
  *
- * Eigen would choose the order of its sums by the vector unit that it is compiled for. Here its
- * own vectorisation is off, in every header of Eigen that follows this one, and its threads
- * too; so the bits depend neither on the CPU nor on compiler flags, and the compiler still
- * vectorises what keeps them. A failed assertion of Eigen (builds without NDEBUG) throws, and
- * so becomes LAW_FAILED.
+ * By default Eigen chooses the order of its sums by the target's vector unit. This header disables
+ * Eigen's own vectorisation, in every Eigen header that follows it, and Eigen's threads. Therefore
+ * results depend neither on the CPU nor on compiler flags; the compiler still vectorises loops
+ * where that keeps the bits. A failed assertion of Eigen (builds without NDEBUG) throws, which
+ * becomes LAW_FAILED.
  *
- * Whole-column expressions allocate nothing while Eigen needs no temporary: fixed-size vectors and
- * element-wise arithmetic never do, products of dynamic matrices do.
+ * Whole-column expressions allocate no memory unless Eigen needs a temporary: fixed-size vectors
+ * and element-wise arithmetic need none, products of dynamic matrices do.
  */
 #ifndef VESPER_LAW_EIGEN_HPP_
 #define VESPER_LAW_EIGEN_HPP_
@@ -28,12 +28,15 @@ what makes bits depend on the CPU"
 #include <stdexcept>
 
 #ifndef EIGEN_DONT_VECTORIZE
+/** Eigen's vectors would make bits depend on the CPU. */
 #define EIGEN_DONT_VECTORIZE
 #endif
 #ifndef EIGEN_DONT_PARALLELIZE
+/** Laws start no threads. */
 #define EIGEN_DONT_PARALLELIZE
 #endif
 #if !defined(NDEBUG) && !defined(eigen_assert)
+/** An assertion of Eigen fails the law instead of ending the process. */
 #define eigen_assert(condition) \
   ((condition) ? static_cast<void>(0) : throw std::logic_error("Eigen: expected " #condition))
 #endif
@@ -77,7 +80,8 @@ inline constexpr int kComponentsOf = static_cast<int>(RowType<RowOf<Column>>::kC
 
 }  // namespace detail
 
-/** Row `row` of a column as a vector (components x 1); valid as long as the column is bound. */
+/** Returns row `row` of a column as a vector (components x 1); valid as long as the column is
+ *  bound. */
 template <class Row, vesper_access access, uint32_t flags>
 auto VectorAt(const Column<Row, access, flags>& column, uint64_t row) {
   using C = Column<Row, access, flags>;
@@ -86,8 +90,8 @@ auto VectorAt(const Column<Row, access, flags>& column, uint64_t row) {
   return Eigen::Map<detail::ConstAs<C, Vector>>(reinterpret_cast<Component*>(&column[row]));
 }
 
-/** A whole column as an array (components x rows) for element-wise arithmetic; valid as long as the
- *  column is bound. Empty if an optional property is absent. */
+/** Returns a whole column as an array (components x rows) for element-wise arithmetic; valid as
+ *  long as the column is bound. Empty if an optional property is absent. */
 template <class Row, vesper_access access, uint32_t flags>
 auto ArrayOf(const Column<Row, access, flags>& column) {
   using C = Column<Row, access, flags>;
@@ -99,8 +103,8 @@ auto ArrayOf(const Column<Row, access, flags>& column) {
                                                static_cast<Eigen::Index>(column.size()));
 }
 
-/** Row `row` of a column of unit quaternions xyzw, such as `orientation`; valid as long as the
- *  column is bound. */
+/** Returns row `row` of a column of unit quaternions xyzw, such as `orientation`; valid as long as
+ *  the column is bound. */
 template <std::floating_point Real, vesper_access access, uint32_t flags>
 auto QuaternionAt(const Column<std::array<Real, 4>, access, flags>& column, uint64_t row) {
   using C = Column<std::array<Real, 4>, access, flags>;

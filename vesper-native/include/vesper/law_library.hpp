@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// From a class template to the tables and callbacks of vesper/law.h. Part of vesper/law.hpp, which
-// laws include.
+// Converts class templates of laws to the tables and callbacks of vesper/law.h. Part of
+// vesper/law.hpp, which laws include.
 #ifndef VESPER_LAW_LIBRARY_HPP_
 #define VESPER_LAW_LIBRARY_HPP_
 
@@ -29,7 +29,7 @@ inline vesper_status Fail(vesper_error* error, const char* message) {
   return VESPER_LAW_FAILED;
 }
 
-/** Runs `action`; what it throws becomes a status. */
+/** Runs `action` and converts an exception to a status. */
 template <class Action>
 vesper_status Guard(vesper_error* error, Action&& action) noexcept {
   try {
@@ -42,7 +42,7 @@ vesper_status Guard(vesper_error* error, Action&& action) noexcept {
   }
 }
 
-/** Precision of a law: the argument of its template. */
+/** Precision of a law: the argument of its class template. */
 template <class Law>
 struct RealOf;
 template <template <class> class Law, class Real>
@@ -59,7 +59,7 @@ auto ParametersOf(Law& law) {
   }
 }
 
-/** The suite that a law names, or void. */
+/** The suite class that a law names, or void. */
 template <class Law>
 struct SuiteOf {
   using Type = void;
@@ -70,14 +70,14 @@ struct SuiteOf<Law> {
   using Type = typename Law::Suite;
 };
 
-/** True if one of the columns in what Properties() returns is an Accumulate. */
+/** True if Properties() contains an Accumulate column. */
 template <class Properties>
 inline constexpr bool kAccumulates = false;
 template <class... Columns>
 inline constexpr bool kAccumulates<std::tuple<Columns&...>> =
     ((Columns::kAccess == VESPER_ACCUMULATE) || ...);
 
-/** True for a column that the law writes in memory of its own. */
+/** True for a column that the law writes in its own memory. */
 template <class Column>
 inline constexpr bool kDefersWrite = false;
 template <class Row, vesper_access access, uint32_t flags>
@@ -88,7 +88,7 @@ inline constexpr bool kDefersWrites = false;
 template <class... Columns>
 inline constexpr bool kDefersWrites<std::tuple<Columns&...>> = (kDefersWrite<Columns> || ...);
 
-/** A law as the engine drives it: the C callbacks and the declarations in C form. */
+/** The C callbacks and the C declarations of a law. */
 template <class Law>
 class Instance {
  public:
@@ -145,7 +145,7 @@ class Instance {
 
   explicit Instance(const vesper_host& host) : host_(host) {}
 
-  /** The declarations in C form; lives in the library's static data. */
+  /** The declarations in C form, in the static data of the library. */
   class Table {
    public:
     Table() {
@@ -226,7 +226,7 @@ class Instance {
   const vesper_host& host_;
 };
 
-/** Everything that `vesper_law_library_entry` points to, for both precisions of each law. */
+/** All data to which `vesper_law_library_entry` points, for both precisions of each law. */
 template <template <class> class... Laws>
 class Library {
  public:
@@ -265,8 +265,8 @@ class Library {
 
 }  // namespace vesper::detail
 
-/** Makes the library: VESPER_LAW_LIBRARY("name", Law, MoreLaws...), once, in one source file, at
- *  global scope. The name is that of the file, libvesper_law_NAME.so. */
+/** Defines the library: VESPER_LAW_LIBRARY("name", Law, MoreLaws...), once, in one source file,
+ *  at global scope. The file is libvesper_law_NAME.so with the same name. */
 #define VESPER_LAW_LIBRARY(name, ...)                                                 \
   extern "C" VESPER_LAW_EXPORT const vesper_law_library* vesper_law_library_entry() { \
     try {                                                                             \

@@ -2,15 +2,15 @@
 /* Types that the engine, its clients and the laws share.
  *
  * The C layer is the contract: fixed-width integers, no enum types, no bools and no bit fields in
- * structs. Every struct that crosses the boundary begins with `struct_size`, set by whoever fills
- * the struct, and fields are only appended, in minor versions. Nobody reads or writes beyond the
- * `struct_size` of the other side: a field that is not there is zero. A field that the engine does
- * not know must be zero (ABI_MISMATCH), so that a law or client built for a later minor version
- * works as long as it asks for nothing new. Arrays of such structs are walked with the
- * `struct_size` of their first element as stride. Fields named `reserved` are zero.
+ * structs. Every struct that crosses the boundary begins with `struct_size`, set by the side that
+ * fills the struct. Minor versions only append fields. Neither side reads or writes beyond the
+ * `struct_size` of the other; a missing field counts as zero. A field that the engine does not know
+ * must be zero (ABI_MISMATCH). Therefore a law or client built for a later minor version works as
+ * long as it uses no new feature. The stride of an array of such structs is the `struct_size` of
+ * its first element. Fields named `reserved` are zero.
  *
- * Frozen within a major version: `vesper_error`, `vesper_unit` and `vesper_layout_entry`, which do
- * not say their size; `vesper_property`, of which laws get arrays; and `vesper_field`, which is
+ * Frozen within a major version: `vesper_error`, `vesper_unit` and `vesper_layout_entry`, which
+ * contain no size; `vesper_property`, which laws receive in arrays; and `vesper_field`, which is
  * part of other structs.
  */
 #ifndef VESPER_TYPES_H_
@@ -22,25 +22,27 @@
 extern "C" {
 #endif
 
-/** Version of this contract: laws and engine must share the major one (see
+/** Version of this contract: laws and engine must have the same major version (see
  *  `vesper_law_library`). */
 #define VESPER_ABI_MAJOR 1u
+/** Raised when a field or function is appended; a law may be older or newer than the engine. */
 #define VESPER_ABI_MINOR 1u
+/** Major and minor version in one number, the major one in the upper 16 bits. */
 #define VESPER_ABI_VERSION ((VESPER_ABI_MAJOR << 16) | VESPER_ABI_MINOR)
 
-/** Outcome of a call. Numbers are never reused; `vesper_status_name` gives the name. */
+/** Result of a call. Numbers are never reused; `vesper_status_name` returns the name. */
 typedef int32_t vesper_status;
-#define VESPER_OK 0                   /**< Done. */
+#define VESPER_OK 0                   /**< Success. */
 #define VESPER_INVALID_ARGUMENT 1     /**< An argument is null, out of range or not finite. */
 #define VESPER_NOT_FOUND 2            /**< No property, law, library or prototype of that name. */
 #define VESPER_ALREADY_EXISTS 3       /**< The name is taken. */
-#define VESPER_BUSY 4                 /**< The engine is inside `advance`. */
-#define VESPER_ABI_MISMATCH 5         /**< Of another contract, or asks for more than this one. */
+#define VESPER_BUSY 4                 /**< Another call on the engine is running. */
+#define VESPER_ABI_MISMATCH 5         /**< Another contract version, or a newer feature is used. */
 #define VESPER_TYPE_MISMATCH 6        /**< Scalar type or number of components differ. */
-#define VESPER_UNIT_MISMATCH 7        /**< Units differ in dimension, or no real type. */
+#define VESPER_UNIT_MISMATCH 7        /**< Units differ in dimension, or the type is not real. */
 #define VESPER_COUNT_MISMATCH 8       /**< Properties of one kind have different row counts. */
-#define VESPER_ACCESS_CONFLICT 9      /**< A law asks for more than allowed, or two laws collide. */
-#define VESPER_LIBRARY_LOAD_FAILED 10 /**< The file is no complete, loadable law library. */
+#define VESPER_ACCESS_CONFLICT 9      /**< Access beyond the permitted one, or two laws collide. */
+#define VESPER_LIBRARY_LOAD_FAILED 10 /**< The file is not a complete, loadable law library. */
 #define VESPER_LAW_FAILED 11          /**< A law returned an error or threw. */
 #define VESPER_LAW_MISBEHAVED 12      /**< A law broke its declaration, or wrote NaN or infinity. */
 #define VESPER_FAULTED 13             /**< A step failed before; see `vesper_engine_clear_fault`. */
@@ -48,125 +50,129 @@ typedef int32_t vesper_status;
 
 /** Element type of a property. */
 typedef uint32_t vesper_scalar_type;
-#define VESPER_F32 1u
-#define VESPER_F64 2u
-#define VESPER_I32 3u
-#define VESPER_U32 4u
-#define VESPER_FIELD 5u /**< No column: a `vesper_field`. READ only; has a kind, but no rows. */
+#define VESPER_F32 1u   /**< IEEE 754 binary32. */
+#define VESPER_F64 2u   /**< IEEE 754 binary64. */
+#define VESPER_I32 3u   /**< Signed, 4 bytes. */
+#define VESPER_U32 4u   /**< Unsigned, 4 bytes; also references to rows. */
+#define VESPER_FIELD 5u /**< Not a column but a `vesper_field`. READ only; has a kind, no rows. */
 
-/** What a law does to a property, or (as a set of bits) the most that any law may do to it. */
+/** Access of a law to a property, or, as a set of bits, the maximum access that laws may have. */
 typedef uint32_t vesper_access;
-#define VESPER_READ 1u
-#define VESPER_WRITE 2u /**< Every row is written before the law returns; not read. */
-#define VESPER_READ_WRITE 3u
+#define VESPER_READ 1u       /**< The law only reads. */
+#define VESPER_WRITE 2u      /**< The law writes every row before it returns, and reads none. */
+#define VESPER_READ_WRITE 3u /**< The law reads, and may write any rows. */
 #define VESPER_ACCUMULATE                                                \
   4u /**< Added to; the engine zeroes it and sums over laws. FORCE only. \
       */
 #define VESPER_SCRATCH                                                    \
-  8u /**< No property of the client: memory that the engine keeps for the \
-          law, `components` values for each row of the kind, zero at      \
-          first. The law reads and writes it in `advance` only. */
+  8u /**< Memory that the engine keeps for the law, not a property of the \
+          client: `components` values for each row of the kind, initially \
+          zero. The law reads and writes it in `advance` only. */
 
-/** When a law runs within a step. Order of execution: phase, then order of loading. */
+/** Phase of a step in which a law runs. Order of execution: phase, then load order. */
 typedef uint32_t vesper_phase;
 #define VESPER_PHASE_FORCE 1u     /**< Accumulates forces and torques. */
-#define VESPER_PHASE_INTEGRATE 2u /**< Moves the state by dt. */
-#define VESPER_PHASE_CONSTRAIN 3u /**< Corrects the moved state. */
+#define VESPER_PHASE_INTEGRATE 2u /**< Advances the state by dt. */
+#define VESPER_PHASE_CONSTRAIN 3u /**< Corrects the advanced state. */
 #define VESPER_PHASE_OBSERVE 4u   /**< Reads the result of the step. */
 
-/** "No such row, law or library" in a `vesper_error`. */
-#define VESPER_NO_ROW UINT64_MAX
-#define VESPER_NO_LAW UINT32_MAX
-#define VESPER_NO_LIBRARY 0u
+#define VESPER_NO_ROW UINT64_MAX /**< "No such row" in a `vesper_error`. */
+#define VESPER_NO_LAW UINT32_MAX /**< "No such law" in a `vesper_error`. */
+#define VESPER_NO_LIBRARY 0u     /**< "No such library" in a `vesper_error`. */
 
-/** Names a loaded law library within one engine; starts at 1, never reused. */
+/** Identifies a loaded law library within one engine; starts at 1 and is never reused. */
 typedef uint32_t vesper_library_id;
 
 /** A physical unit: SI exponents and a scale. Frozen: 32 bytes.
  *  One unit = `scale` * m^e[0] * kg^e[1] * s^e[2] * A^e[3] * K^e[4] * mol^e[5] * cd^e[6].
  *  `symbol` is for messages only, NUL-terminated; equality is exponents and scale. */
 typedef struct vesper_unit {
-  int8_t exponent[7];
+  int8_t exponent[7]; /**< Exponents of m, kg, s, A, K, mol and cd. */
   uint8_t reserved;
-  double scale;
-  char symbol[16];
+  double scale;    /**< Scale of the unit in SI units; finite, above 0. */
+  char symbol[16]; /**< NUL-terminated. */
 } vesper_unit;
 
-/** What went wrong. Caller-owned, optional (null) everywhere, written on failure only. Frozen:
- *  256 bytes. `message` is one line that names the thing, what was found, and what was expected. */
+/** Description of a failure. Caller-owned, optional (null) everywhere, written on failure only.
+ *  Frozen: 256 bytes. `message` is one line with the name of the object, what was found, and
+ *  what was expected. */
 typedef struct vesper_error {
-  vesper_status status;
-  vesper_library_id library_id; /**< VESPER_NO_LIBRARY if no library is to blame. */
-  uint32_t law_index;           /**< Within the library, or VESPER_NO_LAW. */
-  uint32_t stage;               /**< Integrator stage of the step, 0 outside steps. */
+  vesper_status status;         /**< The status that the call returned. */
+  vesper_library_id library_id; /**< VESPER_NO_LIBRARY if no library caused it. */
+  uint32_t law_index;           /**< Index within the library, or VESPER_NO_LAW. */
+  uint32_t stage;               /**< Integrator stage of the step; 0 outside steps. */
   uint64_t row;                 /**< Row of `property`, or VESPER_NO_ROW. */
-  char property[48];            /**< Empty if no property is concerned. */
-  char message[184];
+  char property[48];            /**< Empty if no property is involved. */
+  char message[184];            /**< NUL-terminated. */
 } vesper_error;
 
-/** A named value handed to a law at load, in the unit that the law declares for it. */
+/** A named value that a law receives at load, in the unit that the law declares for it. */
 typedef struct vesper_parameter {
   uint32_t struct_size;
   uint32_t reserved;
   const char* name; /**< `parameter`, or `law.parameter` in a library of several laws. */
-  double value;
+  double value;     /**< Value in the unit that the law declares. */
 } vesper_parameter;
 
-/** A function of position, such as wind or a magnetic field; the `data` of a bound FIELD property.
- *  Always f64, whatever the prototype's real type. */
+/** A function of position, such as wind or a magnetic field: the `data` of a bound FIELD
+ *  property. Always f64, whatever the real type of the prototype. */
 typedef struct vesper_field {
   uint32_t struct_size;
   uint32_t reserved;
-  void* user; /**< Handed back as first argument. */
-  /** out (count x components) [the property's unit] at the positions `at` (count x 3) [m]. Finite,
-   *  a function of position only within a step; called from several threads at the same time. */
+  void* user; /**< First argument of `evaluate`. */
+  /** Writes values to `out` (count x components) [the property's unit] for the positions `at`
+   *  (count x 3) [m]. Values must be finite and, within a step, depend on the position only.
+   *  Several threads call it concurrently. */
   void (*evaluate)(void* user, uint64_t count, const double* at, double* out);
 } vesper_field;
 
 /** Declares one property of a prototype. Strings are copied when the engine is created. */
 typedef struct vesper_property_descriptor {
   uint32_t struct_size;
-  vesper_scalar_type scalar_type;
-  const char* name; /**< Unique within the prototype, at most 47 bytes. */
-  const char* kind; /**< Row space: all properties of a kind have the same number of rows. */
-  uint32_t components;
-  vesper_access law_access; /**< The most that any law may ask for. */
-  vesper_unit unit;
-  const char* refers_to;    /**< Kind that this U32 column's values are rows of, or null. */
-  const char* initial_from; /**< For accumulators: property of the same kind, type and unit that
-                                 each stage's sum starts from instead of zero; null for zero. */
+  vesper_scalar_type scalar_type; /**< Element type. */
+  const char* name;               /**< Unique within the prototype, at most 47 bytes. */
+  const char* kind;    /**< Row space: all properties of a kind have the same number of rows. */
+  uint32_t components; /**< Components per row, at least 1. */
+  vesper_access law_access; /**< Maximum access that a law may request. */
+  vesper_unit unit;         /**< Unit of every component. */
+  const char* refers_to;    /**< Kind whose rows this U32 column refers to, or null. */
+  const char* initial_from; /**< For accumulators: a property of the same kind, type and unit
+                                 from which the sum of each stage starts; null: it starts from
+                                 zero. */
   const char* doc;          /**< One line, may be null. */
-  uint32_t has_minimum;     /**< 1: `minimum` counts. Only for numbers that laws READ. Since 1.1. */
+  uint32_t has_minimum;     /**< 1: `minimum` applies. Only for numbers that laws READ. Since
+                                 1.1. */
   uint32_t reserved;
-  double minimum; /**< Least value [unit] of every component: the client's arrays are held to it
-                       when they are added, rebound or touched. Since 1.1. */
+  double minimum; /**< Minimum [unit] of every component. The engine checks the client's arrays
+                       against it at add, rebind and touch. Since 1.1. */
 } vesper_property_descriptor;
 
-/** The contract of one use: which properties exist. The engine copies it at create; types and
+/** The set of properties of one use of the engine. The engine copies it at create; types and
  *  units never change after that. */
 typedef struct vesper_prototype {
   uint32_t struct_size;
-  vesper_scalar_type real_type; /**< VESPER_F32 or VESPER_F64: which variant of each law is used. */
-  const char* name;
-  vesper_unit time_unit; /**< Unit of `dt`. */
-  uint32_t property_count;
+  vesper_scalar_type real_type; /**< VESPER_F32 or VESPER_F64; selects the variant of each law. */
+  const char* name;             /**< Name for messages and saved states. */
+  vesper_unit time_unit;        /**< Unit of `dt`. */
+  uint32_t property_count;      /**< Length of `properties`. */
   uint32_t reserved;
-  const vesper_property_descriptor* properties;
+  const vesper_property_descriptor* properties; /**< (property_count). */
 } vesper_prototype;
 
-/** A property as it is bound: data (rows x components), tightly packed, natural alignment. */
+/** A bound property: data (rows x components), tightly packed, naturally aligned. */
 typedef struct vesper_property {
   uint32_t struct_size;
-  vesper_scalar_type scalar_type;
-  const char* name;
-  const char* kind;
-  uint32_t components;
-  vesper_access access; /**< Of the law it is handed to; of any law (the most) from the provider. */
-  void* data;           /**< May be null if `row_count` is 0 or the property is absent. Of a
+  vesper_scalar_type scalar_type; /**< Element type of `data`. */
+  const char* name;               /**< As in the prototype. */
+  const char* kind;               /**< Row space. */
+  uint32_t components;            /**< Components per row. */
+  vesper_access access; /**< For a law: its declared access. From the provider: the maximum
+                             access of any law. */
+  void* data;           /**< May be null if `row_count` is 0 or the property is absent. For a
                              FIELD: its `const vesper_field*`. */
-  uint64_t row_count;
-  uint64_t version; /**< Raised when the client touched or rebound the property; where the
-                         use is DEFERRED, also when another law wrote the array. */
+  uint64_t row_count;   /**< Number of rows of `data`. */
+  uint64_t version;     /**< Raised when the client touches or rebinds the property; for a
+                             DEFERRED use, also when another law writes the array. */
 } vesper_property;
 
 #ifdef __cplusplus

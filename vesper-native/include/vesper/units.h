@@ -9,10 +9,12 @@
 
 #include "vesper/types.h"
 
-/** VESPER_UNIT_INIT(m, kg, s, A, K, mol, cd, scale, symbol) */
+/** A `vesper_unit` from the exponents of m, kg, s, A, K, mol and cd, a scale and a symbol. */
 #define VESPER_UNIT_INIT(m, kg, s, a, k, mol, cd, scale, symbol) \
   {{(m), (kg), (s), (a), (k), (mol), (cd)}, 0, (scale), symbol}
 
+/** @{ */
+/** A unit of the standard prototypes. */
 #define VESPER_UNIT_ONE VESPER_UNIT_INIT(0, 0, 0, 0, 0, 0, 0, 1.0, "1")
 #define VESPER_UNIT_METRE VESPER_UNIT_INIT(1, 0, 0, 0, 0, 0, 0, 1.0, "m")
 #define VESPER_UNIT_KILOGRAM VESPER_UNIT_INIT(0, 1, 0, 0, 0, 0, 0, 1.0, "kg")
@@ -34,5 +36,6 @@
 #define VESPER_UNIT_GRAVITATIONAL_CONSTANT \
   VESPER_UNIT_INIT(3, -1, -2, 0, 0, 0, 0, 1.0, "m^3/(kg*s^2)")
 #define VESPER_UNIT_COULOMB_CONSTANT VESPER_UNIT_INIT(3, 1, -4, -2, 0, 0, 0, 1.0, "N*m^2/C^2")
+/** @} */
 
 #endif /* VESPER_UNITS_H_ */

@@ -8,8 +8,9 @@
  *     engine.LoadPhysicsLaw("newton_motion");
  *     engine.Advance(1.0 / 240, 4);
  *
- * What fails throws vesper::Error. Arrays are borrowed: keep them valid and in place from add or
- * rebind until remove, rebind or the engine's end. Threads: one call at a time, from any thread.
+ * A failed call throws vesper::Error. Arrays are borrowed: keep them valid and in place from add or
+ * rebind until remove, rebind or the end of the engine. Threads: one call at a time, from any
+ * thread.
  */
 #ifndef VESPER_VESPER_HPP_
 #define VESPER_VESPER_HPP_
@@ -35,24 +36,26 @@
 
 namespace vesper {
 
-/** A failed call: what() names the thing, what was found and what was expected. */
+/** A failed call. what() contains the name of the object, what was found and what was expected. */
 class Error : public std::runtime_error {
  public:
+  /** Copies the error of a call; `law` is the name of the law that caused it. */
   explicit Error(const vesper_error& error, std::string law = {})
       : std::runtime_error(std::string(vesper_status_name(error.status)) + ": " + error.message),
         error_(error),
         law_(std::move(law)) {}
 
+  /** Returns the status of the call; never VESPER_OK. */
   vesper_status status() const { return error_.status; }
-  /** The library to blame, or VESPER_NO_LIBRARY. */
+  /** Returns the library that caused the failure, or VESPER_NO_LIBRARY. */
   vesper_library_id library() const { return error_.library_id; }
-  /** Name of the loaded law to blame; empty if none is. */
+  /** Returns the name of the loaded law that caused the failure; empty if no law did. */
   const std::string& law() const { return law_; }
-  /** Empty if no property is concerned. */
+  /** Returns the property involved; empty if none is. */
   std::string_view property() const { return error_.property; }
-  /** Row of the property, or VESPER_NO_ROW. */
+  /** Returns the row of the property, or VESPER_NO_ROW. */
   uint64_t row() const { return error_.row; }
-  /** Stage of the step in which it happened, 0 outside steps. */
+  /** Returns the stage of the failed step; 0 outside steps. */
   uint32_t stage() const { return error_.stage; }
 
  private:
@@ -77,7 +80,7 @@ inline void Check(vesper_status status, const vesper_error& error) {
   throw Error(error);
 }
 
-/** Type of the values of a property, and how many of them a row has. */
+/** Scalar type of a property, and its number of values per row. */
 struct Shape {
   vesper_scalar_type scalar_type;
   uint32_t components;
@@ -121,7 +124,7 @@ concept Values =
 
 }  // namespace detail
 
-/** "si-f64" or "si-f32"; static. Throws NOT_FOUND for any other name. */
+/** Returns "si-f64" or "si-f32"; static. Throws NOT_FOUND for any other name. */
 inline const vesper_prototype& StandardPrototype(const std::string& name) {
   const vesper_prototype* prototype = vesper_prototype_standard(name.c_str());
   if (prototype == nullptr) {
@@ -131,7 +134,7 @@ inline const vesper_prototype& StandardPrototype(const std::string& name) {
   return *prototype;
 }
 
-/** A unit from text, e.g. "km/h"; see vesper_unit_parse. */
+/** Parses a unit, e.g. "km/h"; see vesper_unit_parse. */
 inline vesper_unit ParseUnit(const std::string& text) {
   vesper_unit unit{};
   vesper_error error{};
@@ -139,16 +142,17 @@ inline vesper_unit ParseUnit(const std::string& text) {
   return unit;
 }
 
-/** A prototype that was read from a file or from text. Move-only. */
+/** A prototype read from a file or from text. Move-only. */
 class LoadedPrototype {
  public:
+  /** Reads a prototype from a file; see vesper_prototype_load. */
   explicit LoadedPrototype(const std::string& path) {
     vesper_prototype* prototype = nullptr;
     vesper_error error{};
     detail::Check(vesper_prototype_load(path.c_str(), &prototype, &error), error);
     prototype_.reset(prototype);
   }
-  /** `source` names the text in messages. */
+  /** Parses a prototype; `source` names the text in messages. */
   LoadedPrototype(const std::string& text, const std::string& source) {
     vesper_prototype* prototype = nullptr;
     vesper_error error{};
@@ -156,6 +160,7 @@ class LoadedPrototype {
     prototype_.reset(prototype);
   }
 
+  /** Returns the prototype; valid as long as this object lives. */
   const vesper_prototype& get() const { return *prototype_; }
 
  private:
@@ -165,24 +170,24 @@ class LoadedPrototype {
   std::unique_ptr<vesper_prototype, Free> prototype_;
 };
 
-/** How an engine is made; what is left out has the engine's default. */
+/** Configuration of an engine; fields that are not set have the engine's defaults. */
 struct EngineConfig {
-  /** For laws that run at the same time, and for parallel_for; the caller's included. */
+  /** Number of threads for concurrent laws and for parallel_for, including the caller's thread. */
   uint32_t threads = 1;
-  /** Laws run on guarded copies and are held to their declaration. */
+  /** If true, laws run on guarded copies, and the engine checks them against their declarations. */
   bool validate = false;
-  /** Folders searched for bare law names, separated by ':'. */
+  /** Folders in which bare law names are searched, separated by ':'. */
   std::string law_path = {};
-  /** The `vesper-probe` program; empty: beside the engine library. */
+  /** Path of the `vesper-probe` program; empty: beside the engine library. */
   std::string probe_path = {};
-  /** Deferred writes stay where they are until Synchronize; see vesper_engine_config. */
+  /** If true, deferred writes reach the arrays only at Synchronize; see vesper_engine_config. */
   bool deferred = false;
-  /** The client touches every array that it edited. */
+  /** If true, the client touches every array that it edited. */
   bool touches = false;
   /** Receives log lines (VESPER_LOG_..., text) on the calling thread. Must not throw. */
   std::function<void(uint32_t, const char*)> log = {};
 
-  /** The same in C form; points into this object. */
+  /** Returns the C form; it points into this object. */
   vesper_engine_config View() const {
     vesper_engine_config config;
     vesper_engine_config_init(&config);
@@ -205,37 +210,38 @@ struct EngineConfig {
 /** A value for a parameter of a law, in the unit that the law declares for it. `name` is
  *  `parameter`, or `law.parameter` in a library of several laws. */
 struct ParameterValue {
-  std::string name;
-  double value;
+  std::string name; /**< `parameter`, or `law.parameter`. */
+  double value;     /**< Value in the unit that the law declares. */
 };
 
-/** Registers the client's arrays with an engine. Borrowed: valid as long as its engine. */
+/** Registers the client's arrays with an engine. A borrowed handle, valid as long as its engine. */
 class PhysicalPropertyProvider {
  public:
-  /** `values`: flat, (rows x components) of the prototype's type, a container or a span, borrowed.
-   *  With `indices` (rows), row i is value indices[i]: shared values, read-only to laws. */
+  /** Registers an array. `values` is a flat container or span, (rows x components) of the
+   *  prototype's type, borrowed. With `indices` (rows), row i is value indices[i]; such shared
+   *  values are read-only to laws. */
   template <detail::Values Values>
   void AddPhysicalProperty(const std::string& name, Values&& values,
                            std::span<const uint32_t> indices = {}) {
     Register(vesper_provider_add_physical_property, name, values, indices);
   }
-  /** Same arguments: the array grew, shrank or moved. */
+  /** Replaces an array after it grew, shrank or moved; arguments as in AddPhysicalProperty. */
   template <detail::Values Values>
   void RebindPhysicalProperty(const std::string& name, Values&& values,
                               std::span<const uint32_t> indices = {}) {
     Register(vesper_provider_rebind_physical_property, name, values, indices);
   }
-  /** Registers, or replaces, the function that stands for a FIELD property; it is copied. */
+  /** Registers or replaces the function of a FIELD property; `field` is copied. */
   void SetField(const std::string& name, const vesper_field& field) {
     vesper_error error{};
     detail::Check(vesper_provider_set_field(provider_, name.c_str(), &field, &error), error);
   }
-  /** Throws ACCESS_CONFLICT while a loaded law needs the property. */
+  /** Unbinds a property. Throws ACCESS_CONFLICT while a loaded law needs it. */
   void RemovePhysicalProperty(const std::string& name) {
     vesper_error error{};
     detail::Check(vesper_provider_remove_physical_property(provider_, name.c_str(), &error), error);
   }
-  /** The property as it is bound. */
+  /** Returns the property as it is bound. */
   vesper_property FindPhysicalProperty(const std::string& name) const {
     vesper_property property{};
     property.struct_size = sizeof property;
@@ -244,14 +250,14 @@ class PhysicalPropertyProvider {
         vesper_provider_find_physical_property(provider_, name.c_str(), &property, &error), error);
     return property;
   }
-  /** Says that values of these properties were edited in place; see vesper_provider_touch. */
+  /** Marks values of these properties as edited in place; see vesper_provider_touch. */
   void Touch(std::initializer_list<const char*> names) {
     vesper_error error{};
     detail::Check(vesper_provider_touch(provider_, names.begin(),
                                         static_cast<uint32_t>(names.size()), &error),
                   error);
   }
-  /** Says so of all properties. */
+  /** Marks values of all properties as edited in place. */
   void Touch() {
     vesper_error error{};
     detail::Check(vesper_provider_touch(provider_, nullptr, 0, &error), error);
@@ -277,7 +283,7 @@ class PhysicalPropertyProvider {
 
   uint64_t RowsOf(const std::string& name, vesper_scalar_type type, uint64_t size) const {
     const auto shape = shapes_->find(name);
-    if (shape == shapes_->end()) return size;  // the engine knows how to refuse the name
+    if (shape == shapes_->end()) return size;  // the engine refuses the unknown name
     const auto [expected, components] = shape->second;
     if (type != expected) {
       detail::Throw(VESPER_TYPE_MISMATCH, name,
@@ -297,15 +303,15 @@ class PhysicalPropertyProvider {
   const detail::Shapes* shapes_;
 };
 
-/** A property provider of the client's own, asked for arrays between steps; derive from it. It must
- *  not call the engine. */
+/** Base class of a property provider that the client implements. The engine queries it for
+ *  arrays between steps. It must not call the engine. */
 class CustomPropertyProvider {
  public:
   virtual ~CustomPropertyProvider() = default;
-  /** The arrays of a property (struct_size may stay 0), or nothing if the client has none. What it
-   *  throws fails the call of the engine that asked. */
+  /** Returns the arrays of a property (struct_size may stay 0), or nothing if the client has no
+   *  such property. An exception fails the engine call that needed the property. */
   virtual std::optional<vesper_provided_property> FindPhysicalProperty(std::string_view name) = 0;
-  /** Another number whenever FindPhysicalProperty would answer otherwise. */
+  /** Returns a number that changes whenever FindPhysicalProperty would answer differently. */
   virtual uint64_t Version() const noexcept = 0;
 
  private:
@@ -331,10 +337,10 @@ class CustomPropertyProvider {
   }
 };
 
-/** A law library that was opened and checked, on any thread, and that no engine has taken yet. */
+/** A law library that was opened and checked, on any thread, but not yet loaded into an engine. */
 class PreparedLibrary {
  public:
-  /** `library`: a bare name to search in `config.law_path`, or a path with a '/'. */
+  /** Prepares `library`: a bare name to search in `config.law_path`, or a path with a '/'. */
   PreparedLibrary(const EngineConfig& config, const std::string& library) {
     const vesper_engine_config view = config.View();
     vesper_prepared_library* prepared = nullptr;
@@ -343,7 +349,7 @@ class PreparedLibrary {
     prepared_.reset(prepared);
   }
 
-  /** Name in the library's own table. */
+  /** Returns the name in the library's own table. */
   std::string name() const { return vesper_library_name(prepared_.get()); }
 
  private:
@@ -357,10 +363,11 @@ class PreparedLibrary {
 /** Applies laws to named arrays that belong to the client. Move-only. */
 class PhysicsEngine {
  public:
-  /** A standard prototype, by name. */
+  /** Creates an engine with a standard prototype, given by name. */
   explicit PhysicsEngine(const std::string& prototype, EngineConfig config = {})
       : PhysicsEngine(StandardPrototype(prototype), std::move(config)) {}
 
+  /** Creates an engine with any prototype, which is copied. */
   explicit PhysicsEngine(const vesper_prototype& prototype, EngineConfig config = {})
       : state_(std::make_unique<State>(State{std::move(config), detail::ShapesOf(prototype)})) {
     const vesper_engine_config view = state_->config.View();
@@ -370,12 +377,14 @@ class PhysicsEngine {
     engine_.reset(engine);
   }
 
+  /** Returns the provider of this engine, which registers arrays; valid as long as the engine. */
   PhysicalPropertyProvider PropertyProvider() {
     return {vesper_engine_property_provider(engine_.get()), state_->shapes};
   }
 
-  /** Takes arrays from `provider`, which outlives the engine or its replacement, instead of having
-   *  them registered; see vesper_engine_set_property_provider. Null: they are registered again. */
+  /** Makes the engine query `provider` for arrays, instead of using registered ones; see
+   *  vesper_engine_set_property_provider. `provider` must outlive the engine or its own
+   *  replacement. Null: arrays are registered again. */
   void SetPropertyProvider(CustomPropertyProvider* provider) {
     const vesper_provider_callbacks callbacks{sizeof callbacks, 0, provider,
                                               CustomPropertyProvider::Find,
@@ -386,7 +395,7 @@ class PhysicsEngine {
                   error);
   }
 
-  /** `library`: a bare name to search in the law path, or a path with a '/'. */
+  /** Loads `library`: a bare name to search in the law path, or a path with a '/'. */
   vesper_library_id LoadPhysicsLaw(const std::string& library,
                                    const std::vector<ParameterValue>& parameters = {}) {
     const auto values = View(parameters);
@@ -397,7 +406,7 @@ class PhysicsEngine {
                   error);
     return id;
   }
-  /** Instant. `prepared` stays as it was if this throws. */
+  /** Activates a prepared library without delay. If this throws, `prepared` is unchanged. */
   vesper_library_id LoadPhysicsLaw(PreparedLibrary&& prepared,
                                    const std::vector<ParameterValue>& parameters = {}) {
     const auto values = View(parameters);
@@ -410,11 +419,13 @@ class PhysicsEngine {
     static_cast<void>(prepared.prepared_.release());
     return id;
   }
+  /** Unloads a library's laws, between frames, without delay. */
   void UnloadPhysicsLaw(vesper_library_id library) {
     vesper_error error{};
     detail::Check(vesper_engine_unload_physics_law(engine_.get(), library, &error), error);
   }
-  /** The laws of a loaded library, in the engine's precision; valid until it is unloaded. */
+  /** Returns the laws of a loaded library, in the engine's precision; valid until the library is
+   *  unloaded. */
   std::vector<vesper_law_info> Laws(vesper_library_id library) const {
     std::vector<vesper_law_info> laws;
     vesper_error error{};
@@ -428,15 +439,15 @@ class PhysicsEngine {
     }
   }
 
-  /** Applies all laws for `steps` steps of `dt` [time unit of the prototype]: all count, or none.
-   *  After a throw the written arrays are undefined: restore them, then ClearFault or unload
-   *  Error::library(). */
+  /** Applies all laws for `steps` steps of `dt` [time unit of the prototype]. Either all steps
+   *  count, or none. If this throws, the written arrays are undefined: restore them, then call
+   *  ClearFault or unload Error::library(). */
   void Advance(double dt, uint32_t steps = 1) {
     vesper_error error{};
     const vesper_status status = vesper_engine_advance(engine_.get(), dt, steps, &error);
     if (status != VESPER_OK) throw Error(error, LawName(error));
   }
-  /** Makes these arrays fresh before the client reads or edits them; needed only where
+  /** Writes deferred values to these arrays. Call it before the client reads or edits them, if
    *  EngineConfig::deferred is set. See vesper_engine_synchronize. */
   void Synchronize(std::span<const char* const> names) {
     vesper_error error{};
@@ -444,25 +455,29 @@ class PhysicsEngine {
         engine_.get(), names.data(), static_cast<uint32_t>(names.size()), &error);
     if (status != VESPER_OK) throw Error(error, LawName(error));
   }
+  /** Writes deferred values to these arrays. */
   void Synchronize(std::initializer_list<const char*> names) {
     Synchronize(std::span(names.begin(), names.size()));
   }
-  /** Makes all arrays fresh. */
+  /** Writes deferred values to all arrays. */
   void Synchronize() {
     vesper_error error{};
     const vesper_status status = vesper_engine_synchronize(engine_.get(), nullptr, 0, &error);
     if (status != VESPER_OK) throw Error(error, LawName(error));
   }
+  /** Clears the fault of a failed step. The arrays must have been restored. */
   void ClearFault() {
     vesper_error error{};
     detail::Check(vesper_engine_clear_fault(engine_.get(), &error), error);
   }
-  /** Row `from` of the kind becomes row `to`, whose item is gone; see vesper_engine_move_row. */
+  /** Moves row `from` of the kind to row `to`, whose item was removed; see
+   *  vesper_engine_move_row. */
   void MoveRow(const std::string& kind, uint64_t from, uint64_t to) {
     vesper_error error{};
     detail::Check(vesper_engine_move_row(engine_.get(), kind.c_str(), from, to, &error), error);
   }
-  /** Step count and scratch of laws, to continue from; see vesper_engine_save_state. */
+  /** Returns step count, time and the SCRATCH values of laws, to continue from; see
+   *  vesper_engine_save_state. */
   std::vector<std::byte> SaveState() {
     uint64_t size = 0;
     vesper_error error{};
@@ -471,18 +486,20 @@ class PhysicsEngine {
     detail::Check(vesper_engine_save_state(engine_.get(), state.data(), size, &error), error);
     return state;
   }
+  /** Restores a state returned by SaveState; see vesper_engine_load_state. */
   void LoadState(const std::vector<std::byte>& state) {
     vesper_error error{};
     detail::Check(vesper_engine_load_state(engine_.get(), state.data(), state.size(), &error),
                   error);
   }
-  /** Books from now on, anew, what each law gives to the bodies; see vesper_engine_set_ledger. */
+  /** Switches the ledger on or off, and resets it; it records what each law gives to the bodies.
+   *  See vesper_engine_set_ledger. */
   void SetLedger(bool on) {
     vesper_error error{};
     detail::Check(vesper_engine_set_ledger(engine_.get(), on ? 1 : 0, &error), error);
   }
-  /** The line of a law, or of VESPER_NO_LIBRARY and VESPER_LEDGER_CLIENT, GROUND, UNLOADED or
-   *  TOTAL; see vesper_engine_ledger. */
+  /** Returns the ledger line of a law. For VESPER_NO_LIBRARY, `line` is VESPER_LEDGER_CLIENT,
+   *  GROUND, UNLOADED or TOTAL; see vesper_engine_ledger. */
   vesper_ledger_entry Ledger(vesper_library_id library, uint32_t line = 0) {
     vesper_ledger_entry entry{};
     entry.struct_size = sizeof entry;
@@ -490,7 +507,8 @@ class PhysicsEngine {
     detail::Check(vesper_engine_ledger(engine_.get(), library, line, &entry, &error), error);
     return entry;
   }
-  /** [J], of the present state; throws NOT_FOUND if the law reports none. */
+  /** Returns the potential energy [J] in the present state; throws NOT_FOUND if the law reports
+   *  none. */
   double PotentialEnergy(vesper_library_id library, uint32_t law = 0) {
     double energy = 0;
     vesper_error error{};
@@ -498,14 +516,16 @@ class PhysicsEngine {
                   error);
     return energy;
   }
-  /** Counts on as if so many steps of `dt` [s] had been done; see vesper_engine_set_step_count. */
+  /** Sets the clock as if so many steps of `dt` [s] had been done; see
+   *  vesper_engine_set_step_count. */
   void SetStepCount(uint64_t steps, double dt) {
     vesper_error error{};
     detail::Check(vesper_engine_set_step_count(engine_.get(), steps, dt, &error), error);
   }
-  /** Steps done since creation. */
+  /** Returns the number of steps since creation, including steps that were set or loaded. */
   uint64_t StepCount() const { return vesper_engine_step_count(engine_.get()); }
-  /** Same state, same hash; see vesper_engine_state_hash. */
+  /** Returns the hash of the state; equal states have equal hashes. See
+   *  vesper_engine_state_hash. */
   uint64_t StateHash() {
     uint64_t hash = 0;
     vesper_error error{};
@@ -514,7 +534,8 @@ class PhysicsEngine {
   }
 
  private:
-  /** What the engine or its provider point to; stays in place when the engine moves. */
+  /** Data to which the engine or its provider points; it keeps its address when the engine
+   *  moves. */
   struct State {
     EngineConfig config;
     detail::Shapes shapes;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a law claims: conservation, symmetry, and forces that derive from an energy.
+// Checks of a law's claims: conservation, symmetry, and forces that derive from an energy.
 #include <cmath>
 
 #include "subject.hpp"
@@ -9,7 +9,7 @@ namespace {
 
 constexpr uint64_t kRows = 101;
 
-/// A world after one step in which nothing but the laws exerts forces.
+/// Returns a world after one step in which only the laws exert forces.
 World AfterOneStep(const LawsUnderTest& subject) {
   World world = subject.MakeWorld(kRows);
   world.Clear("appliedForce");
@@ -84,14 +84,15 @@ std::string CheckRotation(const Subject& of) {
   return "";
 }
 
-// F = -dU/dx by central differences, for bodies at rest (friction is then zero).
+// Checks F = -dU/dx by central differences, for bodies at rest (friction is zero then).
 std::string CheckPotentialEnergy(const Subject& of) {
   const LawsUnderTest subject(of);
   const vesper_law_desc& desc = *subject.laws().front();
   if (subject.real_type() != VESPER_F64) {
     throw CheckSkipped("differences of f32 energies say nothing");
   }
-  if (subject.laws().size() > 1) throw CheckSkipped("the forces of a suite cannot be told apart");
+  if (subject.laws().size() > 1)
+    throw CheckSkipped("the forces of the laws of a suite cannot be separated");
   if (desc.potential_energy == nullptr) throw CheckSkipped("has none");
   const double h = 1e-5;
   World world = subject.MakeWorld(7), probe = subject.MakeWorld(7);

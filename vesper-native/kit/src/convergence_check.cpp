@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Order of convergence of an integrator, on a body that a spring pulls to the origin.
+// Check of the order of convergence of an integrator, on a body with a spring to the origin.
 #include <cmath>
 #include <cstdio>
 
@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kMass = 2;                  // [kg]
 constexpr double kStiffness = 8;             // [N/m]
-constexpr double kDuration = 1.3;            // [s], no particular phase
+constexpr double kDuration = 1.3;            // [s], not a multiple of a quarter period
 constexpr double kFrequency = 2;             // sqrt(kStiffness / kMass) [rad/s]
 const Vec3<double> kStart{1, -0.5, 0.25};    // [m]
 const Vec3<double> kStartSpeed{0.2, 1, -1};  // [m/s]
@@ -26,7 +26,7 @@ bool Moves(const vesper_law_desc& law) {
   return found == 3;
 }
 
-/// Distance from the exact solution in phase space after `steps` [m].
+/// Returns the distance [m] from the exact solution in phase space after `steps`.
 double ErrorAfter(const LawsUnderTest& subject, const vesper_law_desc& desc, uint64_t steps) {
   World world = subject.MakeWorld(1);
   AnyColumn &position = world["position"], &velocity = world["velocity"];

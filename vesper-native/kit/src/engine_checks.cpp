@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A library in an engine: loading, rows, threads, parameters, bad input, time.
+// Checks of a library in an engine: loading, rows, threads, parameters, bad input, time.
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -13,7 +13,7 @@
 namespace vesper {
 namespace {
 
-/// Mappings of law libraries in this process.
+/// Returns the number of mappings of law libraries in this process.
 int CountMappings() {
   std::ifstream maps("/proc/self/maps");
   int count = 0;
@@ -28,7 +28,7 @@ size_t CountEntries(const char* folder) {
   return static_cast<size_t>(std::distance(begin(entries), end(entries)));
 }
 
-/// Of the law, or, where only inputs can be to blame, of the input.
+/// Expects that an error names the law or, if only the input can be the cause, the input.
 void ExpectBlame(const LawsUnderTest& subject, const std::string& input, const Error& error) {
   const std::string what = error.what();
   if (error.status() == VESPER_INVALID_ARGUMENT && error.property() == input) return;
@@ -52,7 +52,7 @@ std::string CheckReload(const Subject& of) {
   for (int i = 0; i < 100; ++i) {
     const vesper_library_id id = engine.LoadPhysicsLaw(subject.file());
     engine.Advance(kDt);
-    Expect(CountMappings() > mappings, "the library was not mapped anew");
+    Expect(CountMappings() > mappings, "the library was not mapped again");
     engine.UnloadPhysicsLaw(id);
   }
   Expect(CountMappings() == mappings,
@@ -78,7 +78,7 @@ std::string CheckRows(const Subject& of) {
 
 std::string CheckThreads(const Subject& of) {
   const LawsUnderTest subject(of);
-  const uint64_t rows = 40009;  // several chunks for every thread
+  const uint64_t rows = 40009;  // several chunks for each thread
   World one = subject.MakeWorld(rows);
   PhysicsEngine reference = one.MakeEngine(subject.file());
   reference.Advance(kDt, 2);
@@ -123,7 +123,9 @@ std::string CheckNotANumber(const Subject& of) {
     World clean = subject.MakeWorld(7), poisoned = subject.MakeWorld(7);
     AnyColumn& input = poisoned[use.name];
     if (!input.is_real()) continue;
-    if ((input.descriptor().law_access & VESPER_ACCUMULATE) != 0) continue;  // the engine's own sum
+    if ((input.descriptor().law_access & VESPER_ACCUMULATE) != 0)
+      continue;  // computed by the
+                 // engine
     ++inputs;
     input.Set(input.rows() / 2 * use.components, std::numeric_limits<double>::quiet_NaN());
     PhysicsEngine reference = clean.MakeEngine(subject.file());
@@ -138,7 +140,7 @@ std::string CheckNotANumber(const Subject& of) {
     }
     for (const std::string& name : subject.Written()) {
       Expect(poisoned[name].bytes() == clean[name].bytes(),
-             "NaN in '" + std::string(use.name) + "' changes '" + name + "' and nobody is told");
+             "NaN in '" + std::string(use.name) + "' changes '" + name + "' without an error");
     }
   }
   if (inputs == 0) throw CheckSkipped("has no real inputs");
@@ -161,8 +163,8 @@ std::string MeasureTime(const Subject& of) {
       note += (note.empty() ? "" : ", ") + std::string(law.name) + " " + text;
       total += law.nanoseconds;
     }
-    // Where time grows with the square of the rows, ten times as many would take a hundred times
-    // as long.
+    // If time is quadratic in the number of rows, ten times the rows would take a hundred times as
+    // long.
     if (rows == 100000 || total > 10'000'000) {
       return note + " per row and call, " + std::to_string(rows) + " rows, 1 thread";
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How checks fail.
+// Failures of checks.
 #pragma once
 
 #include <stdexcept>
@@ -11,7 +11,7 @@ class CheckFailed : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The law has nothing that the check is about.
+/// Thrown if the check does not apply to the law.
 class CheckSkipped : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a library is as a file, and what it says about itself.
+// Checks of a library's file and of its declarations.
 #include <regex>
 #include <span>
 
@@ -19,14 +19,14 @@ void ExpectLaw(const vesper_law_desc& law) {
   Expect(law.phase >= VESPER_PHASE_FORCE && law.phase <= VESPER_PHASE_OBSERVE,
          name + " has no phase");
   Expect((law.stages > 0) == (law.phase == VESPER_PHASE_INTEGRATE),
-         name + ": stages are for integrators, who have at least one");
+         name + ": only integrators have stages, at least one");
   Expect(law.use_count > 0, name + " uses no property");
   Expect(law.create && law.bind && law.advance && law.destroy, name + " lacks a callback");
   for (const auto& parameter : std::span(law.parameters, law.parameter_count)) {
     const std::string of = name + ", parameter " + Quote(parameter.name);
     Expect(parameter.minimum <= parameter.default_value &&
                parameter.default_value <= parameter.maximum,
-           of + ": the default lies outside its limits");
+           of + ": the default is outside its limits");
     Expect(parameter.doc != nullptr && *parameter.doc != '\0', of + " has no doc");
   }
 }
@@ -57,7 +57,7 @@ std::string CheckExports(const Subject& subject) {
 }
 
 std::string CheckImports(const Subject& subject) {
-  // The runtime of a sanitizer is the author's own doing, to find faults.
+  // A sanitizer's runtime is permitted: the author links it to find faults.
   const std::string standard =
       "libc\\.so\\.6|libm\\.so\\.6|libstdc\\+\\+\\.so\\.6|libgcc_s\\.so\\.1|"
       "ld-linux[^/]*\\.so\\.[0-9]+|lib(asan|lsan|tsan|ubsan)\\.so\\.[0-9]+";

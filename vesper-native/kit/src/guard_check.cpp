@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A law on arrays that end at memory nobody may touch.
+// Check of a law on arrays next to inaccessible memory.
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -15,7 +15,7 @@ namespace {
 
 enum class Side { kBegin, kEnd };
 
-/// A copy of a column between two pages without access; it touches one of them.
+/// A copy of a column between two inaccessible pages, adjacent to one of them.
 class GuardedArray {
  public:
   GuardedArray(const AnyColumn& column, vesper_access access, Side side)
@@ -68,8 +68,8 @@ void CatchFaults() {
   sigaction(SIGBUS, &action, nullptr);
 }
 
-/// Runs one law for one step. A fault jumps back here; the process ends soon after, so what the
-/// law had in its hands does not matter.
+/// Runs one law for one step. A memory fault jumps back here; the process ends soon after, so
+/// leaked resources do not matter.
 void RunGuarded(const vesper_law_library& library, const vesper_law_desc& desc, World& world,
                 Side side) {
   std::vector<vesper_property> properties = world.PropertiesFor(desc);

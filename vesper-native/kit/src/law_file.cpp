@@ -20,7 +20,7 @@ std::string ReadFile(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// The sections of one type of a 64-bit ELF file.
+/// Returns the sections of one type of a 64-bit ELF file.
 std::vector<Elf64_Shdr> Sections(const std::string& elf, uint32_t type) {
   Elf64_Ehdr header;
   std::memcpy(&header, elf.data(), sizeof header);
@@ -40,7 +40,7 @@ std::vector<Entry> Entries(const std::string& elf, const Elf64_Shdr& section) {
   return entries;
 }
 
-/// Text of the string table that belongs to a section.
+/// Returns a text from the string table of a section.
 const char* Text(const std::string& elf, const Elf64_Shdr& section, uint64_t offset) {
   Elf64_Ehdr header;
   std::memcpy(&header, elf.data(), sizeof header);
@@ -64,7 +64,7 @@ LawFile::LawFile(const std::string& path)
   if (table_->abi_version != VESPER_ABI_VERSION) {
     throw std::runtime_error(path + ": built for another version of the contract than " +
                              std::to_string(VESPER_ABI_MAJOR) + "." +
-                             std::to_string(VESPER_ABI_MINOR) + "; build it anew to test it");
+                             std::to_string(VESPER_ABI_MINOR) + "; rebuild it to test it");
   }
 }
 
@@ -123,7 +123,7 @@ std::vector<std::string> LawFile::Imports() const {
   for (const Symbol& symbol : DynamicSymbols()) {
     if (symbol.defined) continue;
     Dl_info info{};
-    // Not among all symbols of the process: the program may hold copies of a library's data.
+    // Looks up this handle only, because the program may contain copies of a library's data.
     void* address = dlsym(handle_.get(), symbol.name.c_str());
     if (address == nullptr) address = dlsym(RTLD_DEFAULT, symbol.name.c_str());
     if (address == nullptr && symbol.weak) continue;
@@ -137,7 +137,7 @@ std::vector<std::string> LawFile::Imports() const {
 
 namespace {
 
-/// A host for one thread that drops log lines.
+/// A host with one thread that discards log lines.
 const vesper_host kHost = {
     sizeof(vesper_host), 0, nullptr, [](void*, uint32_t, const char*) {},
     [](void*, uint64_t count, uint64_t grain, void (*body)(void*, uint64_t, uint64_t), void* user) {
@@ -183,7 +183,7 @@ BareLaw::BareLaw(const vesper_law_desc& desc, const std::vector<vesper_property>
   Bind();
 }
 
-/// Lets a law that keeps copies take them anew.
+/// Makes a law with deferred uses read the arrays again.
 void BareLaw::TakeArrays() const {
   if (std::ranges::any_of(std::span(desc_.uses, desc_.use_count), Defers)) Bind();
 }

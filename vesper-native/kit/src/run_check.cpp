@@ -43,7 +43,7 @@ std::string ReadAll(int file) {
   return all;
 }
 
-/// Ends the process without a core file when the time is over, whatever the law does.
+/// Ends the process without a core file after the time limit, whatever the law does.
 void LimitItself(std::chrono::seconds limit) {
   const rlimit none{0, 0};
   setrlimit(RLIMIT_CORE, &none);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One library in one precision, as the checks look at it.
+// One library in one precision, the subject of the checks.
 #pragma once
 
 #include <set>
@@ -30,13 +30,13 @@ class LawsUnderTest {
   }
   /// Skips the check unless all laws of the library make the claim.
   void RequireClaim(uint32_t claim) const;
-  /// Of sums over some hundred numbers of that size.
+  /// Returns the rounding tolerance of a sum of some hundred numbers of this size.
   double Tolerance(double size) const { return size * (real_type_ == VESPER_F64 ? 1e-12 : 1e-4); }
-  /// Uses of all laws.
+  /// Returns the uses of all laws.
   std::vector<vesper_property_use> Uses() const;
-  /// Names of what they write.
+  /// Returns the names of the properties that the laws write.
   std::set<std::string> Written() const;
-  /// What the laws wrote must agree, up to rounding.
+  /// Throws unless the laws wrote equal results in both worlds, up to rounding.
   void ExpectSameResults(const World& a, const World& b, double slack) const;
 
  private:
@@ -46,7 +46,7 @@ class LawsUnderTest {
   std::vector<const vesper_law_desc*> laws_;
 };
 
-// The checks, by the file that they are in; see Checks().
+// The checks, grouped by file; see Checks().
 std::string CheckExports(const Subject&);
 std::string CheckImports(const Subject&);
 std::string CheckTable(const Subject&);

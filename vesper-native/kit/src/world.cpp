@@ -14,7 +14,7 @@ namespace {
 
 const std::string kOrientation = "orientation", kPosition = "position", kRadius = "radius";
 
-/// Half the side of the box that holds the bodies [m], about one per cubic metre.
+/// Returns half the side [m] of the box of the bodies, with about one body per cubic metre.
 double ReachOf(uint64_t bodies) {
   return std::max(2.0, std::cbrt(static_cast<double>(bodies)) / 2);
 }
@@ -32,7 +32,7 @@ const vesper_prototype& PrototypeOf(vesper_scalar_type real_type) {
   return StandardPrototype(real_type == VESPER_F64 ? "si-f64" : "si-f32");
 }
 
-/// Memory that an engine keeps for a law; where no engine is, a column stands for it.
+/// Returns true for scratch, which an engine allocates; without an engine, a column replaces it.
 bool IsScratch(const vesper_property_descriptor& property) {
   return property.law_access == VESPER_SCRATCH;
 }
@@ -41,8 +41,8 @@ bool IsField(const vesper_property_descriptor& property) {
   return property.scalar_type == VESPER_FIELD;
 }
 
-/// Of the prototype, then of the properties that only the library knows: what it declares. Scratch
-/// is last.
+/// Returns the properties of the prototype, then those that only the library declares; scratch is
+/// last.
 std::vector<vesper_property_descriptor> DescriptorsFor(
     const vesper_prototype& prototype, const std::vector<const vesper_law_desc*>& laws,
     std::span<const vesper_field_desc> brings) {
@@ -98,8 +98,8 @@ World::World(vesper_scalar_type real_type, const std::vector<const vesper_law_de
   }
 }
 
-// Each body within a metre of the one before it in every direction: what refers to neighbouring
-// rows is then as small as lengths and radii are.
+// Each body is within a metre of the previous one in every direction, so distances between
+// neighbouring rows are similar to lengths and radii.
 void World::Place(AnyColumn& column, const std::function<double(double, double)>& draw) {
   const double reach = ReachOf(column.rows());
   Vec3<double> at{draw(-reach, reach), draw(-reach, reach), draw(-reach, reach)};
@@ -115,12 +115,12 @@ void World::Place(AnyColumn& column, const std::function<double(double, double)>
 
 void World::Fill(AnyColumn& column, const std::function<double(double, double)>& draw) {
   const vesper_property_descriptor& property = column.descriptor();
-  // The engine fills sums, and scratch starts at zero.
+  // The engine computes sums, and scratch starts at zero.
   if ((property.law_access & (VESPER_ACCUMULATE | VESPER_SCRATCH)) != 0) return;
   if (property.name == kPosition) return Place(column, draw);
-  const bool is_radius = property.name == kRadius;  // few balls touch each, as matter does
+  const bool is_radius = property.name == kRadius;  // small, so that few balls touch each other
   for (uint64_t row = 0; row < column.rows(); ++row) {
-    // Neighbours, so that the rows that one refers to differ.
+    // Uses neighbouring rows, so that the rows of one reference differ.
     auto reference = static_cast<uint64_t>(draw(0, static_cast<double>(column.rows())));
     for (uint32_t c = 0; c < property.components; ++c) {
       const uint64_t value = row * property.components + c;

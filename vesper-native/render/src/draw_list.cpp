@@ -11,7 +11,7 @@ namespace vesper::render {
 
 namespace {
 
-/// Radius of a ball around the origin that holds the mesh.
+/// Returns the radius of a ball around the origin that contains the mesh.
 float Reach(const Mesh& mesh) {
   float reach = 0;
   for (const Vector3f& position : mesh.positions) reach = std::max(reach, position.norm());
@@ -32,9 +32,10 @@ float Radius(Shape shape, const Vector3f& size, float mesh_reach) {
   return 0;
 }
 
-/// The coarsest sphere whose outline stays within a quarter of a pixel of the true circle.
+/// Returns the level of the coarsest sphere whose outline is within a quarter of a pixel of the
+/// true circle.
 uint32_t SphereLevel(float radius_pixels) {
-  // Radius [px] up to which each level will do: the edges' sagitta shrinks fourfold per level.
+  // Maximum radius [px] of each level: the sagitta of the edges shrinks fourfold per level.
   float reach = 1.5F;
   int level = kCoarsestSphere;
   for (; level < kFinestSphere && radius_pixels > reach; ++level) reach *= 4;
@@ -42,7 +43,7 @@ uint32_t SphereLevel(float radius_pixels) {
 }
 
 InstanceRecord ToRecord(const Instance& instance, Shape shape, const Vector3f& origin) {
-  // No side is quite 0: the shader divides by the sides to turn normals.
+  // No side is exactly 0, because the shader divides by the sides to rotate normals.
   Vector3f size = instance.size.cwiseMax(1e-6F * instance.size.maxCoeff());
   if (shape == Shape::kPlane) size.y() = size.maxCoeff();
   const Eigen::Matrix3f turn = instance.orientation.normalized().toRotationMatrix();

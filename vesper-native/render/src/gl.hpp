@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The OpenGL 3.3 functions in use, as one table, and owners of GL objects.
+// A table of the OpenGL 3.3 functions in use, and owners of GL objects.
 #pragma once
 
 #include <GL/glcorearb.h>
@@ -49,22 +49,22 @@ namespace vesper::render {
   X(VERTEXATTRIBPOINTER, VertexAttribPointer) X(VIEWPORT, Viewport)
 // clang-format on
 
-/// `gl.Clear(...)` is glClear. To be used on the context's thread only.
+/// Table of GL functions: `gl.Clear(...)` is glClear. Use it on the context's thread only.
 struct Gl {
 #define VESPER_RENDER_GL_MEMBER(TYPE, Name) PFNGL##TYPE##PROC Name;
   VESPER_RENDER_GL_FUNCTIONS(VESPER_RENDER_GL_MEMBER)
 #undef VESPER_RENDER_GL_MEMBER
 
-  /// Throws GraphicsError naming the first function that the library lacks.
+  /// Loads the functions. Throws GraphicsError with the first function that the library lacks.
   explicit Gl(const OsMesaContext& context);
 
   int Integer(GLenum name) const;
   std::string Text(GLenum name) const;
-  /// Throws GraphicsError where GL recorded an error since the last call.
+  /// Throws GraphicsError if GL recorded an error since the last call.
   void Check(const char* while_doing) const;
 };
 
-/// Owner of one GL object; move-only; 0 owns nothing.
+/// Owner of one GL object; move-only; 0 means none.
 class GlObject {
  public:
   using Delete = void (*)(const Gl&, GLuint);
@@ -94,13 +94,13 @@ GlObject MakeTexture(const Gl& gl);
 GlObject MakeRenderbuffer(const Gl& gl);
 GlObject MakeFramebuffer(const Gl& gl);
 
-/// A linked shader program from GLSL 3.30 sources without their "#version" line.
+/// A linked shader program, from GLSL 3.30 sources without their "#version" line.
 class Program {
  public:
-  /// Throws GraphicsError with the compiler's log.
+  /// Compiles and links the program. Throws GraphicsError with the compiler's log.
   Program(const Gl& gl, const std::string& vertex, const std::string& fragment);
   void Use() const { gl_.UseProgram(program_.id()); }
-  /// Location of a uniform; -1, which GL ignores, where the program does not use it.
+  /// Returns the location of a uniform, or -1, which GL ignores, if the program does not use it.
   GLint operator[](const char* uniform) const {
     return gl_.GetUniformLocation(program_.id(), uniform);
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// vesper-render: pictures of scenes, off-screen. See SCENE.md for what it reads and writes.
+// vesper-render: off-screen pictures of scenes. SCENE.md describes its input and output.
 
 #include <unistd.h>
 
@@ -34,7 +34,7 @@ exit codes:  0 the input ended   1 failure   2 usage   3 malformed scene stream
              4 no graphics library
 )";
 
-/// JSON string literal of a text.
+/// Returns a text as a JSON string literal.
 std::string Quote(const std::string& text) {
   std::string quoted = "\"";
   for (const char c : text) {
@@ -88,7 +88,7 @@ int Main(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   setenv("LP_NUM_THREADS", "2", 0);
-  std::signal(SIGPIPE, SIG_IGN);  // a reader that left is an error of write(), reported below
+  std::signal(SIGPIPE, SIG_IGN);  // write() reports a closed pipe as an error
   try {
     return Main(argc, argv);
   } catch (const GraphicsError& problem) {

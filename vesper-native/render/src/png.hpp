@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// PNG files from rows of pixels.
+// PNG encoder for rows of pixels.
 #pragma once
 
 #include <cstddef>
@@ -9,17 +9,18 @@
 
 namespace vesper::render {
 
-/// 8-bit sRGB pixels, three bytes each, rows from the bottom of the picture to its top.
+/// 8-bit sRGB pixels, three bytes each, rows from bottom to top.
 struct Pixels {
   uint32_t width = 0, height = 0;  ///< [px]
   std::vector<uint8_t> rgb;        ///< (height x width x 3)
 };
 
-/// Replaces `png` by the encoded picture. Throws std::runtime_error with libpng's reason.
+/// Replaces the contents of `png` by the encoded picture. Throws std::runtime_error with libpng's
+/// message.
 void EncodePng(const Pixels& pixels, std::vector<std::byte>& png);
 
-/// Writes a whole file under a temporary name in the same folder, then renames it, so that nobody
-/// ever reads half a picture. Throws std::runtime_error naming the path and the reason.
+/// Writes a file under a temporary name in the same folder, then renames it, so that readers never
+/// see a partial picture. Throws std::runtime_error with path and reason.
 void WriteFileAtOnce(const std::string& path, const std::vector<std::byte>& content);
 
 }  // namespace vesper::render

@@ -24,7 +24,8 @@ void Fill(const Gl& gl, GLenum where, const GlObject& buffer, const std::vector<
 
 bool CastsShadow(const DrawKey& key) { return key.mesh.shape != Shape::kPlane; }
 
-/// Exponent of the highlight (Blinn-Phong) that looks like a roughness: 2 / roughness^4 - 2.
+/// Returns the exponent of the highlight (Blinn-Phong) that matches a roughness: 2 / roughness^4 -
+/// 2.
 double GlossExponent(double roughness) {
   return std::clamp(2 / std::pow(roughness, 4) - 2, 0.5, 2000.0);
 }
@@ -123,8 +124,6 @@ const Seen& Renderer::Sense(const Scene& scene) {
   return seen_;
 }
 
-// --- what the picture is drawn into ----------------------------------------------------------
-
 GlObject Renderer::MakeStorage(const Image& image, uint32_t samples, GLenum format) const {
   GlObject storage = MakeRenderbuffer(gl_);
   gl_.BindRenderbuffer(GL_RENDERBUFFER, storage.id());
@@ -208,8 +207,6 @@ void Renderer::ReadPixels() {
   pixels_.rgb.resize(size_t{target_->width} * target_->height * 3);
   gl_.ReadPixels(0, 0, width, height, GL_RGB, GL_UNSIGNED_BYTE, pixels_.rgb.data());
 }
-
-// --- meshes and instances ---------------------------------------------------------------------
 
 Renderer::GpuMesh Renderer::Upload(const TriangleMesh& mesh, bool closed) const {
   GpuMesh uploaded{MakeBuffer(gl_), MakeBuffer(gl_), static_cast<GLsizei>(mesh.indices.size()), 0,
@@ -334,8 +331,6 @@ void Renderer::DrawInstances(const Draw& draw) const {
                             draw.count);
 }
 
-// --- passes -----------------------------------------------------------------------------------
-
 void Renderer::PrepareShadowMap() {
   if (shadow_map_) {
     gl_.BindFramebuffer(GL_FRAMEBUFFER, shadow_map_->framebuffer.id());
@@ -349,7 +344,7 @@ void Renderer::PrepareShadowMap() {
   gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
   gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
   gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
-  // All is sunlit outside of the map.
+  // Points outside of the shadow map are lit.
   const float border[] = {1, 1, 1, 1};
   gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_BORDER);
   gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_BORDER);
@@ -432,7 +427,7 @@ void Renderer::SetSurfaceUniforms(const Program& program, const Scene& scene, co
 void Renderer::SetMaterial(const Program& program, const Material& material) const {
   const auto colour = ToLinear(material.colour);
   const double exponent = GlossExponent(material.roughness);
-  // As much light in all, whether the highlight is small or large.
+  // The total light of a highlight does not depend on its size.
   const double strength = std::min(0.22 * (exponent + 2) / (GlossExponent(0.45) + 2), 1.5);
   gl_.Uniform3fv(program["material_colour"], 1, colour.data());
   gl_.Uniform1f(program["gloss_exponent"], static_cast<float>(exponent));

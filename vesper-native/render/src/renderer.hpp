@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws scenes into pixels.
+// Renderer of scenes to pixels.
 #pragma once
 
 #include <compare>
@@ -19,42 +19,44 @@
 
 namespace vesper::render {
 
-/// What the graphics library says of itself.
+/// Properties of the graphics library.
 struct GraphicsInfo {
   std::string vendor, renderer, version;
-  int max_samples, max_side;  ///< per pixel; [px]
+  int max_samples, max_side;  ///< samples per pixel; [px]
 };
 
-/// What each pixel of a picture shows at its middle, rows from the bottom to the top.
+/// Item and depth at the centre of each pixel, rows from bottom to top.
 struct Seen {
   uint32_t width = 0, height = 0;  ///< [px]
-  std::vector<uint32_t> item;      ///< (height x width), 0 where nothing is
-  std::vector<float> depth;        ///< (height x width) along the view [m], 0 where nothing is
+  std::vector<uint32_t> item;      ///< (height x width), 0 for no item
+  std::vector<float> depth;        ///< (height x width) along the view direction [m], 0 for no item
 };
 
-/// Belongs to the thread that made it: a GL context is current on one thread.
+/// Draws scenes. Use it only on the thread that created it, because a GL context is current on one
+/// thread.
 class Renderer {
  public:
-  /// `max_samples`: upper limit for what images ask for. Throws GraphicsError.
+  /// Creates the renderer; `max_samples` limits the samples that images request. Throws
+  /// GraphicsError.
   explicit Renderer(uint32_t max_samples);
 
   GraphicsInfo Info() const;
 
   /// Draws a scene that the decoder accepted. Equal scenes give equal bytes. The pixels are valid
-  /// until the next call. Throws GraphicsError; the renderer stays usable.
+  /// until the next call. Throws GraphicsError; the renderer remains usable.
   const Pixels& Render(const Scene& scene);
 
-  /// What the pixels of that picture show: no samples, no blending. Depth is meaningless where the
-  /// camera is orthographic. As for Render.
+  /// Returns item and depth of each pixel of the picture, without multisampling and blending. Depth
+  /// is meaningless for an orthographic camera. Validity and failures are those of Render.
   const Seen& Sense(const Scene& scene);
 
  private:
-  /// Which variant of the shaders draws a surface.
+  /// Variant of the shaders that draws a surface.
   struct Surface {
     bool plane, sphere, textured, shadows;
     auto operator<=>(const Surface&) const = default;
   };
-  /// Colour and depth of one size; with samples, a second buffer that they are averaged into.
+  /// Colour and depth buffers of one size; with multisampling, also a buffer for the average.
   struct Target {
     uint32_t width, height, samples;
     GlObject colour, depth, framebuffer, averaged, averaged_framebuffer;
@@ -66,19 +68,19 @@ class Renderer {
   struct ShadowMap {
     GlObject depth, framebuffer;
   };
-  /// A mesh in graphics memory. Its attributes are bound with each draw's instances.
+  /// A mesh in graphics memory. Its attributes are bound together with the instances of each draw.
   struct GpuMesh {
     GlObject vertices, indices;
     GLsizei index_count = 0;
     uint64_t revision = 0;
-    bool closed = false;  ///< back sides are never seen
+    bool closed = false;  ///< back faces are never visible
   };
   /// A texture in graphics memory.
   struct GpuTexture {
     GlObject pixels;
     uint64_t revision = 0;
   };
-  /// Where a draw's instances begin in the instance buffer.
+  /// Offset of the instances of a draw in the instance buffer.
   struct Draw {
     DrawKey key;
     const GpuMesh* mesh;
@@ -113,7 +115,7 @@ class Renderer {
   uint32_t max_samples_;
   GlObject vertex_array_, instance_buffer_, line_buffer_, line_indices_;
   Program background_, shadow_program_, line_program_, sense_program_, sense_line_program_;
-  std::map<Surface, Program> surfaces_;  ///< made when needed
+  std::map<Surface, Program> surfaces_;  ///< created on demand
   std::map<MeshKey, GpuMesh> meshes_;
   std::map<uint32_t, GpuTexture> textures_;
   std::optional<Target> target_;
@@ -122,7 +124,7 @@ class Renderer {
   DrawList list_;
   std::vector<Draw> draws_;
   std::vector<LineVertex> line_vertices_;
-  size_t line_capacity_ = 0;  ///< lines that line_indices_ has indices for
+  size_t line_capacity_ = 0;  ///< number of lines for which line_indices_ contains indices
   Pixels pixels_;
   Seen seen_;
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What one picture shows, as decoded from the scene stream (SCENE.md) and checked: a renderer may
-// rely on every rule that is written there.
+// The content of one picture, decoded from the scene stream (SCENE.md). The decoder has checked
+// every rule of SCENE.md, so a renderer may rely on them.
 #pragma once
 
 #include <Eigen/Core>
@@ -23,14 +23,15 @@ enum ItemFlags : uint32_t { kUnlit = 1, kGrid = 2, kFade = 4 };
 
 struct Image {
   uint32_t width = 640, height = 480;  ///< [px]
-  uint32_t samples = 4;                ///< wished for, per pixel
+  uint32_t samples = 4;                ///< requested samples per pixel
   bool shadows = true;
 };
 
 struct Camera {
   bool orthographic = false;
-  Vector3f eye, target, up;  ///< [m], [m], any length
-  float extent = 0;          ///< vertical field of view [rad], or height of the view [m]
+  Vector3f eye, target, up;  ///< [m]; `up` has any length
+  float extent = 0;          ///< perspective: vertical field of view [rad]; orthographic: height of
+                             ///< the view [m]
 };
 
 struct Environment {
@@ -41,17 +42,17 @@ struct Environment {
 
 struct Mesh {
   std::vector<Vector3f> positions;
-  std::vector<Vector3f> normals;  ///< as many as positions, or none; 0: a flat triangle
-  std::vector<std::array<float, 2>> coordinates;  ///< as many as positions, or none
-  std::vector<Colour> colours;                    ///< as many as positions, or none: white
+  std::vector<Vector3f> normals;                  ///< one per position, or none; 0: a flat triangle
+  std::vector<std::array<float, 2>> coordinates;  ///< one per position, or none
+  std::vector<Colour> colours;                    ///< one per position, or none: white
   std::vector<uint32_t> indices;                  ///< three per triangle
-  uint64_t revision = 0;  ///< differs between all meshes that ever had an id
+  uint64_t revision = 0;                          ///< unique among all meshes, also deleted ones
 };
 
 struct Texture {
   uint32_t width, height;       ///< [px]
   std::vector<uint8_t> pixels;  ///< (height x width x 4) sRGB bytes r g b a, from the upper left
-  uint64_t revision = 0;        ///< differs between all textures that ever had an id
+  uint64_t revision = 0;        ///< unique among all textures, also deleted ones
 };
 
 struct Material {
@@ -62,32 +63,32 @@ struct Material {
 
 struct Instance {
   Vector3f position;               ///< [m]
-  Eigen::Quaternionf orientation;  ///< unit length to a percent
+  Eigen::Quaternionf orientation;  ///< unit length within one percent
   Vector3f size;                   ///< not negative
   Colour colour;
   uint32_t flags;  ///< ItemFlags
-  uint32_t item;   ///< the sender's number of what is shown; 0 for nothing
+  uint32_t item;   ///< the sender's number of the item; 0 for none
 };
 
 struct InstanceBatch {
   Shape shape;
   uint32_t mesh;                            ///< id, for Shape::kMesh
   uint32_t material;                        ///< id, or 0 for the default
-  uint32_t first_triangle, triangle_count;  ///< the part of a mesh that is shown; count 0: all
+  uint32_t first_triangle, triangle_count;  ///< the visible part of a mesh; count 0: all
   std::vector<Instance> instances;
 };
 
 struct Triangle {
   std::array<Vector3f, 3> corners;  ///< [m]
   std::array<Colour, 3> colours;    ///< of the corners
-  uint32_t item;                    ///< as of an instance
+  uint32_t item;                    ///< as in Instance
 };
 
 struct Segment {
   Vector3f from, to;  ///< [m]
   Colour colour;
   float width;    ///< [px]
-  uint32_t item;  ///< as of an instance
+  uint32_t item;  ///< as in Instance
 };
 
 struct Scene {

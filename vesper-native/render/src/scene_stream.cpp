@@ -18,7 +18,7 @@ namespace {
 
 constexpr uint32_t kMaxSide = 8192, kMaxPixels = 1U << 24;
 constexpr uint32_t kMaxItems = 1U << 22, kMaxMeshVertices = 1U << 24;
-constexpr uint64_t kMaxTexturePixels = 1U << 25;  // of all textures together
+constexpr uint64_t kMaxTexturePixels = 1U << 25;  // total of all textures
 constexpr uint32_t kMaxMaterials = 1U << 16;
 constexpr uint32_t kNormals = 1, kCoordinates = 2, kColours = 4;  // attributes of a mesh
 constexpr size_t kMaxPathBytes = 4095;
@@ -58,7 +58,7 @@ bool AllWithin(const std::array<float, n>& values) {
                      [](float value) { return std::abs(value) <= kMaxMagnitude; });
 }
 
-/// The payload of one message, read from front to back.
+/// Reader of the payload of one message, from start to end.
 class Payload {
  public:
   Payload(const char* name, std::span<const std::byte> bytes) : name_(name), rest_(bytes) {}
@@ -67,7 +67,7 @@ class Payload {
     throw MalformedStream(std::string(name_) + ": " + reason);
   }
 
-  /// The next `count` values, refused when the message is too short for them.
+  /// Returns the next `count` values. Throws if the message is too short.
   template <class T>
   std::span<const std::byte> Take(uint64_t count, const char* what) {
     if (count > rest_.size() / sizeof(T)) {
@@ -122,7 +122,7 @@ class Payload {
   std::span<const std::byte> rest_;
 };
 
-/// A column of `components` values per row, copied out and checked row by row.
+/// Returns a column of `components` values per row, copied and checked row by row.
 template <class T, size_t components>
 class Column {
  public:

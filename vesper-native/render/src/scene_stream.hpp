@@ -40,36 +40,37 @@ struct AnswerHeader {
   uint32_t status, microseconds, length;
 };
 
-/// The stream breaks a rule of SCENE.md; what() names the message, what was found and expected.
+/// A violation of SCENE.md in the stream. what() contains the message type, what was found and what
+/// was expected.
 class MalformedStream : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// What a picture of raw pixels consists of.
+/// Parts of a picture of raw pixels.
 enum Layers : uint32_t { kColourLayer = 1, kDepthLayer = 2, kItemLayer = 4 };
 
-/// What the sender waits for after a message.
+/// The reply that the sender expects after a message.
 struct Request {
   enum class Kind { kNothing, kHello, kPng, kFile, kPixels } kind = Kind::kNothing;
   std::string path;     ///< for kFile
   uint32_t layers = 0;  ///< for kPixels: Layers
 };
 
-/// Decodes messages into a scene that grows until the renderer took it.
+/// Decoder of messages into a scene, which collects items until the picture is drawn.
 class SceneDecoder {
  public:
-  /// Checks a header before a byte of its payload is read. Throws MalformedStream.
+  /// Checks a header before its payload is read. Throws MalformedStream.
   void CheckHeader(const MessageHeader& header) const;
 
-  /// Takes in one message, whose payload the caller keeps only during the call.
-  /// Throws MalformedStream; the scene is then of no further use.
+  /// Decodes one message. The payload is borrowed during the call only. Throws MalformedStream; the
+  /// scene is unusable then.
   Request Decode(MessageType type, std::span<const std::byte> payload);
 
-  /// Meaningful when Decode asked for a picture.
+  /// Returns the scene; valid after Decode has returned a request for a picture.
   const Scene& scene() const { return scene_; }
 
-  /// Forgets what was for one picture only: all but meshes and textures.
+  /// Removes the data of one picture: all except meshes and textures.
   void NextPicture();
 
  private:
@@ -80,7 +81,7 @@ class SceneDecoder {
 
   bool greeted_ = false, has_camera_ = false;
   size_t instance_count_ = 0;
-  uint64_t revision_ = 0;  // the last one of meshes and textures
+  uint64_t revision_ = 0;  // latest revision of meshes and textures
   Scene scene_;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One conversation in the scene stream (SCENE.md) over two file descriptors.
+// One session of the scene stream (SCENE.md) over two file descriptors.
 #pragma once
 
 #include <cstddef>
@@ -21,17 +21,18 @@ enum ExitCode {
 
 class Session {
  public:
-  /// Borrows all three until Run has returned.
+  /// Stores the arguments; all three must outlive Run.
   Session(Renderer& renderer, int input, int output)
       : renderer_(renderer), input_(input), output_(output) {}
 
-  /// Serves until the input ends or cannot be trusted any more; returns the exit code.
+  /// Serves requests until the input ends or is malformed; returns the exit code.
   int Run();
 
  private:
-  /// False at the end of the input. Throws MalformedStream where it ends inside a message.
+  /// Reads a message. Returns false at the end of the input. Throws MalformedStream if the input
+  /// ends inside a message.
   bool ReadMessage(MessageHeader& header);
-  /// Bytes read, less than asked for only at the end of the input.
+  /// Returns the number of bytes read, which is less than `bytes` only at the end of the input.
   size_t ReadFully(void* to, size_t bytes);
   void Serve(const Request& request);
   void CollectPixels(uint32_t layers);

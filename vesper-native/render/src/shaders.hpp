@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// GLSL sources. Linear colours in, sRGB encoding is left to
-// the framebuffer. Positions are relative to the camera's target.
+// GLSL sources. Colours are linear; the framebuffer encodes sRGB. Positions are relative to the
+// camera's target.
 #pragma once
 
 #include <string>
 
 namespace vesper::render::shaders {
 
-/// The vertical background gradient, for the background itself and for what fades into it.
+/// The vertical background gradient, for the background and for surfaces that fade into it.
 inline const std::string kBackground = R"(
 uniform vec3 background_top, background_bottom;
 uniform float image_height;
@@ -27,7 +27,7 @@ out vec4 pixel;
 void main() { pixel = vec4(background(), 1.0); }
 )";
 
-/// Attributes of every instanced mesh, and where an instance puts them.
+/// Attributes of every instanced mesh, and the transformation of an instance.
 inline const std::string kInstanceAttributes = R"(
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
@@ -46,8 +46,8 @@ vec3 placed() {
 }
 )";
 
-/// Defines in front choose the variant: PLANE (grid, fading, no gloss), TEXTURED, with SPHERE where
-/// longitude and latitude are the place in the texture, and SHADOWS.
+/// Preprocessor definitions select the variant: PLANE (grid, fading, no gloss), TEXTURED, SPHERE
+/// (texture coordinates are longitude and latitude), and SHADOWS.
 inline const std::string kSurfaceVertex = R"(
 uniform mat4 clip;
 uniform vec3 origin;  // the target in the world, for the grid
@@ -200,7 +200,7 @@ void main() {
 
 inline const std::string kShadowFragment = "void main() {}\n";
 
-/// What is seen at the middle of a pixel: whose surface, and how deep it is.
+/// Draws item and depth at the centre of each pixel.
 inline const std::string kSenseVertex = R"(
 uniform mat4 clip;
 flat out uint item;

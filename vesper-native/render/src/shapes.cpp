@@ -24,7 +24,7 @@ std::vector<Vector3f> IcosahedronCorners() {
   return corners;
 }
 
-/// The 20 faces are the triples of corners that are one edge apart from each other.
+/// Returns the 20 faces: all triples of corners with edges between each pair.
 std::vector<uint32_t> IcosahedronFaces(const std::vector<Vector3f>& corners) {
   const auto adjacent = [&](uint32_t a, uint32_t b) {
     return (corners[a] - corners[b]).norm() < 1.1F;
@@ -43,7 +43,7 @@ std::vector<uint32_t> IcosahedronFaces(const std::vector<Vector3f>& corners) {
   return faces;
 }
 
-/// Splits every triangle of a sphere in four.
+/// Splits every triangle of a sphere into four.
 void Refine(std::vector<Vector3f>& corners, std::vector<uint32_t>& faces) {
   std::map<std::pair<uint32_t, uint32_t>, uint32_t> middles;
   const auto middle = [&](uint32_t a, uint32_t b) {
@@ -61,7 +61,8 @@ void Refine(std::vector<Vector3f>& corners, std::vector<uint32_t>& faces) {
   faces = std::move(fine);
 }
 
-/// With a picture that stands upright on it, its top towards -z where the square lies.
+/// Adds a square with an upright texture. If the square is horizontal, the top of its texture is
+/// towards -z.
 void AddSquare(TriangleMesh& mesh, const Vector3f& centre, const Vector3f& u, const Vector3f& v) {
   const auto first = static_cast<uint32_t>(mesh.vertices.size());
   const Vector3f normal = u.cross(v).normalized();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The unit shapes as triangles: spheres of diameter 1 in several fineness, a cube and a square.
+// The unit shapes as triangles: spheres of diameter 1 at several levels of detail, a cube and a
+// square.
 #pragma once
 
 #include <array>
@@ -13,34 +14,34 @@ namespace vesper::render {
 
 struct Vertex {
   Vector3f position, normal;
-  std::array<float, 2> coordinates{0, 0};  ///< in the texture, from its upper left
+  std::array<float, 2> coordinates{0, 0};  ///< texture coordinates, from the upper left
   std::array<float, 3> colour{1, 1, 1};    ///< linear
-  uint32_t item = 0;                       ///< of a loose triangle
+  uint32_t item = 0;                       ///< for a loose triangle
 };
 
-/// Counter-clockwise triangles seen from outside.
+/// Triangles whose corners run counter-clockwise as seen from outside.
 struct TriangleMesh {
   std::vector<Vertex> vertices;
   std::vector<uint32_t> indices;
 };
 
-/// Geodesic sphere of diameter 1 with 20 * 4^level triangles.
+/// Returns a geodesic sphere of diameter 1 with 20 * 4^level triangles.
 TriangleMesh UnitSphere(int level);
 
-/// Cube from -0.5 to 0.5.
+/// Returns a cube from -0.5 to 0.5.
 TriangleMesh UnitBox();
 
-/// Square from -0.5 to 0.5 in x and z, facing +y.
+/// Returns a square from -0.5 to 0.5 in x and z, facing +y.
 TriangleMesh UnitPlane();
 
-/// A mesh of the stream, its triangles in their order. One with a corner that has no normal, or
-/// the normal 0, is flat.
+/// Returns a mesh of the stream with its triangles in order. A triangle is flat if one of its
+/// corners has no normal, or the normal 0.
 TriangleMesh ToTriangles(const Mesh& mesh);
 
-/// Loose triangles, all flat, relative to `origin`.
+/// Returns loose triangles, all flat, relative to `origin`.
 TriangleMesh ToTriangles(std::span<const Triangle> triangles, const Vector3f& origin);
 
-/// Linear value of an sRGB byte, 0 to 1.
+/// Returns the linear value of an sRGB byte, 0 to 1.
 float ToLinear(uint8_t srgb);
 std::array<float, 3> ToLinear(const Colour& colour);
 

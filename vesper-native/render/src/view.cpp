@@ -11,7 +11,7 @@ namespace vesper::render {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-/// Depth buffers of 24 bits stay finer than a pixel down to this ratio of near to far.
+/// Minimum ratio of near to far distance at which a depth buffer of 24 bits resolves a pixel.
 constexpr float kNearestToFarthest = 5e-4F;
 
 struct Interval {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What materials, textures and coloured triangles show.
+// Tests materials, textures and coloured triangles.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,18 +14,20 @@ using MaterialTest = PictureTest;
 /// Upper left, upper right, lower left, lower right.
 constexpr std::array kQuarters{kRed, kGreen, kBlue, kWhite};
 
-/// Seen along -z, 4 wide and 3 high, 100 pixels per metre.
+/// Returns a camera that looks along -z; the view is 4 m wide and 3 m high, with 100 pixels per
+/// metre.
 Message Front() { return Orthographic({0, 0, 9}, {0, 0, 0}, 3); }
 
 Message Quarters() { return Texture(1, 2, 2, {kQuarters.begin(), kQuarters.end()}); }
 
-/// The pure colour that a pixel is next to: half a pixel off, neighbours shine through a little.
+/// Returns the nearest pure colour of a pixel: half a pixel off centre, neighbours mix in a little.
 Rgba Pure(Rgba pixel) {
   for (int i = 0; i < 3; ++i) pixel[i] = pixel[i] > 127 ? 255 : 0;
   return pixel;
 }
 
-/// The colours at the middles of the quarters of the square of 2 m around the picture's centre.
+/// Returns the colours at the centres of the quarters of a square of 2 m around the picture's
+/// centre.
 std::array<Rgba, 4> QuartersOf(const Picture& picture) {
   return {Pure(picture.At(150, 100)), Pure(picture.At(250, 100)), Pure(picture.At(150, 200)),
           Pure(picture.At(250, 200))};
@@ -48,7 +50,7 @@ TEST_F(MaterialTest, TextureLiesOnAPlaneWithItsTopTowardsMinusZ) {
 }
 
 TEST_F(MaterialTest, TextureRunsAroundASphereWithoutASeam) {
-  // West of the middle red, east of it green, and red where the ends meet behind.
+  // Red west of the centre, green east of it, and red where the ends meet at the back.
   const std::vector<Message> scene{Texture(1, 4, 1, {kRed, kRed, kGreen, kRed}),
                                    Material(1, kWhite, 1, 0, 1),
                                    Instances(1, {Unlit({}, {2, 2, 2}, kWhite)}, 0, {1})};
@@ -78,7 +80,7 @@ TEST_F(MaterialTest, PartsOfAMeshHaveMaterialsOfTheirOwn) {
 }
 
 TEST_F(MaterialTest, MeshesWearTexturesWhereTheirCoordinatesSay) {
-  Message mesh(5);  // as the quarters, but turned by a quarter
+  Message mesh(5);  // as the quarters, but rotated by 90 degrees
   mesh.U32(7).U32(4).U32(2).U32(2);
   for (const Vec3& at : {Vec3{-1, 1, 0}, {-1, -1, 0}, {1, -1, 0}, {1, 1, 0}}) mesh.Put(at);
   for (const auto& at : {std::array{1.0F, 0.0F}, {0.0F, 0.0F}, {0.0F, 1.0F}, {1.0F, 1.0F}}) {
@@ -94,7 +96,7 @@ TEST_F(MaterialTest, ColoursOfItemMaterialAndTextureMultiplyInLinearLight) {
   const Picture picture = Draw({Front(), Texture(1, 1, 1, {{255, 188, 255, 255}}),
                                 Material(1, {188, 255, 255, 255}, 1, 0, 1),
                                 Instances(2, {Unlit({}, {2, 2, 2}, {188, 188, 0, 255})}, 0, {1})});
-  const Rgba shown = picture.At(200, 150);  // 188 is half the light of 255
+  const Rgba shown = picture.At(200, 150);  // the sRGB value 188 is half the light of 255
   EXPECT_NEAR(shown[0], 137, 2);
   EXPECT_NEAR(shown[1], 137, 2);
   EXPECT_EQ(shown[2], 0);
@@ -129,7 +131,7 @@ TEST_F(MaterialTest, LooseTrianglesCastShadows) {
   EXPECT_GT(dark(Draw(covered)), dark(Draw(scene)) + 1000);
 }
 
-/// The pixels of a ball that are much brighter than most of it.
+/// Returns the pixels of a ball that are much brighter than most of it.
 std::pair<size_t, int> Highlight(const Picture& picture) {
   const auto bright = picture.Where([](Rgba pixel) { return pixel[2] > 60; });
   int brightest = 0;

@@ -19,7 +19,7 @@ namespace vesper::render::test {
 inline constexpr Rgba kBlack{0, 0, 0, 255}, kWhite{255, 255, 255, 255}, kRed{255, 0, 0, 255},
     kGreen{0, 255, 0, 255}, kBlue{0, 0, 255, 255};
 
-/// A picture with the origin at its upper left.
+/// A picture whose origin is its upper left.
 struct Picture {
   Pixels pixels;
 
@@ -28,7 +28,7 @@ struct Picture {
     return {pixels.rgb[at], pixels.rgb[at + 1], pixels.rgb[at + 2], 255};
   }
 
-  /// Pixels that satisfy a predicate of their colour.
+  /// Returns the pixels whose colour satisfies a predicate.
   template <class Predicate>
   std::vector<Eigen::Vector2i> Where(Predicate predicate) const {
     std::vector<Eigen::Vector2i> found;
@@ -56,7 +56,8 @@ class PictureTest : public testing::Test {
     renderer_.reset();
   }
 
-  /// Draws with a black background, one sample and no shadows unless the messages say otherwise.
+  /// Draws with a black background, one sample and no shadows, unless the messages set other
+  /// values.
   static Picture Draw(const std::vector<Message>& messages) {
     Compose(messages);
     const Picture picture{renderer_->Render(decoder_->scene())};
@@ -64,7 +65,7 @@ class PictureTest : public testing::Test {
     return picture;
   }
 
-  /// What the pixels of that picture show, rows from the bottom.
+  /// Returns item and depth of each pixel of that picture, rows from the bottom.
   static Seen Sense(const std::vector<Message>& messages) {
     Compose(messages);
     const Seen seen = renderer_->Sense(decoder_->scene());

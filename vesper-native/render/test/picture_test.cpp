@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What pictures show, compared with where geometry and optics put it.
+// Compares pictures with positions computed by geometry and optics.
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -14,7 +14,8 @@ namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
 
-/// Smallest rectangle around pixels: {left, top, right, bottom}, the far sides exclusive.
+/// Returns the smallest rectangle around pixels: {left, top, right, bottom}, right and bottom
+/// exclusive.
 Eigen::Vector4i BoxAround(const std::vector<Eigen::Vector2i>& points) {
   Eigen::Vector4i box(INT32_MAX, INT32_MAX, 0, 0);
   for (const auto& point : points) {
@@ -25,7 +26,7 @@ Eigen::Vector4i BoxAround(const std::vector<Eigen::Vector2i>& points) {
 }
 
 TEST_F(PictureTest, SphereCoversTheSolidAngleOfItsCone) {
-  // A sphere on the axis at distance d shows as a disc of radius tan(asin(r / d)) at depth 1.
+  // A sphere on the axis at distance d appears as a disc of radius tan(asin(r / d)) at depth 1.
   const float fov = 0.8F, r = 1.5F, d = 6;
   const Picture picture = Draw({Perspective({0, 0, d}, {0, 0, 0}, fov),
                                 Instances(1, {Unlit({}, {2 * r, 2 * r, 2 * r}, kRed)})});
@@ -58,7 +59,8 @@ TEST_F(PictureTest, BoxFaceHasItsProjectedCorners) {
 }
 
 TEST_F(PictureTest, OrientationTurnsAnticlockwiseSeenFromItsAxis) {
-  // A bar along x, a quarter turn about z: along y. 30 degrees more lean its upper end to -x.
+  // A bar along x, rotated by 90 degrees about z, is along y. Another 30 degrees tilt its upper end
+  // to -x.
   const auto about_z = [](float angle) {
     return std::array<float, 4>{0, 0, std::sin(angle / 2), std::cos(angle / 2)};
   };
@@ -70,7 +72,7 @@ TEST_F(PictureTest, OrientationTurnsAnticlockwiseSeenFromItsAxis) {
   EXPECT_NEAR(upright[3] - upright[1], 200, 1);
   bar.orientation = about_z(kPi / 2 + kPi / 6);
   const Picture leaning = Draw({camera, Instances(2, {bar})});
-  const auto at = [](float along) {  // middle of the bar, `along` from its centre [m]
+  const auto at = [](float along) {  // point on the bar, `along` metres from its centre
     const float angle = kPi / 2 + kPi / 6;
     return Eigen::Vector2i(200 + std::lround(50 * along * std::cos(angle)),
                            150 - std::lround(50 * along * std::sin(angle)));
@@ -92,7 +94,7 @@ TEST_F(PictureTest, NearerItemsHideFartherOnesInAnyOrder) {
 }
 
 TEST_F(PictureTest, DepthStaysFineOnAPlaneThatReachesFarAway) {
-  // A red sheet 5 mm above a blue ground of 2 km, seen from 30 m.
+  // A red sheet 5 mm above a blue ground of 2 km, from a distance of 30 m.
   const Picture picture = Draw(
       {Perspective({0, 15, 26}, {0, 0, 0}, 0.5F),
        Instances(3, {Unlit({}, {2000, 0, 2000}, kBlue), Unlit({0, 0.005F, 0}, {8, 0, 8}, kRed)})});
@@ -124,7 +126,7 @@ TEST_F(PictureTest, LineRunsBetweenTheProjectionsOfItsEnds) {
 }
 
 TEST_F(PictureTest, LineThatPassesTheEyeIsCutInFrontOfIt) {
-  // From far ahead to behind the eye, below it: shows in the lower half only.
+  // The plane extends from far ahead to behind the eye, below it: only the lower half shows it.
   const Picture picture = Draw(
       {Perspective({0, 1, 0}, {0, 1, -10}, 1), Segments({{{0, 0, -50}, {0, 0, 20}, kWhite}}, 4)});
   const auto covered = picture.Of(kWhite);
@@ -161,7 +163,7 @@ float ToSrgb(float linear) {
 }
 
 TEST_F(PictureTest, LitPlaneFollowsLambertsLaw) {
-  // Seen from above; the light leans by an angle; ambient light from the sky is white.
+  // Seen from above; the light is tilted by an angle; ambient light from the sky is white.
   for (const float lean : {0.0F, 0.6F, 1.2F}) {
     const Picture picture =
         Draw({Environment(kBlack, kBlack, {std::sin(lean), std::cos(lean), 0}, 0.5F, 0.25F),
@@ -175,7 +177,7 @@ TEST_F(PictureTest, LitPlaneFollowsLambertsLaw) {
 }
 
 TEST_F(PictureTest, ShadowFallsWhereTheLightIsHidden) {
-  // Light along (-1, -1, 0): a ball at height 2 hides the ground around (2, 0) from it.
+  // Light along (-1, -1, 0): a ball at height 2 shades the ground around (2, 0).
   const std::vector scene{Environment(kBlack, kBlack, {-1, 1, 0}, 0.6F, 0.3F),
                           Orthographic({0, 50, 0}, {0, 0, 0}, 6, {0, 0, -1}),
                           Instances(3, {{{}, {20, 0, 20}, kWhite, 0}}),
@@ -190,7 +192,7 @@ TEST_F(PictureTest, ShadowFallsWhereTheLightIsHidden) {
   EXPECT_NEAR(with.At(300, 150)[0], ToSrgb(0.3F), 1.5F);  // 50 pixels per metre
   EXPECT_NEAR(with.At(100, 150)[0], ToSrgb(0.3F + sun), 1.5F);
   EXPECT_NEAR(without.At(300, 150)[0], ToSrgb(0.3F + sun), 1.5F);
-  // The shadow of a ball is an ellipse: as wide as the ball, stretched by 1 / cos(45 degrees).
+  // The shadow of a ball is an ellipse as wide as the ball and stretched by 1 / cos(45 degrees).
   const auto shadow = with.Where([](Rgba p) { return p[0] == p[1] && p[0] < ToSrgb(0.5F); });
   EXPECT_NEAR(static_cast<float>(shadow.size()), kPi * 25 * 25 * std::sqrt(2.0F), 120);
 }
@@ -207,7 +209,7 @@ TEST_F(PictureTest, UnlitItemsCastNoShadow) {
 }
 
 TEST_F(PictureTest, MultisamplingBlendsEdgesInLinearLight) {
-  // The edge of a white sheet crosses a column of pixels in the middle, at half of each.
+  // The edge of a white sheet crosses a column of pixels in the middle and covers half of each.
   const Picture picture = Draw({Image(400, 300, 4, 0), Orthographic({0, 0, 9}, {0, 0, 0}, 3),
                                 Instances(2, {Unlit({-0.995F, 0, 0}, {2, 9, 1}, kWhite)})});
   EXPECT_EQ(picture.At(199, 150), kWhite);
@@ -237,7 +239,7 @@ TEST_F(PictureTest, FadingPlaneEndsInTheBackground) {
 }
 
 TEST_F(PictureTest, GridLinesAreOneUnitApart) {
-  // 12 m high, seen from above: lines each metre, 25 pixels apart, stronger at 0 and 10 m.
+  // 12 m high, seen from above: a line each metre, 25 pixels apart, stronger at 0 and 10 m.
   const Picture picture = Draw({Orthographic({0.5F, 9, 0.5F}, {0.5F, 0, 0.5F}, 12, {0, 0, -1}),
                                 Instances(3, {{{0.3F, 0, 0.1F}, {40, 0, 40}, kWhite, kGrid}})});
   const int plain = picture.At(200, 150)[0];

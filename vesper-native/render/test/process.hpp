@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A vesper-render process to talk to.
+// A vesper-render process for tests.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -28,7 +28,7 @@ inline std::string ReadAll(int file) {
   return all;
 }
 
-/// Runs vesper-render with arguments and an input that it may leave unread.
+/// Runs vesper-render with arguments and an input, which it may leave unread.
 inline Outcome RunProgram(const std::vector<std::string>& arguments, const std::string& input) {
   FILE* errors = tmpfile();
   FILE* in = tmpfile();
@@ -66,7 +66,7 @@ struct Reply {
   std::string payload;
 };
 
-/// Takes an output apart; what is not a whole reply fails the test.
+/// Splits an output into replies; an incomplete reply fails the test.
 inline std::vector<Reply> Replies(const std::string& output) {
   std::vector<Reply> replies;
   for (size_t at = 0; at < output.size();) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The command line of vesper-render.
+// Tests the command line of vesper-render.
 #include <gtest/gtest.h>
 
 #include "process.hpp"

@@ -17,7 +17,7 @@ using testing::Test;
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-/// Feeds whole messages to a decoder, as the session does.
+/// Passes whole messages to a decoder, as the session does.
 Request Feed(SceneDecoder& decoder, const Message& message) {
   const std::string bytes = message.Bytes();
   MessageHeader header;
@@ -34,7 +34,8 @@ Request FeedAll(const std::vector<Message>& messages) {
   return last;
 }
 
-/// What a decoder says to the last of `messages`, having accepted the others; "" if it accepts all.
+/// Returns the decoder's error for the last of `messages`, after it accepted the others; "" if it
+/// accepts all.
 std::string Refusal(const std::vector<Message>& messages) {
   SceneDecoder decoder;
   for (size_t i = 0; i + 1 < messages.size(); ++i) Feed(decoder, messages[i]);
@@ -192,7 +193,7 @@ TEST(SceneStream, AMessageOfMoreThanTheLimitIsRefusedByItsHeader) {
   EXPECT_THROW(decoder.CheckHeader({6, kMaxMessageBytes + 1}), MalformedStream);
 }
 
-// What a decoder accepts of damaged messages must obey the rules that the renderer relies on.
+// If a decoder accepts a damaged message, the scene must obey the rules of the renderer.
 TEST(SceneStream, DamagedMessagesAreRefusedOrWithinTheRules) {
   const uint32_t seed = 20260411;
   RecordProperty("seed", std::to_string(seed));
@@ -223,7 +224,8 @@ TEST(SceneStream, DamagedMessagesAreRefusedOrWithinTheRules) {
               payload[at] = static_cast<char>(random());
           }
         }
-        // A copy of exactly this size, so that the address sanitizer sees a byte too far.
+        // A copy of exactly this size, so that the address sanitizer detects an access past the
+        // end.
         const std::vector<char> exact(payload.begin(), payload.end());
         MessageHeader header;
         std::memcpy(&header, whole[i].Bytes().data(), sizeof header);

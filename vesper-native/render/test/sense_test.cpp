@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which item each pixel shows, and how deep it is: against closed forms and rays of our own.
+// Tests item and depth of each pixel, against closed forms and a separate ray caster.
 #include <Eigen/Geometry>
 #include <cmath>
 #include <random>
@@ -56,7 +56,8 @@ struct Box {
   Eigen::Quaternionf turn;
 };
 
-/// Distance along a ray to a box, in lengths of its direction; negative where it passes by.
+/// Returns the distance along a ray to a box, in lengths of its direction; negative if the ray
+/// misses.
 float Hit(const Box& box, const Vector3f& from, const Vector3f& direction) {
   const Vector3f at = box.turn.conjugate() * (from - box.centre);
   const Vector3f along = box.turn.conjugate() * direction;
@@ -117,7 +118,7 @@ TEST_F(SenseTest, RandomBoxesAreSeenWhereRaysHitThem) {
     for (uint32_t y = 1; y + 1 < kHeight; ++y) {
       for (uint32_t x = 1; x + 1 < kWidth; ++x) {
         const size_t at = size_t{y} * kWidth + x;
-        bool edge = false;  // there the last digit decides
+        bool edge = false;  // near an edge, rounding decides
         for (const int to : {-1, 1, -static_cast<int>(kWidth), static_cast<int>(kWidth)}) {
           edge |= item[at + to] != item[at];
         }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whole conversations with the program, sound and damaged.
+// Tests whole sessions with the program, with valid and damaged input.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <png.h>
@@ -35,7 +35,7 @@ std::vector<Message> SmallScene() {
           Segments({{{-1, 0, 0}, {1, 0, 0}}}, 2)};
 }
 
-/// Width and height of a PNG that libpng decodes without complaint; 0, 0 if it does not.
+/// Returns width and height of a PNG that libpng decodes without warnings; 0, 0 for an invalid one.
 std::pair<uint32_t, uint32_t> DecodedSize(const std::string& png) {
   png_image image{};
   image.version = PNG_IMAGE_VERSION;
@@ -115,7 +115,7 @@ TEST_F(SessionTest, RawPixelsAreLayersFromTheTop) {
   std::memcpy(colour.data(), layers, sizeof colour);
   std::memcpy(depth.data(), layers + 24, sizeof depth);
   std::memcpy(item.data(), layers + 56, sizeof item);
-  for (size_t i = 0; i < 8; ++i) {  // the upper row shows the box, the lower one nothing
+  for (size_t i = 0; i < 8; ++i) {  // the upper row shows the box, the lower row nothing
     EXPECT_EQ(item[i], i < 4 ? 3U : 0U);
     EXPECT_NEAR(depth[i], i < 4 ? 1.0F : 0.0F, 1e-5F);
     EXPECT_EQ(colour[3 * i], i < 4 ? 255 : 9);
@@ -189,7 +189,7 @@ TEST_F(SessionTest, MalformedInputEndsWithItsReasonOnBothOutputs) {
   EXPECT_NE(outcome.errors.find(replies[1].payload), std::string::npos);
 }
 
-// The whole program, graphics library and all, survives damaged streams.
+// The whole program, including the graphics library, survives damaged streams.
 TEST_F(SessionTest, DamagedStreamsEndWithExitCode0Or3) {
   auto scene = SmallScene();
   scene.push_back(RenderToAnswer());

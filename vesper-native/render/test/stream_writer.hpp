@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes the scene stream of SCENE.md, independently of the decoder under test.
+// A writer of the scene stream of SCENE.md, independent of the decoder under test.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace vesper::render::test {
 
-/// The bytes of one message, value by value.
+/// Writer of one message, value by value.
 class Message {
  public:
   explicit Message(uint32_t type) : type_(type) {}
@@ -76,7 +76,7 @@ inline Message Mesh(uint32_t id, const std::vector<Vec3>& positions,
   return message;
 }
 
-/// Which triangles of a mesh are shown in which material.
+/// A range of triangles of a mesh, with its material.
 struct Part {
   uint32_t material = 0, first_triangle = 0, triangles = 0;
 };
@@ -110,7 +110,7 @@ inline Message Segments(const std::vector<Line>& lines, float width) {
   return message;
 }
 
-/// Pixels from the upper left.
+/// Returns a TEXTURE message with pixels from the upper left.
 inline Message Texture(uint32_t id, uint32_t width, uint32_t height,
                        const std::vector<Rgba>& pixels) {
   Message message(9);

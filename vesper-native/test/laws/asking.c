@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Asks for one property, as USE_… say, and does nothing with it. */
+/* Requests one property, given by the USE_… definitions, and does nothing with it. */
 #include "test_law.h"
 
 static vesper_status Act(vesper_law* law, const vesper_step* step, vesper_error* error) {

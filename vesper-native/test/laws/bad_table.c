@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/* A table that breaks the rule of law.h that DEFECT names. */
+/* A table that violates the rule of law.h named by DEFECT. */
 #define USE_COUNT 2
 #include "test_law.h"
 

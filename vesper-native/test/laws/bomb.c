@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Goes off while it is loaded, asked, read or unloaded, as BOMB says. */
+/* Crashes while it is loaded, called, read or unloaded; BOMB selects when. */
 #include <signal.h>
 #include <unistd.h>
 
@@ -27,7 +27,7 @@ __attribute__((constructor)) static void GoOff(void) {
 #elif BOMB == ABORT_IN_DESTRUCTOR
 __attribute__((destructor)) static void GoOff(void) { abort(); }
 #elif BOMB == FORGED_REPORT
-/* As vesper-probe would report a refusal, but with strings that have no end. */
+/* Imitates a refusal report of vesper-probe, but with unterminated strings. */
 __attribute__((constructor)) static void GoOff(void) {
   struct {
     int32_t stage;
@@ -60,7 +60,7 @@ const vesper_law_library* vesper_law_library_entry(void) {
 #elif BOMB == NULL_TABLE
   return NULL;
 #elif BOMB == OTHER_ABI
-  /* Nothing past the version may be read: reading the name would crash. */
+  /* The engine must read nothing past the version: reading the name would crash. */
   library.abi_version = 2u << 16;
   library.name = (const char*)(uintptr_t)64;
 #elif BOMB == GARBAGE_NAME

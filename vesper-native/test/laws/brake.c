@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Takes away a tenth of every velocity, after all have moved. */
+/* Reduces every velocity by a tenth, after the integrators. */
 #include "test_law.h"
 
 static vesper_status Act(vesper_law* law, const vesper_step* step, vesper_error* error) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Shows each body the time: acceleration = (time, dt, index) of the last step. */
+/* Writes the time into each body: acceleration = (time, dt, index) of the last step. */
 #define USE_COUNT 1
 #include "test_law.h"
 

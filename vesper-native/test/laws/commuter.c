@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Thinks in km, km/h and kN. Speeds up every other body, pushes all, and notes where they are. */
+/* Uses km, km/h and kN. Accelerates every other body, pushes all, and records their positions. */
 #define USE_COUNT 4
 #define PARAMETER_COUNT 1
 #include "test_law.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads fields through law.hpp, place by place: a vector and a number that may be missing.
+// Reads fields through law.hpp, one position at a time: a vector and an optional number.
 #include "vesper/law.hpp"
 
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Says something else about itself as soon as it is loaded. */
+/* Changes its tables as soon as it is loaded. */
 #define USE_COUNT 1
 #include "test_law.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/* A force that depends on position in a way that rounds, computed through parallel_for. NAME and
- * GRAIN vary. */
+/* A position-dependent force with rounding, computed through parallel_for. Compile definitions:
+ * NAME and GRAIN. */
 #define USE_COUNT 2
 #include "test_law.h"
 
@@ -8,7 +8,7 @@ static void Range(void* user, uint64_t begin, uint64_t end) {
   vesper_law* law = user;
   const double* position = law->bound[0].data;
   double* force = law->bound[1].data;
-  double chunk = 0; /* depends on where the chunks begin */
+  double chunk = 0; /* depends on the boundaries of the chunks */
   for (uint64_t i = 3 * begin; i < 3 * end; ++i) {
     chunk += 0.1 * position[i];
     force[i] += chunk * 1e-3 - position[i] / 3;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Ranges of which number `held` ends only when all others did; fails if they never do. */
+/* Ranges of which number `held` ends only after all others; fails if the others never end. */
 #define _POSIX_C_SOURCE 200809L
 #define PARAMETER_COUNT 2
 #include <sched.h>

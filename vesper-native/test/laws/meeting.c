@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Laws that meet if they run at the same time: each writes a byte to the pipe `tell` and waits
- * `patience` seconds for one from the pipe `hear`; fails if none comes. NAME, PROPERTY, ACCESS,
- * UNIT and PHASE vary. The library's second law does the same over pipes of its own. */
+/* Laws that synchronize if they run concurrently: each writes a byte to the pipe `tell` and
+ * waits `patience` seconds for one from the pipe `hear`; fails if none arrives. The library's
+ * second law does the same over its own pipes. Compile definitions: NAME, PROPERTY, ACCESS, UNIT
+ * and PHASE. */
 #define PARAMETER_COUNT 3
 #include <poll.h>
 #include <unistd.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Breaks the rule that its parameter `mode` names, at the row that `row` names. */
+/* Violates the rule selected by its parameter `mode`, at the row given by `row`. */
 #define USE_COUNT 3
 #define PARAMETER_COUNT 2
 #include "misbehaving.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Needs a function that nobody has. */
+/* Imports a function that no library provides. */
 #include "vesper/law.h"
 
 const vesper_law_library* a_function_that_nobody_has(void);

@@ -1,3 +1,3 @@
 // SPDX-License-Identifier: Apache-2.0
-/* A sound shared object that is no law library. */
+/* A valid shared object that is not a law library. */
 int nothing_to_see_here;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Two laws in tables as contract 1.MINOR would lay them out: 0 has less than today's, 9 has 16
- * bytes more, which are zero unless ASKS says that the law wants what they stand for. */
+/* Two laws in tables with the layout of contract 1.MINOR: 0 has fewer fields than today's, 9 has
+ * 16 bytes more. These are zero unless ASKS says that the law uses the features behind them. */
 #define USE_COUNT 2
 #define PARAMETER_COUNT 1
 #include "test_law.h"
@@ -17,7 +17,7 @@ static vesper_status Act(vesper_law* law, const vesper_step* step, vesper_error*
   return VESPER_OK;
 }
 
-/* Element i of an array whose elements have `size` bytes. */
+/* Writes element i of an array whose elements have `size` bytes. */
 static void Put(uint64_t* array, int i, const void* element, size_t known, uint32_t size) {
   char* at = (char*)array + i * size;
   memset(at, 0, size);
@@ -38,7 +38,7 @@ static void Fill(uint64_t* library_memory) {
   const vesper_law_library library = {
       sizeof library, (1u << 16) | MINOR, NAME, 2, 0, (void*)laws, NULL, NULL, 0, 0, NULL};
   const uint32_t law_size = SIZE(vesper_law_desc, 112);
-  memset(laws, 0xff, sizeof laws); /* what follows a table is not its own */
+  memset(laws, 0xff, sizeof laws); /* the bytes after a table do not belong to it */
   for (int i = 0; i < 2; ++i) {
     Put(uses, i, &use[i], sizeof *use, SIZE(vesper_property_use, 72));
     Put(laws, i, &law[i], sizeof *law, law_size);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Adds the force (force, 0, 0) to every body, in two halves. NAME and FORCE vary. */
+/* Adds the force (force, 0, 0) to every body, in two halves. Compile definitions: NAME and
+ * FORCE. */
 #define PARAMETER_COUNT 1
 #include "test_law.h"
 

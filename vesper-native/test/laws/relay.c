@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Sets TO to FROM plus 1, says so in the log, and fails if its parameter says so. NAME, FROM, TO
- * and their units vary. */
+/* Sets TO to FROM plus 1, logs it, and fails if its parameter requests it. Compile definitions:
+ * NAME, FROM, TO and their units. */
 #define USE_COUNT 2
 #define PARAMETER_COUNT 1
 #include "test_law.h"

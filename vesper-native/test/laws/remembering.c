@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Counts in SCRATCH how often each body was advanced, times (row's mass), and shows the count as
- * its acceleration; fails where "failAt" steps were done. */
+/* Adds each body's mass to a SCRATCH sum and counts its advances; writes both to the
+ * acceleration. Fails when "failAt" steps were done. */
 #define USE_COUNT 4
 #define PARAMETER_COUNT 1
 #include "test_law.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Two laws: `twist` turns every body by the torque (0, 2, 0); `turn` integrates angular velocities
- * of bodies whose three moments of inertia are equal, where they are not 0. */
+/* Two laws: `twist` applies the torque (0, 2, 0) to every body; `turn` integrates angular
+ * velocities of bodies with three equal moments of inertia that are not 0. */
 #define USE_COUNT 3
 #include "test_law.h"
 

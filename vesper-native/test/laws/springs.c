@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Pulls the ends of every spring together with force hookeConstant: enough to see whose rows and
- * whose values a law is given. Logs each bind. */
+/* Pulls the ends of every spring together with force hookeConstant, which shows the rows and
+ * values that the law received. Logs each bind. */
 #define USE_COUNT 3
 #include "test_law.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Two laws that share a counter of calls; their lives are logged. Law `second` fails to be made if
- * its parameter says so. */
+/* Two laws that share a counter of calls and log their creation and destruction. The parameter
+ * of law `second` can make its creation fail. */
 #define PARAMETER_COUNT 1
 #include "test_law.h"
 

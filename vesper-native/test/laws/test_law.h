@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/* What all test laws have in common: a law keeps its host, its parameters and its bound arrays.
+/* Common code of all test laws: a law keeps its host, its parameters and its bound arrays.
  *
- * A law file defines USE_COUNT, PARAMETER_COUNT and a function `Act`, then lists its tables. Names
- * and behaviour vary by compile definitions, so that one file makes several libraries.
+ * A law file defines USE_COUNT, PARAMETER_COUNT and a function `Act`, then lists its tables.
+ * Compile definitions vary names and behaviour, so that one file makes several libraries.
  */
 #ifndef TEST_LAW_H_
 #define TEST_LAW_H_

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lets an exception out of `advance`, which no law may.
+// Throws an exception from `advance`, which is forbidden.
 #include <stdexcept>
 
 #include "vesper/law.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Appends a digit to orientation.x whenever it runs: a record of the order. NAME, PHASE,
- * STAGES and DIGIT vary; an integrator appends DIGIT plus the stage, from FIRST_STAGE on if
- * that is defined. */
+/* Appends a digit to orientation.x at each call, to record the order. An integrator appends
+ * DIGIT plus the stage, from FIRST_STAGE on if that is defined. Compile definitions: NAME,
+ * PHASE, STAGES, DIGIT and FIRST_STAGE. */
 #include "test_law.h"
 
 static vesper_status Act(vesper_law* law, const vesper_step* step, vesper_error* error) {

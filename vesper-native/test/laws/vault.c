@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/* A spring to the origin and semi-implicit Euler, which keep position, velocity and force in a
- * suite of their own: DEFERRED. NAME, FLAGS (0: on the arrays themselves, the same sums), LAW_FROM
- * and LAW_TO (which of the two laws there are) and the unit of length vary. */
+/* A spring to the origin and semi-implicit Euler, which keep copies of position, velocity and
+ * force in their suite: DEFERRED. Compile definitions: NAME, FLAGS (0: the same sums on the
+ * arrays), LAW_FROM and LAW_TO (which of the two laws exist), and the unit of length. */
 #define USE_COUNT 4
 #define PARAMETER_COUNT 5
 #include "test_law.h"
@@ -65,7 +65,7 @@ static vesper_status BindCopies(vesper_law* law, const vesper_property* properti
   return VESPER_OK;
 }
 
-/* The copy of a use, or the array itself where nothing is deferred. */
+/* Returns the copy of a use, or the array if the use is not deferred. */
 static double* Values(vesper_law* law, int use) {
   return FLAGS != 0 ? CopyOf(law, &law->bound[use])->data : law->bound[use].data;
 }

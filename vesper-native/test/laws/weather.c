@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Brings the field `wind`: it blows along x as fast as its suite says, times the height. */
+/* Provides the field `wind`, along x, with the suite's speed times the height. */
 #define USE_COUNT 1
 #include "test_law.h"
 

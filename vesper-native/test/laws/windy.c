@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Carries every body with the field `wind`, which it reads all at once. */
+/* Moves every body with the field `wind`, which it evaluates in one call. */
 #define USE_COUNT 3
 #include "test_law.h"
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # cmake -DVESPER_BUILD=… -DWORK=… -DINSTALL=ON|OFF -P check.cmake
 #
-# Builds a law and a client outside the source tree against the build tree or an installation, and
-# runs them.
+# Builds and runs a law and a client outside the source tree, with the build tree or an
+# installation.
 function(run)
   execute_process(COMMAND ${ARGV} COMMAND_ECHO STDOUT COMMAND_ERROR_IS_FATAL ANY)
 endfunction()

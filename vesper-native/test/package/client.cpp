@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Loads the law whose file is given; exit code 0 if it acts.
+// Loads the law from the given file; exit code 0 if the law has an effect.
 #include <cstdio>
 
 #include "vesper/engine.h"

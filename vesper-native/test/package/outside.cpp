@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A law as small as can be: sets every acceleration to 2 m/s^2.
+// A minimal law: sets every acceleration to 2 m/s^2.
 #include "vesper/law.h"
 
 struct vesper_law {

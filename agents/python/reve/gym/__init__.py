@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Worlds to learn in: `Environment` for Gymnasium, `reve.gym.parallel.ParallelEnvironment` for
+"""Learning environments: `Environment` for Gymnasium, `reve.gym.parallel.ParallelEnvironment` for
 PettingZoo.
 
 Needs the package's extra `gym`: `pip install 'agents/python[gym]'`.

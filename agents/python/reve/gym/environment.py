@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One agent, as Gymnasium has it."""
+"""The environment of one agent, for Gymnasium."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from .task import Task
 
 
 class Environment(gymnasium.Env[Any, Any]):
-    """An agent's task in a world that waits for it. The world is the environment's own while it is
-    open.
+    """An agent's task in a world that waits for it. While it is open, it needs the world
+    exclusively.
 
-    `address` is host and port of a server, such as that of `reve.serve(...)`, and `world` the name
-    of one of its worlds, if it has several. A step is `frames`
-    frames long, an episode `steps` steps at most. Every episode begins where the world began,
-    changed by the task's `begin`; so the same seed and actions give the same observations, to the
-    bit. `info` holds the world's `time` [s] and the `items` that the agent perceives. With
-    `render_mode` "rgb_array", `render` returns what a `camera` of the world sees: the item that
-    carries it, which is the agent's body or one that the world lends, and the sensor's name.
+    `address` is host and port of a server, such as that of `reve.serve(...)`. `world` names one of
+    its worlds, if it has several. A step has `frames` frames, and an episode at most `steps` steps.
+    Every episode starts from the initial state of the world, with the changes of the task's
+    `begin`. Therefore the same seed and actions give the same observations, to the bit. `info`
+    contains the world's `time` [s] and the `items` that the agent perceives. With `render_mode`
+    "rgb_array", `render` returns the picture of a `camera`: the item that carries it, which is the
+    agent's body or an item that the world lends, and the sensor's name.
     """
 
     metadata: Dict[str, Any] = {"render_modes": RENDER_MODES}

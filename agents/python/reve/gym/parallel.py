@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Several agents at once, as PettingZoo has it."""
+"""The environment of several agents, for PettingZoo."""
 
 from __future__ import annotations
 
@@ -15,11 +15,10 @@ from .task import Task
 
 
 class ParallelEnvironment(ParallelEnv[str, Any, Any]):
-    """Agents' tasks, by the agents' names, in a world that waits for all of them. As for
-    `Environment`.
+    """Tasks of several agents, by agent name, in a world that waits for all of them.
 
-    An agent whose task is over stays in the world and does nothing until the episode has ended for
-    all.
+    Arguments as in `Environment`. An agent whose task is over stays in the world without acts until
+    the episode has ended for all.
     """
 
     metadata: Dict[str, Any] = {"render_modes": RENDER_MODES, "name": "reve_v1"}

@@ -17,8 +17,9 @@ from .task import Task
 Address = Tuple[str, int]
 
 Camera = Tuple[str, str]
-"""The item that carries it, which one of the tasks has as its body or the world lends, and the
-sensor's name.
+"""A camera: the item that carries it, and the sensor's name.
+
+The item is the body of one of the tasks, or one that the world lends.
 """
 
 RENDER_MODES: List[str] = ["rgb_array"]
@@ -27,12 +28,13 @@ _DEADLINE = 3600.0  # s; the server may allow less
 
 
 def info(perception: Perception) -> Dict[str, Any]:
-    """All that is perceived, but for the frame's number: that goes on from episode to episode."""
+    """Returns everything that is perceived, except the frame's number, which differs between
+    episodes."""
     return {"time": perception.time, "items": perception.items}
 
 
 class Stage:
-    """Between two calls the world stands still. One thread."""
+    """A world with the agents of the tasks. It stands still between two calls. Not thread-safe."""
 
     def __init__(
         self,
@@ -86,7 +88,8 @@ class Stage:
             ) from error
 
     def _view(self, address: Address, item: str) -> Agent:
-        """Whose camera it is; an agent more if the item is no task's body."""
+        """Returns the agent whose body carries the camera; joins another one if it is no task's
+        body."""
         for agent in self._agents.values():
             if agent.body == item:
                 return agent
@@ -96,11 +99,12 @@ class Stage:
 
     @property
     def fps(self) -> float:
-        """Steps in a second of the world."""
+        """Number of steps per second of world time."""
         return self._control.welcome.rate / self._frames
 
     def render(self) -> Optional[numpy.typing.NDArray[numpy.uint8]]:
-        """What the camera sees now: (height x width x 3) in sRGB. None without a camera."""
+        """Returns the camera's current picture, (height x width x 3) in sRGB; None without a
+        camera."""
         if self._viewer is None or self._camera is None:
             return None
         image = self._viewer.look(self._camera[1])
@@ -112,12 +116,13 @@ class Stage:
         return colour.reshape(image.height, image.width, 3).copy()
 
     def reset(self, random: numpy.random.Generator) -> Dict[str, Perception]:
-        """Begins the world anew; what is perceived when the tasks' changes have been made, and a
-        step was done.
+        """Restores the initial state of the world and applies the tasks' changes.
+
+        Returns the perceptions after one step.
         """
         rewound = self._control.rewind()
         if rewound.frame is None:
-            reason = rewound.reason or "the world cannot begin anew"
+            reason = rewound.reason or "the world cannot be restored"
             raise ReveError(rewound.code or "refused", reason)
         for agent in self._agents.values():
             agent.observe(rewound.frame)
@@ -131,7 +136,7 @@ class Stage:
         return perceptions
 
     def step(self, acts: Mapping[str, Iterable[Act]]) -> Dict[str, Perception]:
-        """Lets everybody act, and the world go on; what is perceived then."""
+        """Does the acts of all agents, advances by a step, and returns the perceptions."""
         if self._frame == 0:
             raise gymnasium.error.ResetNeeded("an episode begins with reset, and step comes after")
         for name, agent in self._agents.items():
@@ -156,7 +161,7 @@ class Stage:
         return perception
 
     def close(self) -> None:
-        """Leaves the world. Calling it again does nothing."""
+        """Leaves the world. Another call has no effect."""
         for client in (*self._agents.values(), self._guest, self._control):
             if client is not None:
                 client.close()

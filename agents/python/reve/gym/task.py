@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What an agent is to learn."""
+"""The task of a learning agent."""
 
 from __future__ import annotations
 
@@ -12,37 +12,36 @@ import numpy
 from ..protocol import Act, Argument, Perception
 
 Edit = Tuple[str, str, Argument]
-"""An item, one of its properties such as `physics.velocity`, and the value it gets, in the
-property's own unit.
-"""
+"""An item, one of its properties such as `physics.velocity`, and a value in the property's unit."""
 
 
 class Task(ABC):
-    """What one agent observes, does and is rewarded for. It keeps no state of its own: all it goes
-    by is what is perceived.
+    """Observations, actions and rewards of one agent.
+
+    A task has no state of its own; it depends only on perceptions.
     """
 
     observation_space: gymnasium.Space[Any]
     action_space: gymnasium.Space[Any]
     body: Optional[str] = None
-    """The item that the agent gets as its body; None for one that the world chooses."""
+    """The item that the agent gets as its body; None if the world chooses one."""
 
     def begin(self, random: numpy.random.Generator) -> Iterable[Edit]:
-        """How this episode's start is different from the world's."""
+        """Returns the changes to the world at the start of this episode."""
         return ()
 
     @abstractmethod
     def observe(self, perception: Perception) -> Any:
-        """An element of `observation_space`."""
+        """Returns an element of `observation_space`."""
 
     @abstractmethod
     def act(self, action: Any) -> Iterable[Act]:
-        """What the body does for an element of `action_space`."""
+        """Returns the acts of the body for an element of `action_space`."""
 
     @abstractmethod
     def reward(self, perception: Perception) -> float:
-        """For having come to what is perceived."""
+        """Returns the reward for reaching this perception."""
 
     def is_over(self, perception: Perception) -> bool:
-        """Whether the episode ends there."""
+        """Returns True if the episode ends with this perception."""
         return False

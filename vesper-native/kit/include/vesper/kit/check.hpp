@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every law library promises, as checks made from its own declaration.
+// Checks of the rules for law libraries, derived from each library's own declarations.
 #pragma once
 
 #include <chrono>
@@ -10,9 +10,9 @@
 
 namespace vesper {
 
-/// What a check is run on.
+/// The object of a check: a library in one precision.
 struct Subject {
-  std::string file;              // of the library, a path
+  std::string file;              // path of the library
   vesper_scalar_type real_type;  // precision; 0 for checks of the file as a whole
 };
 
@@ -20,22 +20,23 @@ struct Check {
   const char* name;     // "same-bits"
   const char* promise;  // one line
   bool per_precision;
-  /// Returns a note for the report, perhaps empty. Throws what it found wrong, or whatever
-  /// the engine throws, which fails the check too.
+  /// Runs the check and returns a note for the report, which may be empty. Throws a description of
+  /// the failure; an exception of the engine also fails the check.
   std::string (*run)(const Subject&);
 };
 
-/// All checks, in the order in which they are run: the file first, then the law on its arrays.
+/// Returns all checks in execution order: first those of the file, then those of the law on its
+/// arrays.
 std::span<const Check> Checks();
 
 enum class Verdict { kPass, kFail, kSkip };
 
 struct CheckOutcome {
   Verdict verdict;
-  std::string note;  // what was measured, or the reason
+  std::string note;  // measured values, or the reason
 };
 
-/// Runs a check in a process of its own, because a law may crash or hang. The calling process must
+/// Runs a check in a separate process, because a law may crash or hang. The calling process must
 /// have one thread.
 CheckOutcome RunCheck(const Check& check, const Subject& subject,
                       std::chrono::seconds limit = std::chrono::seconds(60));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One column of a property, whatever its type.
+// One column of a property of any type.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@
 
 namespace vesper {
 
-/// (rows x components) of any scalar type, seen as doubles.
+/// A column (rows x components) of any scalar type, with values read and written as doubles.
 class AnyColumn {
  public:
   AnyColumn(const vesper_property_descriptor& descriptor, uint64_t rows);
@@ -20,17 +20,17 @@ class AnyColumn {
   uint64_t rows() const { return rows_; }
   uint64_t size() const { return rows_ * descriptor_->components; }
   bool is_real() const;
-  /// True if the three components of a row turn with the world.
+  /// Returns true if the three components of a row rotate with the world.
   bool is_vector() const;
   void* data() { return bytes_.data(); }
   const std::vector<std::byte>& bytes() const { return bytes_; }
 
   double Get(uint64_t value) const;
   void Set(uint64_t value, double to);
-  /// Of a column with three components.
+  /// Returns a row of a column with three components.
   Vec3<double> GetVector(uint64_t row) const;
   void SetVector(uint64_t row, const Vec3<double>& to);
-  /// Largest absolute value.
+  /// Returns the largest absolute value.
   double Largest() const;
   void AddTo(PhysicalPropertyProvider provider);
 

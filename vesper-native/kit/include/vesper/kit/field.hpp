@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What stands for any field: a smooth function that moves and turns with its world.
+// A test field: a smooth function that moves and rotates with its world.
 #pragma once
 
 #include <cstdint>
@@ -11,15 +11,16 @@ namespace vesper {
 
 class AnalyticField {
  public:
-  /// Vectors within a cube of side 2, and numbers from 0.5 to 2, as in the columns of a World.
+  /// Creates a field with vectors in a cube of side 2, or numbers from 0.5 to 2, as in the columns
+  /// of a World.
   explicit AnalyticField(const vesper_property_descriptor& descriptor) : descriptor_(&descriptor) {}
 
   const vesper_property_descriptor& descriptor() const { return *descriptor_; }
-  /// Borrowed from this object, which stays in place meanwhile.
+  /// Returns the C form, borrowed from this object, which must keep its address.
   const vesper_field& function();
 
   void Translate(const Vec3<double>& by) { origin_ += by; }
-  /// About the origin of the world.
+  /// Rotates the field about the origin of the world.
   void Rotate(const Quaternion& by);
 
  private:

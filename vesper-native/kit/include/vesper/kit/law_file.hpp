@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A law library as a file, and as code called without an engine.
+// A law library as a file, and as code that is called without an engine.
 #pragma once
 
 #include <cstdint>
@@ -18,20 +18,20 @@ class LawFile {
  public:
   explicit LawFile(const std::string& path);
 
-  /// From libvesper_law_NAME.so.
+  /// Returns NAME of a path that ends with libvesper_law_NAME.so.
   static std::string NameOf(const std::string& path);
 
   const vesper_law_library& table() const { return *table_; }
-  /// Laws of one precision, in the order of the table.
+  /// Returns the laws of one precision, in the order of the table.
   std::vector<const vesper_law_desc*> Laws(vesper_scalar_type real_type) const;
-  /// What it brings for FIELD properties.
+  /// Returns the fields that it provides for FIELD properties.
   std::span<const vesper_field_desc> Fields() const;
 
-  /// Names of the symbols that it defines for others.
+  /// Returns the names of the symbols that it exports.
   std::vector<std::string> Exports() const;
-  /// File names of the libraries that it asks the loader for.
+  /// Returns the file names of the libraries that it needs at load.
   std::vector<std::string> Needed() const;
-  /// "symbol (file that provides it)" for each one that it takes from outside.
+  /// Returns "symbol (file that provides it)" for each imported symbol.
   std::vector<std::string> Imports() const;
 
  private:
@@ -50,11 +50,12 @@ class LawFile {
   const vesper_law_library* table_;
 };
 
-/// One law, made and bound without an engine, on one thread.
+/// One law, created and bound without an engine, on one thread.
 class BareLaw {
  public:
-  /// `properties`: one per use of the law, their arrays borrowed. `library`: of the law, if it
-  /// needs a suite, which is then its alone.
+  /// Creates and binds the law. `properties`: one per use of the law, with borrowed arrays.
+  /// `library`: library of the law if it needs a suite; the suite then belongs to this object
+  /// alone.
   BareLaw(const vesper_law_desc& desc, const std::vector<vesper_property>& properties,
           const vesper_law_library* library = nullptr);
 
@@ -62,11 +63,11 @@ class BareLaw {
 
   struct Time {
     double dt;       // [s]
-    uint64_t index;  // of the step
+    uint64_t index;  // index of the step
   };
-  /// One step: stage 0 if the law integrates and begins there, then each stage after
-  /// `evaluate(stage)`, which may fill in forces. The arrays count before and after each call,
-  /// deferred or not.
+  /// Runs one step: stage 0 if the law is an integrator that begins there, then each stage after
+  /// `evaluate(stage)`, which may write forces. The arrays are current before and after each call,
+  /// also for deferred uses.
   void Step(const Time& time, const std::function<void(uint32_t)>& evaluate) const;
 
  private:

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Turning vectors.
+// Rotation of vectors.
 #pragma once
 
 #include "vesper/law.hpp"
 
 namespace vesper {
 
-/// A unit quaternion: v the vector part, w the scalar part. As it stands, no rotation.
+/// A unit quaternion: v is the vector part, w the scalar part. The default is the identity.
 struct Quaternion {
   Vec3<double> v{};
   double w = 1;
@@ -14,7 +14,7 @@ struct Quaternion {
   Quaternion Conjugate() const { return {v * -1.0, w}; }
 };
 
-/// First `b`, then `a`.
+/// Composes rotations: first `b`, then `a`.
 inline Quaternion operator*(const Quaternion& a, const Quaternion& b) {
   return {b.v * a.w + a.v * b.w + Cross(a.v, b.v), a.w * b.w - Dot(a.v, b.v)};
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A random world with a column or a field for every property of a standard prototype and of a law,
-// for laws of any kind.
+// A random world for laws of any kind, with a column or a field for every property of a standard
+// prototype and of a law.
 #pragma once
 
 #include <cstdint>
@@ -20,10 +20,11 @@ namespace vesper {
 
 class World {
  public:
-  /// A column, or an analytic field, for every property of the standard prototype, and for those
-  /// that only the laws know or that their library `brings`; their tables must stay loaded. `rows`
-  /// of every kind but `world`, which has one (none if `rows` is 0). References name neighbouring
-  /// rows, which lie near each other; masses and the like are above zero.
+  /// Creates a column or an analytic field for every property of the standard prototype, and for
+  /// properties that only the laws use or that their library `brings`. The tables of the laws must
+  /// stay loaded. Every kind has `rows` rows, except `world`, which has one (none if `rows` is 0).
+  /// References point to neighbouring rows, which are close to each other. Masses and similar
+  /// values are above zero.
   World(vesper_scalar_type real_type, const std::vector<const vesper_law_desc*>& laws,
         std::span<const vesper_field_desc> brings, uint64_t rows, uint32_t seed);
 
@@ -38,13 +39,14 @@ class World {
   /// Sets every value of a property to zero.
   void Clear(const std::string& name);
   void Translate(const Vec3<double>& by);
-  /// Turns vectors, orientations and fields about the origin.
+  /// Rotates vectors, orientations and fields about the origin.
   void Rotate(const Quaternion& by);
 
-  /// The columns and fields that a law uses, in its order; borrowed, as all its values.
+  /// Returns the columns and fields that a law uses, in its order. They are borrowed, like all
+  /// their values.
   std::vector<vesper_property> PropertiesFor(const vesper_law_desc& law);
-  /// Loads one library, in a prototype with fields of the world for those that it does not bring.
-  /// The world must stay in place from now on.
+  /// Creates an engine with one library. Its prototype contains the world's fields for FIELD
+  /// properties that the library does not provide. The world must keep its address from now on.
   PhysicsEngine MakeEngine(const std::string& library, uint32_t threads = 1, bool validate = true);
 
  private:
@@ -56,7 +58,7 @@ class World {
   std::vector<vesper_property_descriptor> descriptors_;
   std::vector<AnyColumn> columns_;
   std::vector<AnalyticField> fields_;
-  std::set<std::string> brought_;  // fields that the library gives to an engine
+  std::set<std::string> brought_;  // fields that the library provides to an engine
 };
 
 }  // namespace vesper

@@ -2,8 +2,8 @@
 package reve.pe;
 
 /**
- * What a law does to a property. A set of these says what one law does (read and write together
- * mean in-place update), or the most that any law may do.
+ * The kind of access of a law to a property. A set of these is the access of one law (read and
+ * write together mean in-place update), or the maximum that any law may have.
  */
 public enum Access {
     /** Reads the rows. */
@@ -12,6 +12,6 @@ public enum Access {
     WRITE,
     /** Adds to the rows; the engine zeroes them and sums over laws. */
     ACCUMULATE,
-    /** No property of the client: memory that the engine keeps for the law, row by row. */
+    /** Uses memory that the engine keeps for the law, row by row; not a property of the client. */
     SCRATCH
 }

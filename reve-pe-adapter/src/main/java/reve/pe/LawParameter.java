@@ -4,6 +4,6 @@ package reve.pe;
 /**
  * A parameter that a law declares.
  *
- * @param unit that the law takes it in
+ * @param unit that the law expects
  */
 public record LawParameter(String name, SiUnit unit) {}

@@ -4,14 +4,15 @@ package reve.pe;
 import java.util.List;
 
 /**
- * What one law, or somebody else, gave to the bodies since the ledger was opened, in SI units.
+ * The contribution of one law, or of another source, to the bodies since the ledger was opened, in
+ * SI units.
  *
- * @param name of the law; else "client", "ground", "unloaded" or "total"
- * @param law whether it is a law's
+ * @param name of the law; otherwise "client", "ground", "unloaded" or "total"
+ * @param law whether the source is a law
  * @param momentum x, y, z [kg*m/s]
  * @param angularMomentum x, y, z about the origin [kg*m^2/s]
  * @param energy kinetic [J]: the work of a force law
- * @param hasPotentialEnergy whether the law reports potential energy; else the next two are 0
+ * @param hasPotentialEnergy whether the law reports potential energy; otherwise the next two are 0
  * @param initialPotentialEnergy when the ledger first saw the law's arrays [J]
  * @param potentialEnergy of the present state [J]
  */
@@ -30,12 +31,12 @@ public record LedgerLine(
         angularMomentum = List.copyOf(angularMomentum);
     }
 
-    /** What potential energy rose by [J]. */
+    /** Returns the increase of potential energy [J]. */
     public double potentialChange() {
         return potentialEnergy - initialPotentialEnergy;
     }
 
-    /** Work and change of potential energy [J]: 0 for forces that keep energy. */
+    /** Returns the sum of work and change of potential energy [J]; 0 for conservative forces. */
     public double energyBalance() {
         return energy + potentialChange();
     }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.pe;
 
-/** When a law runs within a step. Order of execution: phase, then order of loading. */
+/** The part of a step in which a law runs. Laws run in order of phase, then in order of loading. */
 public enum Phase {
     /** Accumulates forces and torques. */
     FORCE,

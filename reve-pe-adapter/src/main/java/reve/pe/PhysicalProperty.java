@@ -4,12 +4,12 @@ package reve.pe;
 import java.util.Set;
 
 /**
- * A property as it is bound in an engine.
+ * A property as bound in an engine.
  *
  * @param components values per row
- * @param lawAccess the most that any law may ask for
- * @param rowCount rows that laws see
- * @param version raised when the client touched or rebound the property
+ * @param lawAccess maximum access of any law
+ * @param rowCount number of rows that laws see
+ * @param version increases when the client touches or rebinds the property
  */
 public record PhysicalProperty(
         String name,

@@ -6,16 +6,17 @@ import org.jspecify.annotations.Nullable;
 import java.lang.foreign.MemorySegment;
 
 /**
- * Lends a client's arrays to an engine. Arrays are native memory and borrowed: they stay alive and
- * unmoved from add or rebind until remove, rebind or close of the engine. Same thread rule as the
- * engine. Every method throws {@link PhysicsException} for what the engine refuses.
+ * The interface through which a client lends arrays to an engine. Arrays are native memory. They
+ * must stay alive and unmoved from add or rebind until remove, rebind or close of the engine. Same
+ * thread rule as the engine. Every method throws {@link PhysicsException} if the engine refuses the
+ * call.
  */
 public interface PhysicalPropertyProvider {
     /**
      * Registers the array of a property of the prototype.
      *
      * @param data (valueCount x components) of the prototype's type, tightly packed
-     * @param indices null: row i is value i and valueCount equals objectCount; else U32
+     * @param indices null: row i is value i and valueCount equals objectCount. Otherwise U32
      *     (objectCount): row i is value indices[i], and the property is read-only to laws
      * @throws IllegalArgumentException if a segment is not native or too small
      */
@@ -32,8 +33,8 @@ public interface PhysicalPropertyProvider {
     }
 
     /**
-     * The arrays grew, shrank or moved; arguments as for add. All properties of a kind must agree
-     * on objectCount again by the next advance.
+     * Replaces an array that grew, shrank or moved; arguments as for add. All properties of a kind
+     * must have the same objectCount at the next advance.
      */
     void rebindPhysicalProperty(
             String name,
@@ -47,16 +48,16 @@ public interface PhysicalPropertyProvider {
         rebindPhysicalProperty(name, data, objectCount, null, objectCount);
     }
 
-    /** Takes the array back; refused with ACCESS_CONFLICT while a loaded law needs it. */
+    /** Removes an array; refused with ACCESS_CONFLICT while a loaded law needs it. */
     void removePhysicalProperty(String name);
 
-    /** The property as it is bound. */
+    /** Returns the bound property. */
     PhysicalProperty findPhysicalProperty(String name);
 
     /**
-     * Says that values were edited in place: references and least values are checked again, and
-     * laws rebuild what they made of the values, such as a copy on a device. What is edited without
-     * it may be overlooked.
+     * Notifies the engine that values were edited in place. The engine checks references and
+     * minimum values again, and laws update data derived from the values, such as a copy on a
+     * device. Edits without this call may be missed.
      */
     void touch(String name);
 }

@@ -8,16 +8,16 @@ import java.util.List;
 import java.util.Map;
 
 /**
- * Holds named property arrays that belong to the client and applies laws to them, each an
- * independently compiled library. Thread-compatible: one call at a time, from any thread ({@code
- * prepare} excepted). Every method throws {@link PhysicsException} for what the engine refuses and
- * {@link IllegalStateException} once it is closed.
+ * An engine that applies laws to named property arrays of a client. Each law is an independently
+ * compiled library. Thread-compatible: one call at a time, from any thread ({@code prepare}
+ * excepted). Every method throws {@link PhysicsException} if the engine refuses the call, and
+ * {@link IllegalStateException} after close.
  */
 public interface PhysicsEngine extends AutoCloseable {
-    /** The engine's property provider; lives as long as the engine. */
+    /** Returns the engine's property provider, which lives as long as the engine. */
     PhysicalPropertyProvider propertyProvider();
 
-    /** What the engine was made for. */
+    /** Returns the prototype for which the engine was created. */
     Prototype prototype();
 
     /**
@@ -28,10 +28,10 @@ public interface PhysicsEngine extends AutoCloseable {
      */
     PreparedLibrary prepare(String library);
 
-    /** Opens and checks the law library in a file, like {@link #prepare(String)}. */
+    /** Opens and checks a law library from a file, like {@link #prepare(String)}. */
     PreparedLibrary prepare(Path file);
 
-    /** Opens and checks the law library that these bytes are, like {@link #prepare(String)}. */
+    /** Opens and checks a law library from its bytes, like {@link #prepare(String)}. */
     default PreparedLibrary prepare(byte[] library) {
         try {
             Path copy = Files.createTempFile("reve-law-", ".so");
@@ -49,14 +49,15 @@ public interface PhysicsEngine extends AutoCloseable {
     }
 
     /**
-     * Activates a prepared library, between frames. Takes it on success only.
+     * Activates a prepared library, between frames. Takes ownership of it on success only.
      *
-     * @param parameters by {@code parameter} or {@code law.parameter}; the rest keep their default
+     * @param parameters by {@code parameter} or {@code law.parameter}; the others keep their
+     *     default
      * @return id of the library within this engine; at least 1, never reused
      */
     int loadPhysicsLaw(PreparedLibrary prepared, Map<String, Double> parameters);
 
-    /** Prepares and activates in one call; see the two. */
+    /** Prepares and activates a library in one call. */
     default int loadPhysicsLaw(String library, Map<String, Double> parameters) {
         try (PreparedLibrary prepared = prepare(library)) {
             return loadPhysicsLaw(prepared, parameters);
@@ -66,70 +67,81 @@ public interface PhysicsEngine extends AutoCloseable {
     /** Unloads a library with all its laws. */
     void unloadPhysicsLaw(int libraryId);
 
-    /** The loaded laws: libraries in the order of loading, laws in the order of their library. */
+    /**
+     * Returns the loaded laws: libraries in the order of loading, laws in the order of their
+     * library.
+     */
     List<PhysicsLaw> laws();
 
     /**
-     * Applies all laws for {@code steps} steps of {@code dt}: all count, or none. On failure the
-     * engine is faulted, its time has not moved and what laws may write is undefined: restore it
-     * and call {@link #clearFault}, or unload the library that the exception names.
+     * Applies all laws for {@code steps} steps of {@code dt}; all steps count, or none. After a
+     * failure the engine is faulted, its time has not advanced, and properties that laws may write
+     * are undefined. Restore them and call {@link #clearFault}, or unload the library that the
+     * exception names.
      *
      * @param dt length of a step [time unit of the prototype], above 0
      */
     void advance(double dt, int steps);
 
-    /** Makes a faulted engine ready again; the client has restored the arrays. */
+    /** Makes a faulted engine ready again, after the client has restored the arrays. */
     void clearFault();
 
     /**
-     * Says that the client moves row {@code from} of a kind to row {@code to <= from}, whose own
-     * item is gone: what laws remember of the item goes along, and row {@code from} is as new.
-     * {@code from == to}: the item of that row is gone.
+     * Notifies the engine that the client moves row {@code from} of a kind to row {@code to <=
+     * from}, whose own item was removed. The state of laws for the item moves with it, and row
+     * {@code from} is then a new row. {@code from == to} means that the item of that row was
+     * removed.
      */
     void moveRow(String kind, long from, long to);
 
     /**
-     * Counts on as if steps of this length had been done from time 0, for arrays of such a run.
+     * Sets the step count, as if steps of this length had been made from time 0, for arrays of such
+     * a run.
      *
      * @param steps 0 or more
      * @param dtSeconds length of each [s]
      */
     void setStepCount(long steps, double dtSeconds);
 
-    /** Steps done since the engine was made, those that were set or loaded included. */
+    /**
+     * Returns the number of steps since the engine was created, including steps that were set or
+     * loaded.
+     */
     long stepCount();
 
     /**
-     * What lives in the engine and in no array of the client: the step count, and what laws
-     * remember of each row. With the arrays it continues a run to the bit, in this process or
-     * another one. A copy; between frames.
+     * Returns a copy of the state that is in no array of the client: the step count, and the state
+     * of laws for each row. With the arrays it continues a run to the bit, in any process. Between
+     * frames.
      */
     byte[] saveState();
 
     /**
-     * Takes over a saved state; the client restores the arrays that belong to it. Nothing changes
-     * if it is damaged (INVALID_ARGUMENT) or of another prototype or other laws than those that are
-     * loaded (ACCESS_CONFLICT).
+     * Restores a saved state; the client restores the arrays. Changes nothing if the state is
+     * damaged (INVALID_ARGUMENT), or belongs to another prototype or to other laws than the loaded
+     * ones (ACCESS_CONFLICT).
      */
     void loadState(byte[] state);
 
-    /** Hash of step count and bound properties: equal hashes mean equal states. */
+    /**
+     * Returns a hash of the step count and the bound properties: equal hashes mean equal states.
+     */
     long stateHash();
 
     /**
-     * Opens the ledger, anew if it is open, or closes it: from the next advance on the engine books
-     * what each law gives to the bodies, at the cost of a few passes over them in each step. Needs
-     * the properties mass, position and velocity.
+     * Opens or closes the ledger; opening an open ledger restarts it. From the next advance on, the
+     * engine records the contribution of each law to the bodies, at the cost of a few passes over
+     * them in each step. Needs the properties mass, position and velocity.
      */
     void setLedger(boolean on);
 
     /**
-     * The open ledger as of the last advance that succeeded: the laws in the order of {@link
+     * Returns the open ledger after the last successful advance: the laws in the order of {@link
      * #laws}, then client, ground, unloaded and total.
      */
     List<LedgerLine> ledger();
 
-    /** Unloads every law and frees the engine. May be called twice. */
+    /** Unloads all laws and frees the engine. Idempotent. */
     @Override
     void close();
 }

@@ -4,23 +4,34 @@ package reve.pe;
 import java.util.OptionalLong;
 
 /**
- * An engine refused a call or a law failed. The message is one line for each, that names the thing,
- * what was found and what was expected.
+ * The refusal of a call by an engine, or the failure of a law. The message has one line for each
+ * problem: the object, what was found, and what was expected.
  */
 public final class PhysicsException extends RuntimeException {
     private static final long serialVersionUID = 1L;
 
+    /** Status that the engine returned. */
     private final Status status;
+
+    /** Id of the library that caused the failure, or 0. */
     private final int libraryId;
+
+    /** Name of that library, or empty. */
     private final String library;
+
+    /** Name of the law that caused the failure, or empty. */
     private final String law;
+
+    /** The property concerned, or empty. */
     private final String property;
+
+    /** Row of the property, or -1. */
     private final long row;
 
     /**
-     * @param libraryId the library to blame, or 0
+     * @param libraryId library that caused the failure, or 0
      * @param library its name, or empty
-     * @param law the law to blame, or empty
+     * @param law law that caused the failure, or empty
      * @param property the property concerned, or empty
      * @param row row of that property, or -1
      */
@@ -41,37 +52,37 @@ public final class PhysicsException extends RuntimeException {
         this.row = row;
     }
 
-    /** A refusal that concerns no law and no property. */
+    /** Creates a refusal without a law and a property. */
     public PhysicsException(Status status, String message) {
         this(status, 0, "", "", "", -1, message);
     }
 
-    /** What kind of failure it is. */
+    /** Returns the kind of failure. */
     public Status status() {
         return status;
     }
 
-    /** Id of the loaded library to blame, or 0. */
+    /** Returns the id of the loaded library that caused the failure, or 0. */
     public int libraryId() {
         return libraryId;
     }
 
-    /** Name of the library to blame, or empty. */
+    /** Returns the name of that library, or empty. */
     public String library() {
         return library;
     }
 
-    /** Name of the law to blame, or empty. */
+    /** Returns the name of the law that caused the failure, or empty. */
     public String law() {
         return law;
     }
 
-    /** Name of the property concerned, or empty. */
+    /** Returns the name of the property concerned, or empty. */
     public String property() {
         return property;
     }
 
-    /** Row of {@link #property()}, if one row is to blame. */
+    /** Returns the row of {@link #property()}, if one row caused the failure. */
     public OptionalLong row() {
         return row < 0 ? OptionalLong.empty() : OptionalLong.of(row);
     }

@@ -4,15 +4,15 @@ package reve.pe;
 import java.util.List;
 
 /**
- * One loaded law.
+ * A loaded law.
  *
- * @param libraryId the library it came with, within its engine; at least 1, never reused
+ * @param libraryId its library within the engine; at least 1, never reused
  * @param library name of that library
- * @param stages integrators: force evaluations per step; else 0
- * @param uses properties in the order the law declares them
- * @param parameters in the order the law declares them
- * @param calls of the law since it was loaded
- * @param nanoseconds spent in these calls, wall clock; for people, never for the world
+ * @param stages force evaluations per step of an integrator; otherwise 0
+ * @param uses properties in the order in which the law declares them
+ * @param parameters in the order in which the law declares them
+ * @param calls number of calls since the law was loaded
+ * @param nanoseconds wall-clock time of these calls [ns]; for reports only
  */
 public record PhysicsLaw(
         int libraryId,

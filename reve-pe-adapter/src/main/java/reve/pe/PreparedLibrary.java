@@ -2,24 +2,24 @@
 package reve.pe;
 
 /**
- * A law library that is opened and checked, ready to be activated in an instant. Owned by the
- * caller until an engine takes it; close it (any thread, before the engine that prepared it) if
- * none does.
+ * A law library that is opened and checked, and can be activated quickly. The caller owns it until
+ * an engine takes it. If no engine takes it, the caller closes it (any thread, before the engine
+ * that prepared it).
  */
 public interface PreparedLibrary extends AutoCloseable {
     /** Maximum size of a law library [bytes]. */
     int MAX_BYTES = 1 << 28;
 
-    /** Name that the library gives itself. */
+    /** Returns the library's own name. */
     String name();
 
-    /** SHA-256 of the library's bytes, 64 lower-case hexadecimal digits. */
+    /** Returns the SHA-256 of the library's bytes, 64 lower-case hexadecimal digits. */
     String sha256();
 
-    /** The library's bytes; the caller does not change them. */
+    /** Returns the library's bytes; the caller must not change them. */
     byte[] bytes();
 
-    /** Drops the library if no engine took it. May be called twice. */
+    /** Frees the library if no engine took it. Idempotent. */
     @Override
     void close();
 }

@@ -7,17 +7,17 @@ import java.util.Objects;
 import java.util.Set;
 
 /**
- * Declares one property of a prototype.
+ * The declaration of one property of a prototype.
  *
  * @param name unique within the prototype, at most 47 bytes of UTF-8
  * @param kind row space: all properties of a kind have the same number of rows
  * @param components values per row, at least 1
- * @param lawAccess the most that any law may ask for
- * @param refersTo kind that this U32 property's values are rows of, or null
- * @param initialFrom for accumulators: property of the same kind, type and unit that each stage's
- *     sum starts from instead of zero, or null
- * @param minimum least value that the client's arrays may hold [unit], for reals that laws only
- *     read; negative infinity for any
+ * @param lawAccess maximum access of any law
+ * @param refersTo kind whose rows this U32 property's values refer to, or null
+ * @param initialFrom for accumulators: property of the same kind, type and unit with which each
+ *     stage's sum starts instead of zero, or null
+ * @param minimum minimum value in the client's arrays [unit], for reals that laws only read;
+ *     negative infinity for none
  * @param doc one line, may be empty
  */
 public record PropertyDescriptor(
@@ -42,7 +42,7 @@ public record PropertyDescriptor(
         lawAccess = Set.copyOf(lawAccess);
     }
 
-    /** A property whose values may be any that its type holds. */
+    /** Creates a property without a minimum value. */
     public PropertyDescriptor(
             String name,
             String kind,

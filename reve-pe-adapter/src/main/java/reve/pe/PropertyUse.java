@@ -4,10 +4,10 @@ package reve.pe;
 import java.util.Set;
 
 /**
- * A property as one law uses it.
+ * The use of a property by one law.
  *
  * @param components values per row
- * @param optional true if the law also runs without the property
+ * @param optional whether the law also runs without the property
  */
 public record PropertyUse(
         String name,

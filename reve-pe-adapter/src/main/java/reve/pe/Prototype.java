@@ -5,10 +5,10 @@ import java.util.List;
 import java.util.Optional;
 
 /**
- * The contract of one use of an engine: which properties exist. The engine copies it; types and
- * units never change after that.
+ * The set of properties of an engine. The engine copies it; types and units never change
+ * afterwards.
  *
- * @param realType F32 or F64: which variant of each law is used
+ * @param realType F32 or F64; selects the variant of each law
  * @param timeUnit unit of {@code dt}
  */
 public record Prototype(
@@ -18,7 +18,7 @@ public record Prototype(
         properties = List.copyOf(properties);
     }
 
-    /** The property of that name. */
+    /** Returns the property with a name. */
     public Optional<PropertyDescriptor> find(String property) {
         return properties.stream().filter(p -> p.name().equals(property)).findFirst();
     }

@@ -3,11 +3,15 @@ package reve.pe;
 
 /** Element type of a property's column, or {@link #FIELD}. */
 public enum ScalarType {
+    /** A real of 4 bytes. */
     F32(Float.BYTES),
+    /** A real of 8 bytes. */
     F64(Double.BYTES),
+    /** A signed whole number of 4 bytes. */
     I32(Integer.BYTES),
+    /** An unsigned whole number of 4 bytes, or a reference to a row. */
     U32(Integer.BYTES),
-    /** No column but a function of position, which a law library brings. */
+    /** Not a column but a function of position, which a law library provides. */
     FIELD(0);
 
     private final int bytes;
@@ -16,7 +20,9 @@ public enum ScalarType {
         this.bytes = bytes;
     }
 
-    /** Size of one element [byte], also its natural alignment; 0 for a field, which has none. */
+    /**
+     * Returns the size of one element [byte], which is also its natural alignment; 0 for a field.
+     */
     public int bytes() {
         return bytes;
     }

@@ -4,8 +4,8 @@ package reve.pe;
 import java.util.Arrays;
 
 /**
- * A physical unit: one of it is {@code scale} times the product of the SI base units raised to
- * their exponents. Equality is exponents and scale; the symbol is for messages.
+ * A physical unit: {@code scale} times the product of powers of the SI base units. Equality
+ * compares exponents and scale; the symbol is for messages.
  *
  * @param metre exponent of the metre; likewise the next six, in the order of the SI base units
  * @param scale size of the unit in SI, finite and above 0
@@ -36,7 +36,7 @@ public record SiUnit(
         }
     }
 
-    /** Exponents in the order m, kg, s, A, K, mol, cd; exactly 7. */
+    /** Returns a unit with exponents in the order m, kg, s, A, K, mol, cd; exactly 7. */
     public static SiUnit of(byte[] exponents, double scale, String symbol) {
         if (exponents.length != 7) {
             throw new IllegalArgumentException(
@@ -58,12 +58,12 @@ public record SiUnit(
                 symbol);
     }
 
-    /** Exponents in the order m, kg, s, A, K, mol, cd; a new array. */
+    /** Returns a new array of the exponents in the order m, kg, s, A, K, mol, cd. */
     public byte[] exponents() {
         return new byte[] {metre, kilogram, second, ampere, kelvin, mole, candela};
     }
 
-    /** True for units that measure the same in the same size, whatever they are called. */
+    /** Returns true for units of equal dimension and scale; ignores the symbol. */
     @Override
     public boolean equals(Object other) {
         return other instanceof SiUnit unit

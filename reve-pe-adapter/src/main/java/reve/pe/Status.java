@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.pe;
 
-/** Outcome of an engine call that failed. */
+/** The reason why an engine call failed. */
 public enum Status {
     /** An argument is null, out of range or not finite. */
     INVALID_ARGUMENT,
     /** No property, law, library or prototype of that name. */
     NOT_FOUND,
-    /** The name is taken. */
+    /** The name is already in use. */
     ALREADY_EXISTS,
     /** The engine is inside {@link PhysicsEngine#advance}. */
     BUSY,
@@ -19,18 +19,18 @@ public enum Status {
     UNIT_MISMATCH,
     /** Properties of one kind have different row counts. */
     COUNT_MISMATCH,
-    /** A law asks for more than allowed, or two laws collide. */
+    /** A law requests more access than permitted, or two laws conflict. */
     ACCESS_CONFLICT,
-    /** The file is no complete, loadable law library. */
+    /** The file is not a complete, loadable law library. */
     LIBRARY_LOAD_FAILED,
     /** A law returned an error or threw. */
     LAW_FAILED,
-    /** A law broke its declaration, or wrote NaN or infinity. */
+    /** A law violated its declaration, or wrote NaN or infinity. */
     LAW_MISBEHAVED,
-    /** A step failed before; see {@link PhysicsEngine#clearFault}. */
+    /** An earlier step failed; see {@link PhysicsEngine#clearFault}. */
     FAULTED,
     /** A bug of the engine. */
     INTERNAL,
-    /** A status that this program does not know: the engine is newer. */
+    /** An unknown status of a newer engine. */
     UNKNOWN
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /**
- * What a physics engine is, for any Java program: properties it is lent, laws it loads, steps it
- * takes. Knows nothing of REVE and nothing of one engine; those live in packages beside and below.
+ * The interface of a physics engine for any Java program: bound properties, loaded laws, steps.
+ * Depends neither on REVE nor on one engine; these have packages of their own.
  */
 @NullMarked
 package reve.pe;

@@ -32,13 +32,13 @@ import java.util.List;
 import java.util.stream.Stream;
 
 /**
- * The {@code ./reve} command line: parses arguments, picks a command, turns failures into exit
- * codes.
+ * The {@code ./reve} command line: parses the arguments, runs a command, and turns failures into
+ * exit codes.
  */
 @Command(
         name = "./reve",
         description =
-                "Virtual worlds whose laws of nature can be dropped in, swapped and removed "
+                "Virtual worlds whose laws of nature can be added, replaced and removed "
                         + "while they run.",
         mixinStandardHelpOptions = true,
         versionProvider = Main.Version.class,
@@ -58,8 +58,8 @@ import java.util.stream.Stream;
             "",
             "Exit codes: 0 done, 1 failed, 2 wrong usage, 3 invalid world file,",
             "4 a law or the native engine could not be loaded, 5 the port could not be bound,",
-            "or the address takes tokens and TLS, 6 a world stood still (serve --stalled exit),",
-            "137 out of memory, 141 the reader of standard output has gone.",
+            "or the address requires tokens and TLS, 6 a world stalled (serve --stalled exit),",
+            "137 out of memory, 141 the reader of standard output has closed it.",
         })
 public final class Main {
 
@@ -71,6 +71,7 @@ public final class Main {
                     "  build      Builds what changed and stops.",
                     "  test       Builds, then runs the tests of the project, or of rooms of it.",
                     "  format     Formats the sources, or checks that they are formatted.",
+                    "  docs       Writes the pages of the Java, C and C++ API.",
                     "  install    Makes a folder that runs without this checkout.",
                     "  doctor     Says which shared libraries of the system are missing.");
 
@@ -83,6 +84,7 @@ public final class Main {
 
     private Main() {}
 
+    /** Runs one command and ends the process with its exit code. */
     public static void main(String[] arguments) {
         System.exit(run(new FileOutputStream(FileDescriptor.out), arguments));
     }
@@ -114,7 +116,10 @@ public final class Main {
         return out.codeAfter(line.execute(arguments), line.getErr());
     }
 
-    /** An empty text, as of an unset variable, would mean the folder that the shell is in. */
+    /**
+     * Converts an option's text to a path. Refuses an empty text, for example from an unset shell
+     * variable, which would otherwise mean the current folder.
+     */
     private static Path path(String given) {
         if (given.isEmpty()) {
             throw new TypeConversionException("expected a file or a folder, found nothing");
@@ -122,7 +127,10 @@ public final class Main {
         return Path.of(given);
     }
 
-    /** What is wrong, and where to read what is right: all of it would hide the former. */
+    /**
+     * Prints the usage error and names the command that prints the full help. Printing the help
+     * here would hide the error.
+     */
     private static int explainUsage(ParameterException wrong, String... arguments) {
         CommandLine line = wrong.getCommandLine();
         PrintWriter err = line.getErr();
@@ -133,7 +141,7 @@ public final class Main {
         return ExitCode.USAGE;
     }
 
-    /** One message for people, no stack trace: what they can do about it stands in the message. */
+    /** Prints one message without a stack trace; the message says what the user can do. */
     private static int explain(
             Exception failure, CommandLine line, CommandLine.ParseResult parsed) {
         PrintWriter err = line.getErr();
@@ -149,7 +157,7 @@ public final class Main {
         return code;
     }
 
-    /** Version of the product, the Java runtime it is on, and the operating system. */
+    /** The version of the product, the Java runtime and the operating system. */
     static final class Version implements IVersionProvider {
         @Override
         public String[] getVersion() {

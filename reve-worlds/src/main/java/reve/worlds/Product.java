@@ -7,14 +7,14 @@ import java.io.UncheckedIOException;
 import java.nio.charset.StandardCharsets;
 import java.nio.file.Path;
 
-/** What this build calls itself, and where its native part lies. */
+/** The name and version of this build, and the folder of its native part. */
 public final class Product {
-    /** How a checkout is called. */
+    /** The command of a checkout. */
     public static final String CHECKOUT_COMMAND = "./reve";
 
     private Product() {}
 
-    /** The version number of the project: what the file VERSION said when this was built. */
+    /** Returns the project's version number: the content of the file VERSION at build time. */
     public static String version() {
         try (InputStream version = Product.class.getResourceAsStream("VERSION")) {
             return new String(version.readAllBytes(), StandardCharsets.UTF_8).strip();
@@ -23,12 +23,14 @@ public final class Product {
         }
     }
 
-    /** What the user calls it, for messages; the launcher says. */
+    /** Returns the command that the user typed, for messages. The launcher passes it. */
     public static String command() {
         return System.getProperty("reve.name", CHECKOUT_COMMAND);
     }
 
-    /** Folder of libvesper.so, its programs, and {@code laws/}; the launcher names it. */
+    /**
+     * Returns the folder of libvesper.so, its programs, and {@code laws/}. The launcher passes it.
+     */
     public static Path nativeFolder() {
         return Path.of(System.getProperty("reve.native.path", "build/native"));
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/** The application: entry point and version. */
+/** The application: its entry point and its version. */
 @NullMarked
 package reve.worlds;
 

@@ -73,7 +73,7 @@ class CommandLineIT {
 
     @Test
     void theLaunchersOwnCommandsHaveHelpAndTakeNothingElse() throws Exception {
-        for (String command : new String[] {"build", "test", "format"}) {
+        for (String command : new String[] {"build", "test", "format", "docs"}) {
             Outcome help = Reve.launch(command, "--help");
             assertThat(help.code()).as(command).isZero();
             assertThat(help.out()).startsWith("Usage: ./reve " + command);

@@ -12,7 +12,8 @@ import org.junit.jupiter.api.Test;
 
 /** The arrows of ARCHITECTURE.md, held by the class files. */
 class DependencyRulesTest {
-    private static final JavaClasses CLASSES =
+    /** All classes of the project but tests. */
+    static final JavaClasses CLASSES =
             new ClassFileImporter()
                     .withImportOption(new ImportOption.DoNotIncludeTests())
                     .importPackages("reve");
@@ -86,6 +87,51 @@ class DependencyRulesTest {
                 .should()
                 .dependOnClassesThat()
                 .resideInAnyPackage("reve.core..", "reve.pe..", "reve.worlds..")
+                .check(CLASSES);
+    }
+
+    @Test
+    void theRoomsOfTheAgentServerFormNoCycles() {
+        slices().matching("reve.core.agent.(*)..").should().beFreeOfCycles().check(CLASSES);
+        noClasses()
+                .that()
+                .resideInAPackage("reve.core.agent.*..")
+                .should()
+                .dependOnClassesThat()
+                .resideInAPackage("reve.core.agent")
+                .check(CLASSES);
+    }
+
+    @Test
+    void messagesAndPerceptionsKnowNoSocket() {
+        noClasses()
+                .that()
+                .resideInAnyPackage(
+                        "reve.core.agent.protocol..",
+                        "reve.core.agent.perception..",
+                        "reve.core.agent.embodiment..",
+                        "reve.core.agent.lockstep..")
+                .should()
+                .dependOnClassesThat()
+                .resideInAPackage("java.nio.channels..")
+                .check(CLASSES);
+    }
+
+    @Test
+    void onlyTheAgentServerUsesItsInnerRooms() {
+        noClasses()
+                .that()
+                .resideOutsideOfPackage("reve.core.agent..")
+                .should()
+                .dependOnClassesThat()
+                .resideInAnyPackage(
+                        "reve.core.agent.perception..",
+                        "reve.core.agent.embodiment..",
+                        "reve.core.agent.lockstep..",
+                        "reve.core.agent.net..",
+                        "reve.core.agent.publish..",
+                        "reve.core.agent.control..",
+                        "reve.core.agent.session..")
                 .check(CLASSES);
     }
 

@@ -25,7 +25,7 @@ import java.util.stream.Collectors;
 
 import javax.tools.ToolProvider;
 
-/** Short examples of the pages about keeping, replaying and meshes, as they stand there. */
+/** Short examples of the README and of pages about keeping, replaying and meshes, unchanged. */
 class DocumentExamplesIT {
     private static final String PROGRAM =
             """
@@ -152,5 +152,29 @@ class DocumentExamplesIT {
 
         assertThat(items).extracting(ItemDefinition::name).containsExactly("duck", "crate");
         assertThat(items.get(1).physics("mass").orElseThrow()).containsExactly(700);
+    }
+
+    @Test
+    void theWorldOfTheReadmeRuns() throws Exception {
+        Path world = folder.resolve("orbit.yaml");
+        Files.writeString(world, blocks("../README.md", "yaml"));
+
+        Outcome run = Reve.run("run", world.toString(), "--seconds", "1");
+
+        assertThat(run.code()).as(run.err()).isZero();
+        assertThat(run.out()).contains("orbit: 60 frames");
+    }
+
+    @Test
+    void theLawOfTheReadmePassesTheChecksOfLaws() throws Exception {
+        Files.writeString(folder.resolve("syrup.cpp"), blocks("../README.md", "cpp"));
+        var shell = new Shell(folder);
+        shell.run(
+                "c++ -std=c++20 -O2 -shared -fPIC -fvisibility=hidden -ffp-contract=off"
+                        + " -fno-gnu-unique -I \"$REVE/vesper-native/include\" syrup.cpp"
+                        + " -o libvesper_law_syrup.so\n");
+
+        assertThat(shell.run("\"$REVE/build/native/vesper\" test libvesper_law_syrup.so\n"))
+                .contains(" 0 failed");
     }
 }

@@ -121,7 +121,7 @@ class InstallIT {
     }
 
     private void refusesWhatNeedsACheckout() throws Exception {
-        for (String command : List.of("build", "test", "install")) {
+        for (String command : List.of("build", "test", "format", "docs", "install")) {
             Outcome refused = run(command);
             assertThat(refused.code()).isEqualTo(2);
             assertThat(refused.err()).contains(command + " needs the sources and compilers");

@@ -63,6 +63,7 @@ class ReleasesIT {
                         "agents/python",
                         "vesper-native",
                         "laws",
+                        "law-support",
                         "gradle",
                         "scripts/release")) {
             Files.createDirectories(checkout.resolve(folder));

@@ -248,7 +248,7 @@ class SavedWorldIT {
                 item.physics().set("mass", 0);
                 if (item.parent().isPresent()) {
                     world.detach(item.id());
-                } else if (!moves(other, item)) {
+                } else if (!moves(world, other, item)) {
                     world.attach(item.id(), other.id());
                 }
             }
@@ -258,20 +258,17 @@ class SavedWorldIT {
     private static void push(World world, Item item) throws ActionRefused {
         Optional<Action> push = item.access().find("push");
         if (push.isPresent() && item.physics().scalar("mass") > 0) {
-            push.get()
-                    .perform(
-                            new ActionCall(
-                                    world,
-                                    0,
-                                    item,
-                                    Optional.empty(),
-                                    Arguments.check(push.get(), Map.of())));
+            new ActionCall(world, 0, item, Optional.empty(), Arguments.check(push.get(), Map.of()))
+                    .perform(push.get());
         }
     }
 
     /** Whether an item is another one or moves with it. */
-    private static boolean moves(Item item, Item with) {
-        return item == with || item.parent().filter(parent -> moves(parent, with)).isPresent();
+    private static boolean moves(World world, Item item, Item with) {
+        return item == with
+                || item.parent()
+                        .filter(parent -> moves(world, world.item(parent), with))
+                        .isPresent();
     }
 
     private static Map<String, Object> symbols(World world) {

@@ -18,6 +18,7 @@ import reve.core.world.Action;
 import reve.core.world.ActionCall;
 import reve.core.world.ItemDefinition;
 import reve.core.world.Parameter;
+import reve.core.world.PerformableAction;
 import reve.core.world.Shape;
 import reve.core.world.WorldPrototype;
 import reve.worlds.journal.SqliteStore;
@@ -214,7 +215,7 @@ class SeveralWorldsIT {
     private static WorldDescription worldWith(String name, Deed deed) {
         ItemDefinition body = ItemDefinition.named("body").shape(Shape.sphere(1)).build();
         Action go =
-                new Action() {
+                new PerformableAction() {
                     @Override
                     public String name() {
                         return "go";

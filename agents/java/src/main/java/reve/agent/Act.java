@@ -13,10 +13,12 @@ import java.util.Optional;
  */
 public record Act(Optional<String> item, String action, Map<String, ?> arguments) {
 
+    /** Copies the arguments. */
     public Act {
         arguments = Map.copyOf(arguments);
     }
 
+    /** Performs an action of an item with arguments. */
     public static Act of(String item, String action, Map<String, ?> arguments) {
         return new Act(Optional.of(item), action, arguments);
     }

@@ -12,7 +12,9 @@ public class AgentException extends RuntimeException {
 
     private static final long serialVersionUID = 1L;
 
+    /** The protocol's code of the error. */
     private final String code;
+
     private final transient Optional<String> hint;
 
     AgentException(String code, String message, Optional<String> hint) {

@@ -61,12 +61,14 @@ public record Join(
                 PATIENCE);
     }
 
+    /** The same in another role. */
     public Join withRole(String newRole) {
         return new Join(
                 name, newRole, world, body, encoding, grace, lockStep, resume, token, tls,
                 patience);
     }
 
+    /** The same, in the world of this name. */
     public Join withWorld(String newWorld) {
         return new Join(
                 name,
@@ -82,6 +84,7 @@ public record Join(
                 patience);
     }
 
+    /** The same, asking for this body. */
     public Join withBody(String item) {
         return new Join(
                 name,
@@ -97,6 +100,7 @@ public record Join(
                 patience);
     }
 
+    /** The same in another encoding. */
     public Join withEncoding(Encoding newEncoding) {
         return new Join(
                 name,
@@ -112,12 +116,14 @@ public record Join(
                 patience);
     }
 
+    /** The same; the session outlives a broken connection for so long. */
     public Join withGrace(Duration newGrace) {
         return new Join(
                 name, role, world, body, encoding, newGrace, lockStep, resume, token, tls,
                 patience);
     }
 
+    /** The same, in lock-step with the world. */
     public Join withLockStep(LockStep time) {
         return new Join(
                 name,
@@ -133,6 +139,7 @@ public record Join(
                 patience);
     }
 
+    /** The same, resuming a session. */
     public Join withResume(Resume session) {
         return new Join(
                 name,
@@ -148,6 +155,7 @@ public record Join(
                 patience);
     }
 
+    /** The same, with the secret of a token. */
     public Join withToken(String secret) {
         return new Join(
                 name,
@@ -163,6 +171,7 @@ public record Join(
                 patience);
     }
 
+    /** The same, over TLS that trusts this context's certificates. */
     public Join withTls(SSLContext trusted) {
         return new Join(
                 name,
@@ -178,6 +187,7 @@ public record Join(
                 patience);
     }
 
+    /** The same, waiting for the server at most so long. */
     public Join withPatience(Duration newPatience) {
         return new Join(
                 name,

@@ -21,14 +21,17 @@ public record LockStep(int every, boolean relations, Duration deadline, Optional
         return new LockStep(frames, false, DEADLINE, Optional.empty());
     }
 
+    /** The same, with relations among the symbols. */
     public LockStep withRelations() {
         return new LockStep(every, true, deadline, fallback);
     }
 
+    /** The same with another longest wait. */
     public LockStep withDeadline(Duration longest) {
         return new LockStep(every, relations, longest, fallback);
     }
 
+    /** The same; the body does this when the agent is late. */
     public LockStep withFallback(Act act) {
         return new LockStep(every, relations, deadline, Optional.of(act));
     }

@@ -5,6 +5,7 @@ import reve.core.unit.Unit;
 import reve.core.world.ActionCall;
 import reve.core.world.ActionRefused;
 import reve.core.world.Colour;
+import reve.core.world.Force;
 import reve.core.world.Forces;
 import reve.core.world.Item;
 import reve.core.world.ItemDefinition;
@@ -154,7 +155,7 @@ final class Changes {
         requireFits(item.name(), column(item, "appliedForce"), force);
         Forces forces = call.world().forces();
         var added =
-                new Forces.Force(
+                new Force(
                         item.id(),
                         List.of(force[0], force[1], force[2]),
                         forces.frames(effect.seconds()));
@@ -170,7 +171,7 @@ final class Changes {
                     "attached",
                     item.name()
                             + " is attached to "
-                            + item.parent().get().name()
+                            + call.world().item(item.parent().get()).name()
                             + ": its mass stays 0");
         }
         return setting(item, effect.property(), values);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.access;
 
-import reve.core.world.Action;
 import reve.core.world.ActionCall;
 import reve.core.world.ActionRefused;
 import reve.core.world.Parameter;
+import reve.core.world.PerformableAction;
 
 import java.util.List;
 
@@ -14,7 +14,7 @@ import java.util.List;
  */
 public record DeclaredAction(
         String name, String doc, List<Parameter> parameters, Terms terms, List<Effect> effects)
-        implements Action {
+        implements PerformableAction {
 
     /**
      * @throws IllegalArgumentException if two effects change the same

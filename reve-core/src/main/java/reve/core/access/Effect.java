@@ -21,6 +21,7 @@ public sealed interface Effect {
         /** The unit that the operand is asked for in. */
         public static final Unit UNIT = Unit.parse("N*s");
 
+        /** A kick of the item itself. */
         public Impulse(Operand impulse) {
             this(Subject.ITEM, impulse);
         }
@@ -40,6 +41,7 @@ public sealed interface Effect {
         /** The unit that the operand is asked for in. */
         public static final Unit UNIT = Unit.parse("N");
 
+        /** Checks the time. */
         public Force {
             if (!(seconds >= 0 && Double.isFinite(seconds))) {
                 throw new IllegalArgumentException(
@@ -55,6 +57,7 @@ public sealed interface Effect {
 
     /** Gives a physics property a new value. */
     record SetProperty(Subject of, String property, Operand to) implements Effect {
+        /** A value of the item itself. */
         public SetProperty(String property, Operand to) {
             this(Subject.ITEM, property, to);
         }
@@ -86,6 +89,7 @@ public sealed interface Effect {
 
     /** Gives the item another colour, {@code #rrggbb} or {@code #rrggbbaa}. */
     record SetColour(Subject of, Operand to) implements Effect {
+        /** A colour of the item itself. */
         public SetColour(Operand to) {
             this(Subject.ITEM, to);
         }
@@ -98,6 +102,7 @@ public sealed interface Effect {
 
     /** Gives a semantic symbol a new value. */
     record SetSymbol(Subject of, String symbol, Operand to) implements Effect {
+        /** A symbol of the item itself. */
         public SetSymbol(String symbol, Operand to) {
             this(Subject.ITEM, symbol, to);
         }
@@ -133,6 +138,7 @@ public sealed interface Effect {
      *     {@code physical.colour}
      */
     record Create(ItemDefinition definition, Map<String, Operand> with) implements Effect {
+        /** Copies the values. */
         public Create {
             with = Collections.unmodifiableMap(new LinkedHashMap<>(with));
         }
@@ -163,10 +169,12 @@ public sealed interface Effect {
      * @param with texts, numbers and truth values by name
      */
     record Raise(String event, String action, Map<String, Operand> with) implements Effect {
+        /** Copies the fields. */
         public Raise {
             with = Collections.unmodifiableMap(new LinkedHashMap<>(with));
         }
 
+        /** Without further fields. */
         public Raise(String event, String action) {
             this(event, action, Map.of());
         }

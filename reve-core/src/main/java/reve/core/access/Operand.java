@@ -53,7 +53,7 @@ public sealed interface Operand {
     record Computed(Expression expression) implements Operand {
         @Override
         public double[] numbers(ActionCall call, int count, Unit unit) throws ActionRefused {
-            Bindings names = Names.of(expression, call);
+            Bindings names = CallNames.of(expression, call);
             call.world().activity().begin(new Evaluating("value", expression, call.target()));
             try {
                 double[] numbers = expression.numbers(names, count);
@@ -70,7 +70,7 @@ public sealed interface Operand {
 
         @Override
         public Object symbol(ActionCall call) throws ActionRefused {
-            Bindings names = Names.of(expression, call);
+            Bindings names = CallNames.of(expression, call);
             call.world().activity().begin(new Evaluating("value", expression, call.target()));
             try {
                 return expression.evaluate(names);
@@ -84,10 +84,12 @@ public sealed interface Operand {
 
     /** The same numbers every time. */
     record Numbers(double[] values, Unit unit) implements Operand {
+        /** Copies the numbers. */
         public Numbers {
             values = values.clone();
         }
 
+        /** A fresh copy of the numbers. */
         @Override
         public double[] values() {
             return values.clone();
@@ -110,6 +112,7 @@ public sealed interface Operand {
 
     /** The same text, truth value or list every time. */
     record Symbol(Object value) implements Operand {
+        /** Checks the type of the value. */
         public Symbol {
             if (!(value instanceof String
                     || value instanceof Boolean

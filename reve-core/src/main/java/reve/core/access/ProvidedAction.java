@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.access;
 
-import reve.core.world.Action;
 import reve.core.world.ActionCall;
 import reve.core.world.ActionRefused;
 import reve.core.world.Parameter;
+import reve.core.world.PerformableAction;
 
 import java.util.List;
 import java.util.ServiceLoader;
 
 /** An action whose effects an {@link ActionProvider} decides. Immutable. */
 public record ProvidedAction(String name, String doc, Terms terms, ActionProvider provider)
-        implements Action {
+        implements PerformableAction {
 
     /**
      * All providers on the class path, in its order.

@@ -22,6 +22,7 @@ public record Terms(List<String> needs, List<Expression> conditions) {
     /** By anybody, at any time. */
     public static final Terms NONE = new Terms(List.of(), List.of());
 
+    /** Copies the lists. */
     public Terms {
         needs = List.copyOf(needs);
         conditions = List.copyOf(conditions);
@@ -66,7 +67,7 @@ public record Terms(List<String> needs, List<Expression> conditions) {
     }
 
     private static void require(Expression condition, ActionCall call) throws ActionRefused {
-        Bindings names = Names.of(condition, call);
+        Bindings names = CallNames.of(condition, call);
         call.world().activity().begin(new Evaluating("condition", condition, call.target()));
         try {
             if (!condition.truth(names)) {

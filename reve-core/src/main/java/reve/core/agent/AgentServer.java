@@ -1,26 +1,34 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
+import reve.core.agent.audit.AuditLog;
+import reve.core.agent.auth.AgentSecurity;
+import reve.core.agent.auth.ServerTls;
+import reve.core.agent.auth.TokenFile;
+import reve.core.agent.lockstep.LockStep;
+import reve.core.agent.net.Connections;
+import reve.core.agent.net.Counters;
+import reve.core.agent.net.EventLoop;
+import reve.core.agent.net.RateLimitedLog;
+import reve.core.agent.port.WorldPort;
+import reve.core.agent.protocol.AgentTimeouts;
+import reve.core.agent.protocol.CloseReason;
+import reve.core.agent.session.Admission;
+import reve.core.agent.session.KeptSessions;
+import reve.core.agent.session.ServedWorld;
+import reve.core.agent.session.SessionServices;
 import reve.core.frame.Pacing;
 
 import java.io.Closeable;
 import java.io.IOException;
 import java.net.BindException;
 import java.net.InetSocketAddress;
-import java.net.SocketAddress;
 import java.net.StandardSocketOptions;
-import java.nio.ByteBuffer;
-import java.nio.channels.SelectionKey;
 import java.nio.channels.ServerSocketChannel;
-import java.nio.channels.SocketChannel;
 import java.time.Duration;
 import java.util.ArrayList;
-import java.util.HashSet;
 import java.util.List;
 import java.util.Optional;
-import java.util.Set;
-import java.util.regex.Pattern;
-import java.util.stream.Collectors;
 import java.util.stream.Stream;
 
 /**
@@ -29,53 +37,21 @@ import java.util.stream.Stream;
  */
 public final class AgentServer implements AutoCloseable {
 
-    /** The protocol version it speaks. */
-    public static final int PROTOCOL = 1;
-
-    private static final Pattern NAME = Pattern.compile("[A-Za-z0-9][A-Za-z0-9_.-]{0,63}");
     private static final int BACKLOG = 512;
     private static final int CHECKS_PER_DEADLINE = 4;
-
-    /** So that a flood of connections does not keep the others waiting. */
-    private static final int ACCEPTED_PER_TURN = 16;
-
-    /** Least time between two looks at clients that have sent all that they may. */
-    private static final long THROTTLE_NANOS = 10_000_000;
 
     private final AgentServerConfig config;
     private final Counters counters = new Counters();
     private final RateLimitedLog log = new RateLimitedLog(10, "agents");
 
-    /** Of its own, so that a flood of connections hides nothing that is said of agents. */
-    private final RateLimitedLog strangersLog =
-            new RateLimitedLog(1, "clients that have not said hello");
-
     private final List<ServedWorld> worlds;
     private final EventLoop loop;
-    private final ServerSocketChannel listening;
     private final InetSocketAddress address;
-    private final SelectionKey accepting;
-
-    /** The event loop's own. */
-    private final Set<Connection> connections = new HashSet<>();
-
-    private final Strangers strangers;
-    private final Writers writers = new Writers(Runtime.getRuntime().availableProcessors());
-    private final SlowReaders<Connection> slowReaders = new SlowReaders<>();
-
-    /** They have sent all that they may. The event loop's own. */
-    private List<Connection> throttled = new ArrayList<>();
-
-    private long readThrottledNanos = System.nanoTime();
+    private final Connections connections;
     private final Optional<AuditLog> audit;
 
     /** The event loop's own, as long as it runs. */
     private final List<FileProblem> fileProblems;
-
-    private final Attempts attempts = new Attempts();
-
-    /** Sessions without a token that wait for their client to come back. Guarded by itself. */
-    private final Set<Session> kept = new HashSet<>();
 
     private volatile boolean closed;
 
@@ -94,7 +70,7 @@ public final class AgentServer implements AutoCloseable {
         try {
             var server = new AgentServer(config, ports, listening, openAudit(config), problems);
             server.loop.start();
-            server.writers.start();
+            server.connections.start();
             return server;
         } catch (IOException e) {
             closeQuietly(listening);
@@ -118,9 +94,6 @@ public final class AgentServer implements AutoCloseable {
         this.audit = audit;
         this.config = config;
         this.fileProblems = fileProblems(config.security(), audit, problems);
-        int all = config.limits().maxConnections();
-        this.strangers = new Strangers(all - all / 4);
-        this.listening = listening;
         this.address =
                 new InetSocketAddress(
                         config.address().getAddress(),
@@ -128,16 +101,35 @@ public final class AgentServer implements AutoCloseable {
         this.loop =
                 new EventLoop(
                         log, new LoopWork(), shortest(config.timeouts()) / CHECKS_PER_DEADLINE);
-        this.accepting = loop.register(listening, SelectionKey.OP_ACCEPT, key -> accept());
+        var services =
+                new SessionServices(
+                        config.limits(),
+                        config.timeouts(),
+                        counters,
+                        log,
+                        new KeptSessions(config.limits().kept(), log),
+                        loop::wake);
         // A world in real time has frames to make while agents are served; so do others beside it.
         boolean helps = ports.size() == 1 && ports.getFirst().loop().pacing() == Pacing.FAST;
-        this.worlds =
-                ports.stream()
-                        .map(
-                                port ->
-                                        new ServedWorld(
-                                                this, port, helps ? loop : LockStep.Waiting.IDLE))
-                        .toList();
+        LockStep.Waiting waiting = helps ? new LoopHelper(loop) : LockStep.Waiting.IDLE;
+        this.worlds = ports.stream().map(port -> new ServedWorld(services, port, waiting)).toList();
+        var admission =
+                new Admission(
+                        worlds,
+                        config.limits().maxConnections(),
+                        config.security().tokens(),
+                        audit);
+        this.connections =
+                new Connections(
+                        config.limits(),
+                        config.timeouts(),
+                        config.security().tls().map(tls -> tls::engine),
+                        counters,
+                        log,
+                        audit,
+                        admission,
+                        loop,
+                        listening);
     }
 
     private static List<FileProblem> fileProblems(
@@ -180,13 +172,29 @@ public final class AgentServer implements AutoCloseable {
         return address;
     }
 
+    /** The counts as of now. */
     public AgentStats stats() {
-        return counters.read(audit.map(AuditLog::unrecorded).orElse(0L));
+        return new AgentStats(
+                counters.connections.sum(),
+                counters.open.sum(),
+                counters.agents.sum(),
+                counters.joined.sum(),
+                counters.lines.sum(),
+                counters.errors.sum(),
+                counters.perceptions.sum(),
+                counters.actsAccepted.sum(),
+                counters.actsRefused.sum(),
+                counters.cut.sum(),
+                audit.map(AuditLog::unrecorded).orElse(0L));
     }
 
     /** A world makes no more frames: says bye to everybody who is in it, and lets nobody in. */
     public void end(String world) {
-        loop.later(() -> meant(Optional.of(world)).forEach(ServedWorld::end));
+        loop.later(
+                () ->
+                        worlds.stream()
+                                .filter(served -> served.name().equals(world))
+                                .forEach(ServedWorld::end));
     }
 
     /**
@@ -201,10 +209,7 @@ public final class AgentServer implements AutoCloseable {
         loop.later(
                 () -> {
                     closed = true;
-                    closeQuietly(listening);
-                    connections.forEach(
-                            connection ->
-                                    connection.end(Ending.regular("closing", "the server ends")));
+                    connections.close(CloseReason.regular("closing", "the server ends"));
                 });
         try {
             if (!loop.join(2 * config.timeouts().linger().toMillis())) {
@@ -214,7 +219,7 @@ public final class AgentServer implements AutoCloseable {
             loop.stop();
             Thread.currentThread().interrupt();
         }
-        writers.stop();
+        connections.stop();
         fileProblems.forEach(FileProblem::check);
         audit.ifPresent(AgentServer::closeQuietly);
     }
@@ -224,7 +229,7 @@ public final class AgentServer implements AutoCloseable {
 
         @Override
         public boolean isWaiting() {
-            return writers.isWaiting() || hasNews();
+            return connections.isWaiting() || hasNews();
         }
 
         private boolean hasNews() {
@@ -241,11 +246,10 @@ public final class AgentServer implements AutoCloseable {
             for (ServedWorld world : worlds) {
                 if (world.publisher().hasWork()) {
                     world.publisher().tell();
-                    readThrottled();
+                    connections.readThrottled();
                 }
             }
-            writers.writeAll();
-            slowReaders.excess().forEach(Connection::giveUp);
+            connections.writeAll();
             if (closed && connections.isEmpty()) {
                 loop.stop();
             }
@@ -253,295 +257,23 @@ public final class AgentServer implements AutoCloseable {
 
         @Override
         public void checkDeadlines(long nowNanos) {
-            List.copyOf(connections).forEach(connection -> connection.checkDeadlines(nowNanos));
+            connections.checkDeadlines(nowNanos);
             worlds.forEach(world -> world.checkGrace(nowNanos));
-            readThrottled();
+            connections.readThrottled();
             config.security().tls().ifPresent(ServerTls::refresh);
             fileProblems.forEach(FileProblem::check);
             config.security()
                     .tokens()
                     .map(TokenFile::current)
                     .ifPresent(current -> worlds.forEach(world -> world.checkTokens(current)));
-            if (accepting.isValid()) {
-                accepting.interestOps(SelectionKey.OP_ACCEPT);
-            }
+            connections.acceptAgain();
         }
     }
 
-    /** Not in every turn: many a frame of a fast world goes by before they may send much more. */
-    private void readThrottled() {
-        long now = System.nanoTime();
-        if (throttled.isEmpty() || now - readThrottledNanos < THROTTLE_NANOS) {
-            return;
-        }
-        readThrottledNanos = now;
-        List<Connection> those = throttled;
-        throttled = new ArrayList<>();
-        those.forEach(Connection::readAgain);
+    /** For tests. */
+    Connections connections() {
+        return connections;
     }
-
-    // ---- for connections and sessions ----
-
-    EventLoop loop() {
-        return loop;
-    }
-
-    void wake() {
-        loop.wake();
-    }
-
-    /** What the event loop writes with. */
-    Pen pen() {
-        return writers.pen();
-    }
-
-    /** The connections that do not read what was written to them. */
-    SlowReaders<Connection> slowReaders() {
-        return slowReaders;
-    }
-
-    /** Has what waits for a client written in this turn. */
-    void writeSoon(Connection connection) {
-        writers.add(connection);
-        loop.wake();
-    }
-
-    /** Has it read again in a while: with news, which a frame is, or when deadlines are checked. */
-    void readLater(Connection connection) {
-        throttled.add(connection);
-    }
-
-    AgentServerConfig config() {
-        return config;
-    }
-
-    Counters counters() {
-        return counters;
-    }
-
-    RateLimitedLog log() {
-        return log;
-    }
-
-    /** About connections that have not said hello. */
-    RateLimitedLog strangersLog() {
-        return strangersLog;
-    }
-
-    Optional<AuditLog> audit() {
-        return audit;
-    }
-
-    /**
-     * Lets a client in, or lets it go on where its last connection broke.
-     *
-     * @return its session; the welcome comes when the world has taken it
-     * @throws Ending if it cannot come in
-     */
-    Session greet(Connection connection, ClientMessage.Hello hello) throws Ending {
-        Role role = requireAcceptable(hello);
-        if (hello.resume().isPresent()) {
-            return resume(connection, hello, hello.resume().get());
-        }
-        Optional<AgentToken> token = requireToken(connection, hello);
-        requireRecord();
-        Rights rights = token.map(AgentToken::rights).orElse(Rights.ALL);
-        ServedWorld world = requireWorld(hello.world(), rights);
-        requireOpen(hello, role, token, world);
-        int clients = worlds.stream().mapToInt(ServedWorld::clients).sum();
-        if (clients >= config.limits().maxConnections()) {
-            throw full(); // those that wait for their client count, too
-        }
-        return world.greet(connection, role, hello, token);
-    }
-
-    private void requireRecord() throws Ending {
-        if (audit.isPresent() && !audit.get().isServing()) {
-            throw notRecorded();
-        }
-    }
-
-    /** The server may send nothing without a record. */
-    static Ending notRecorded() {
-        return Ending.refused(
-                "not-recorded",
-                "the server sends nothing without a record, and cannot write it now",
-                "try again later");
-    }
-
-    private Session resume(
-            Connection connection, ClientMessage.Hello hello, ClientMessage.Resume resume)
-            throws Ending {
-        Optional<Session> found =
-                meant(hello.world()).stream()
-                        .flatMap(world -> world.find(hello.name()).stream())
-                        .filter(session -> session.hasSecret(resume.session()))
-                        .findFirst();
-        if (found.isEmpty()) {
-            countWrong(connection);
-            throw Ending.refused(
-                    "no-such-session",
-                    "there is no session of "
-                            + Text.quote(hello.name())
-                            + " with this token, or it has ended",
-                    "say hello without resume");
-        }
-        requireRecord();
-        found.get().resume(connection, resume.frame());
-        return found.get();
-    }
-
-    /** The world that is named, or the only one that is open to the client. */
-    private ServedWorld requireWorld(Optional<String> name, Rights rights) throws Ending {
-        List<ServedWorld> open =
-                meant(Optional.empty()).stream()
-                        .filter(world -> rights.opensWorld(world.name()))
-                        .toList();
-        List<ServedWorld> meant = name.isPresent() || open.isEmpty() ? meant(name) : open;
-        if (meant.size() == 1) {
-            return meant.getFirst();
-        }
-        String problem =
-                name.map(unknown -> "this server has no world " + Text.quote(unknown))
-                        .orElse("this server has " + open.size() + " worlds");
-        String names =
-                open.stream()
-                        .map(world -> Text.quote(world.name()))
-                        .collect(Collectors.joining(" or "));
-        throw Ending.refused("no-such-world", problem, "say hello with \"world\": " + names);
-    }
-
-    /** The worlds of that name, or all; not those that have ended. */
-    private List<ServedWorld> meant(Optional<String> name) {
-        return worlds.stream()
-                .filter(world -> !world.hasEnded())
-                .filter(world -> name.isEmpty() || name.get().equals(world.name()))
-                .toList();
-    }
-
-    /** What the client's token says it may; nothing where the server asks for none. */
-    private Optional<AgentToken> requireToken(Connection connection, ClientMessage.Hello hello)
-            throws Ending {
-        if (config.security().tokens().isEmpty()) {
-            return Optional.empty();
-        }
-        Optional<AgentToken> token =
-                config.security().tokens().get().find(hello.token().orElse(""));
-        if (token.isEmpty()) {
-            countWrong(connection);
-            throw Ending.refused(
-                    "bad-token",
-                    "this server takes a token, and there was none or a wrong one",
-                    "say hello with the \"token\" that whoever runs the server gave you");
-        }
-        return token;
-    }
-
-    /** Only what is wrong counts: a right token opens the server from any address. */
-    private void countWrong(Connection connection) throws Ending {
-        if (!attempts.take(connection.address(), System.nanoTime())) {
-            throw Ending.cut(
-                    "too-many-attempts",
-                    "too many wrong tokens came from your address; try again later");
-        }
-    }
-
-    private static void requireOpen(
-            ClientMessage.Hello hello, Role role, Optional<AgentToken> token, ServedWorld world)
-            throws Ending {
-        Rights rights = token.map(AgentToken::rights).orElse(Rights.ALL);
-        if (token.isPresent() && !token.get().name().equals(hello.name())) {
-            throw Ending.refused(
-                    "not-permitted",
-                    "your token is for another name than " + Text.quote(hello.name()),
-                    "say hello with the name that it was made for");
-        }
-        if (!rights.roles().contains(role)) {
-            throw Ending.refused(
-                    "not-permitted",
-                    "your token does not open the role " + role.wireName(),
-                    "it opens " + rights.roles().stream().map(Role::wireName).sorted().toList());
-        }
-        if (hello.lockStep().isPresent() && !rights.lockStep()) {
-            throw Ending.refused(
-                    "not-permitted",
-                    "your token does not let the world wait for you",
-                    "leave out time, or ask for a token with lock-step");
-        }
-        if (!rights.opensWorld(world.name())) {
-            throw Ending.refused(
-                    "not-permitted",
-                    "your token does not open the world " + world.name(),
-                    "ask whoever runs the server for one that does");
-        }
-    }
-
-    /** Keeps a session without a token for its client. @return false if there are too many */
-    boolean keep(Session session) {
-        int most = config.limits().kept();
-        synchronized (kept) {
-            if (kept.size() < most) {
-                kept.add(session);
-                return true;
-            }
-        }
-        log.warn(
-                () ->
-                        session
-                                + " leaves at once: "
-                                + most
-                                + " sessions without a token wait for their clients already");
-        return false;
-    }
-
-    /** Its client is back, or its time is over. Does nothing if it was not kept. */
-    void keepNoLonger(Session session) {
-        synchronized (kept) {
-            kept.remove(session);
-        }
-    }
-
-    /** It has said hello. */
-    void known(Connection connection) {
-        strangers.remove(connection);
-    }
-
-    void forget(Connection connection) {
-        strangers.remove(connection);
-        if (connections.remove(connection)) {
-            counters.open.decrement();
-        }
-    }
-
-    private static Role requireAcceptable(ClientMessage.Hello hello) throws Ending {
-        if (hello.protocol() != PROTOCOL) {
-            throw Ending.refused(
-                    "protocol-unsupported",
-                    "this server does not speak protocol " + hello.protocol(),
-                    "say hello with \"protocol\":" + PROTOCOL);
-        }
-        if (!isName(hello.name())) {
-            throw Ending.refused(
-                    "bad-name",
-                    Text.quote(hello.name()) + " is no name for an agent",
-                    "use 1 to 64 of A-Z a-z 0-9 _ . - and begin with a letter or digit");
-        }
-        return Role.of(hello.role())
-                .orElseThrow(
-                        () ->
-                                Ending.refused(
-                                        "role-unsupported",
-                                        "this server does not know the role "
-                                                + Text.quote(hello.role()),
-                                        "it knows " + Role.names()));
-    }
-
-    /** Whether a client may be called that. */
-    static boolean isName(String name) {
-        return NAME.matcher(name).matches();
-    }
-
-    // ---- connections ----
 
     private static ServerSocketChannel listen(InetSocketAddress address) throws IOException {
         ServerSocketChannel listening = ServerSocketChannel.open();
@@ -561,76 +293,6 @@ public final class AgentServer implements AutoCloseable {
                                     + "; name another address or port (0: any free one)");
             unbound.initCause(e);
             throw unbound;
-        }
-    }
-
-    private void accept() {
-        try {
-            for (int i = 0; i < ACCEPTED_PER_TURN; i++) {
-                SocketChannel accepted = listening.accept();
-                if (accepted == null) {
-                    return;
-                }
-                admit(accepted);
-            }
-        } catch (IOException e) { // out of descriptors: wait for some to come free
-            log.error("accepting a connection failed", e);
-            accepting.interestOps(0);
-        }
-    }
-
-    private void admit(SocketChannel channel) {
-        counters.connections.increment();
-        if (connections.size() >= config.limits().maxConnections()) {
-            turnAway(channel, full());
-            return;
-        }
-        try {
-            var client = (InetSocketAddress) channel.getRemoteAddress();
-            if (!strangers.haveRoomFor(client.getAddress())) {
-                turnAway(
-                        channel,
-                        Ending.cut(
-                                "too-many-connections",
-                                "too many connections from your address have not said hello"));
-                return;
-            }
-            var connection = new Connection(this, wire(channel));
-            connections.add(connection);
-            strangers.add(connection);
-            counters.open.increment();
-        } catch (IOException e) {
-            closeQuietly(channel); // it has gone by itself
-        }
-    }
-
-    private Wire wire(SocketChannel channel) {
-        return config.security().tls().isEmpty()
-                ? Wire.of(channel)
-                : new TlsWire(channel, config.security().tls().get().engine());
-    }
-
-    private Ending full() {
-        return Ending.cut(
-                "too-many-connections",
-                "the server has "
-                        + config.limits().maxConnections()
-                        + " clients, which is all it takes");
-    }
-
-    private void turnAway(SocketChannel channel, Ending why) {
-        counters.cut.increment();
-        try (channel) {
-            SocketAddress client = channel.getRemoteAddress();
-            strangersLog.warn(
-                    () -> "a client at " + client + " was turned away: " + why.getMessage());
-            channel.configureBlocking(false);
-            if (config.security().tls().isEmpty()) { // else it would take a handshake
-                channel.write(ByteBuffer.wrap(why.bye().in(Encoding.JSON)));
-            }
-            channel.shutdownOutput();
-        } catch (IOException e) {
-            // It has gone by itself.
         }
     }
 

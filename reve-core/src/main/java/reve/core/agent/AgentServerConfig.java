@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
+import reve.core.agent.audit.AuditPlan;
+import reve.core.agent.auth.AgentSecurity;
+import reve.core.agent.protocol.AgentLimits;
+import reve.core.agent.protocol.AgentTimeouts;
+
 import java.net.InetAddress;
 import java.net.InetSocketAddress;
 import java.time.Duration;

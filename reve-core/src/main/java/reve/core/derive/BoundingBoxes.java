@@ -4,6 +4,7 @@ package reve.core.derive;
 import org.jspecify.annotations.Nullable;
 
 import reve.core.world.Column;
+import reve.core.world.FrameControl;
 import reve.core.world.Mesh;
 import reve.core.world.ScalarType;
 import reve.core.world.Shape;
@@ -15,11 +16,12 @@ import java.lang.foreign.MemorySegment;
 import java.lang.foreign.ValueLayout;
 
 /**
- * Keeps {@code boundsMin} and {@code boundsMax} of all bodies: the box along the world's axes
- * around the item's own box, turned and placed. The only writer of these columns. World's thread.
+ * Updater of {@code boundsMin} and {@code boundsMax} of all bodies: the axis-aligned box in the
+ * world around the item's rotated and translated box. Only this class writes these columns. World's
+ * thread.
  *
- * <p>Works on plain arrays, a few hundred rows at a time: columns are copied in and out in bulk,
- * which compilers make fast whatever else the program does.
+ * <p>It works on plain arrays of a few hundred rows. Columns are copied in and out in bulk, which
+ * compilers optimize reliably.
  */
 public final class BoundingBoxes {
 
@@ -33,7 +35,7 @@ public final class BoundingBoxes {
     private final double[] low = new double[3 * CHUNK_ROWS];
     private final double[] high = new double[3 * CHUNK_ROWS];
 
-    /** Works all boxes out now; allocates nothing. */
+    /** Computes all boxes; allocates nothing. */
     public void update(World world) {
         Table table = world.table(WorldPrototype.BODY);
         Column positions = table.column("position");
@@ -63,7 +65,7 @@ public final class BoundingBoxes {
             MemorySegment.copy(low, 0, lows, ValueLayout.JAVA_DOUBLE, 24L * first, 3 * rows);
             MemorySegment.copy(high, 0, highs, ValueLayout.JAVA_DOUBLE, 24L * first, 3 * rows);
         }
-        world.boundsDerived();
+        FrameControl.of(world).boundsDerived();
     }
 
     /** Reads numbers of a column of the prototype's real type. */
@@ -79,7 +81,10 @@ public final class BoundingBoxes {
         }
     }
 
-    /** Half the size of the box around the turned box; a mesh need not be centred on its origin. */
+    /**
+     * Computes half the size of the box around the rotated box; a mesh need not be centred on its
+     * origin.
+     */
     private void turn(int row, @Nullable Mesh mesh) {
         double x = orientation[4 * row];
         double y = orientation[4 * row + 1];
@@ -111,7 +116,8 @@ public final class BoundingBoxes {
     }
 
     /**
-     * One axis of the world: (x, y, z) is its row of the rotation matrix, (a, b, c) the own half.
+     * Computes one axis of the world: (x, y, z) is its row of the rotation matrix, (a, b, c) half
+     * the item's own size.
      */
     private void turn(
             int at,

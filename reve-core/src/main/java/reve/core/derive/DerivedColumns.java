@@ -3,15 +3,16 @@ package reve.core.derive;
 
 import reve.core.frame.FrameBus;
 import reve.core.frame.FramePhase;
+import reve.core.world.FrameControl;
 
-/** Keeps all columns that follow from others current: the first listener of DERIVE. */
+/** The first listener of DERIVE, which updates all columns that are derived from others. */
 public final class DerivedColumns {
 
     private DerivedColumns() {}
 
     /**
-     * Works out, in DERIVE of every frame and in this order, where attached items are and the boxes
-     * around all bodies.
+     * Subscribes to DERIVE. In every frame it computes the places of attached items, then the boxes
+     * of all bodies.
      */
     public static void subscribeTo(FrameBus bus) {
         var boxes = new BoundingBoxes();
@@ -19,7 +20,7 @@ public final class DerivedColumns {
                 FramePhase.DERIVE,
                 "derived columns",
                 event -> {
-                    event.world().placeAttached();
+                    FrameControl.of(event.world()).placeAttached();
                     boxes.update(event.world());
                 });
     }

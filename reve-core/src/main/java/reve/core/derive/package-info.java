@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/** What is worked out from other properties, in DERIVE. */
+/** Columns that are derived from other properties, in DERIVE. */
 @NullMarked
 package reve.core.derive;
 

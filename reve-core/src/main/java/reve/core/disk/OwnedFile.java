@@ -18,15 +18,15 @@ import java.util.Optional;
 import java.util.Set;
 
 /**
- * A file that one process appends to: it is locked until it is closed or the process ends. Devices
- * are not locked; pipes are refused, because opening one waits for a reader. While it is open, this
- * process must not open the file in another way, because the system would release the lock when
- * that other channel is closed. One thread.
+ * A file that one process appends to, locked until it is closed or the process ends. Devices are
+ * not locked. Pipes are refused, because opening one waits for a reader. While it is open, this
+ * process must not open the file in another way, because the system releases the lock when the
+ * other channel is closed. One thread.
  */
 public final class OwnedFile implements Closeable {
     private static final int TRIES = 5;
 
-    /** The bits of a Unix file mode that say what a file is, and what they are for a pipe. */
+    /** Mask of the file type in a Unix file mode, and its value for a pipe. */
     private static final int TYPE_BITS = 0170000;
 
     private static final int PIPE = 0010000;
@@ -42,9 +42,9 @@ public final class OwnedFile implements Closeable {
     }
 
     /**
-     * Opens a file, or makes it with these attributes.
+     * Opens a file, or creates it with these attributes.
      *
-     * @throws IOException if that fails, it is a pipe, or another process has the file
+     * @throws IOException if that fails, it is a pipe, or another process has locked it
      */
     public static OwnedFile open(Path path, FileAttribute<?>... attributes) throws IOException {
         for (int i = 0; i < TRIES; i++) {
@@ -74,7 +74,7 @@ public final class OwnedFile implements Closeable {
             if (after.isPresent() && (before.isEmpty() || before.equals(after))) {
                 return new OwnedFile(path, channel, after);
             }
-            channel.close(); // it was moved between the two steps
+            channel.close(); // the file was moved between open and lock
         }
         throw new FileSystemException(
                 path.toString(), null, "something moves or removes it again and again");
@@ -104,11 +104,14 @@ public final class OwnedFile implements Closeable {
         }
     }
 
+    /** Returns the open file; {@link #close} closes it. */
     public FileChannel channel() {
         return channel;
     }
 
-    /** Whether its path still leads to the file, which was neither moved nor removed. */
+    /**
+     * Returns whether the path still leads to the file, so that it was neither moved nor removed.
+     */
     public boolean isInPlace() {
         try {
             return key(path).equals(key);
@@ -118,11 +121,11 @@ public final class OwnedFile implements Closeable {
     }
 
     /**
-     * Renames a file to {@code FILE.1}. Older files move on by one number, up to the first free
-     * number; if there is none, the oldest is replaced.
+     * Renames a file to {@code FILE.1}. The numbers of older files increase by one, up to the first
+     * free number; if there is none, the oldest is replaced.
      *
-     * @param keep how many older files there may be, 1 or more
-     * @return where the file is now
+     * @param keep maximum number of older files, at least 1
+     * @return the new path of the file
      */
     public static Path rotate(Path file, int keep) throws IOException {
         int free = 1;
@@ -135,12 +138,12 @@ public final class OwnedFile implements Closeable {
         return older(file, 1);
     }
 
-    /** The path of an older file; 0 stands for the file itself. */
+    /** Returns the path of an older file; 0 is the file itself. */
     public static Path older(Path file, int number) {
         return number == 0 ? file : file.resolveSibling(file.getFileName() + "." + number);
     }
 
-    /** Releases the lock. May be called twice. */
+    /** Releases the lock. Idempotent. */
     @Override
     public void close() throws IOException {
         channel.close();

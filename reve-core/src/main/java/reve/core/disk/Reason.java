@@ -7,11 +7,11 @@ import java.nio.file.FileSystemException;
 import java.nio.file.NoSuchFileException;
 import java.nio.file.Path;
 
-/** Why something could not be done to a file, in words: many exceptions name only the path. */
+/** The reason of a failed file operation as text; many exceptions contain only the path. */
 public final class Reason {
     private Reason() {}
 
-    /** For a message that names the file. */
+    /** Returns the reason, for a message that names the file. */
     public static String of(Exception failure) {
         return switch (failure) {
             case NoSuchFileException gone ->

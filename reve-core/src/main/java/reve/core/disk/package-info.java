@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/** Files that a process writes for as long as it runs. */
+/** Files that a process writes during its whole run. */
 @NullMarked
 package reve.core.disk;
 

@@ -23,9 +23,9 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.ServiceConfigurationError;
 
-/** Reads the actions of access aspects, and refuses those that could never work. */
+/** Reader of the actions of access aspects; refuses actions that can never succeed. */
 final class ActionReader {
-    /** Most different conditions and values of actions in one world. */
+    /** Maximum number of different conditions and values of actions in one world. */
     static final int MAX_EXPRESSIONS = 5000;
 
     private final PhysicsReader physics;
@@ -33,12 +33,12 @@ final class ActionReader {
     private final Problems problems;
     private final Quantities quantities;
 
-    /** Actions of many items share their scopes, and so what they have in common is read once. */
+    /** Scopes by key. Actions of many items share a scope, so that common parts are read once. */
     private final Map<ScopeKey, Scope> scopes = new HashMap<>();
 
     private final Allowance expressions = new Allowance(MAX_EXPRESSIONS);
 
-    /** Reads the items that actions create. */
+    /** Reads the definitions of items that actions create. */
     interface Definitions {
         Optional<ItemDefinition> read(Node node) throws WorldFileException;
     }
@@ -52,10 +52,10 @@ final class ActionReader {
         this.quantities = new Quantities(problems);
     }
 
-    /** Whose action is read. */
+    /** The item whose action is read. */
     record Owner(String name, String kind, boolean hasPhysics) {}
 
-    /** The action under its name; empty and problems noted if it is wrong. */
+    /** Reads an action under its name. Empty, with problems noted, if it is wrong. */
     Optional<Action> read(Node node, Owner owner) throws WorldFileException {
         if (!node.isMapping()) {
             return Optional.empty();
@@ -169,7 +169,10 @@ final class ActionReader {
         return new Terms(needs, conditions);
     }
 
-    /** By name; empty where the declaration is wrong, which is reported here and only here. */
+    /**
+     * Reads the parameters by name. A value is empty if its declaration is wrong, which is reported
+     * only here.
+     */
     private Map<String, Optional<Parameter>> parameters(Node action) {
         Map<String, Optional<Parameter>> parameters = new LinkedHashMap<>();
         for (Node node : action.get("parameters").map(Node::children).orElse(List.of())) {

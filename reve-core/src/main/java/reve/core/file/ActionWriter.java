@@ -19,19 +19,21 @@ import java.util.List;
 import java.util.Map;
 import java.util.function.Function;
 
-/** Actions as world files declare them; what {@link ActionReader} reads. */
+/** Writer of actions in the form that {@link ActionReader} reads. */
 final class ActionWriter {
     private final Function<ItemDefinition, Map<String, Object>> definitions;
 
     /**
-     * @param definitions writes the items that actions create
+     * @param definitions encodes the items that actions create
      */
     ActionWriter(Function<ItemDefinition, Map<String, Object>> definitions) {
         this.definitions = definitions;
     }
 
     /**
-     * @throws IllegalArgumentException naming the action if no world file can declare it
+     * Returns the tree of an action.
+     *
+     * @throws IllegalArgumentException naming the action if a world file cannot declare it
      */
     Map<String, Object> tree(Action action) {
         Map<String, Object> tree = new LinkedHashMap<>();

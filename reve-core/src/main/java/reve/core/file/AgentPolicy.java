@@ -7,21 +7,21 @@ import java.util.List;
 import java.util.Optional;
 
 /**
- * Which bodies a world grants to agents, none unless the world file says so; how many agents may be
- * in it; how many items their actions may have in it at a time; and how many bytes of events they
- * may raise.
+ * The bodies that a world grants to agents, and the limits of agents, of items that their actions
+ * create, and of events that their actions raise. Without a declaration in the world file, no
+ * bodies are granted.
  *
- * @param bodies names of items that agents may take, in the order in which they are given out
- * @param template what a new body is made of for an agent that gets none of those; whoever takes it
- *     renames it
- * @param places where new bodies come into the world, one each; without, where the template is
- * @param items most items that actions of one agent created
- * @param worldItems most items that actions of all agents created
- * @param eventBytes most bytes of events in a second of world time that actions of one agent raise
- * @param worldEventBytes most bytes of events in a second of world time that actions of all agents
- *     raise
- * @param most most agents, those included whose connection broke and who may come back; never fewer
- *     than bodies
+ * @param bodies names of items that agents may take, in the order of assignment
+ * @param template definition of a new body for an agent that gets none of {@code bodies}; the
+ *     caller renames it
+ * @param places where new bodies are created, one each; if empty, at the template's place
+ * @param items maximum number of items created by actions of one agent
+ * @param worldItems maximum number of items created by actions of all agents
+ * @param eventBytes maximum size of events that actions of one agent raise [byte/s of world time]
+ * @param worldEventBytes maximum size of events that actions of all agents raise [byte/s of world
+ *     time]
+ * @param most maximum number of agents, including disconnected agents that may reconnect; never
+ *     less than the number of bodies
  */
 public record AgentPolicy(
         List<String> bodies,
@@ -33,21 +33,22 @@ public record AgentPolicy(
         int worldEventBytes,
         int most) {
 
-    /** Most items of one agent's making, unless the world file says otherwise. */
+    /** Default maximum number of items that one agent creates. */
     public static final int DEFAULT_ITEMS = 1000;
 
-    /** Most items of all agents' making, unless the world file says otherwise. */
+    /** Default maximum number of items that all agents create. */
     public static final int DEFAULT_WORLD_ITEMS = 5000;
 
-    /** Most agents, unless the world file says otherwise. */
+    /** Default maximum number of agents. */
     public static final int DEFAULT_MOST = 256;
 
-    /** Most bytes of events in a second of one agent's, unless the world file says otherwise. */
+    /** Default maximum size of one agent's events [byte/s of world time]. */
     public static final int DEFAULT_EVENT_BYTES = 16 * 1024;
 
-    /** Most bytes of events in a second of all agents', unless the world file says otherwise. */
+    /** Default maximum size of all agents' events [byte/s of world time]. */
     public static final int DEFAULT_WORLD_EVENT_BYTES = 256 * 1024;
 
+    /** Copies the lists. */
     public AgentPolicy {
         bodies = List.copyOf(bodies);
         places = List.copyOf(places);
@@ -56,7 +57,7 @@ public record AgentPolicy(
     /** A point of the world [m]. */
     public record Place(double x, double y, double z) {}
 
-    /** The default quotas. */
+    /** Creates a policy with the default limits. */
     public AgentPolicy(List<String> bodies, Optional<ItemDefinition> template, List<Place> places) {
         this(
                 bodies,
@@ -69,34 +70,34 @@ public record AgentPolicy(
                 DEFAULT_MOST);
     }
 
-    /** New bodies come to where the template is. */
+    /** Creates a policy with the default limits; new bodies are created at the template's place. */
     public AgentPolicy(List<String> bodies, Optional<ItemDefinition> template) {
         this(bodies, template, List.of());
     }
 
-    /** A world without agents. */
+    /** Returns a policy that admits no agents. */
     public static AgentPolicy none() {
         return new AgentPolicy(List.of(), Optional.empty());
     }
 
-    /** The same with other quotas of items. */
+    /** Returns this policy with other limits of items. */
     public AgentPolicy withItems(int ofAgent, int ofWorld) {
         return new AgentPolicy(
                 bodies, template, places, ofAgent, ofWorld, eventBytes, worldEventBytes, most);
     }
 
-    /** The same with other budgets of events [byte/s]. */
+    /** Returns this policy with other limits of events [byte/s]. */
     public AgentPolicy withEvents(int ofAgent, int ofWorld) {
         return new AgentPolicy(bodies, template, places, items, worldItems, ofAgent, ofWorld, most);
     }
 
-    /** The same without the bodies that are not named. */
+    /** Returns this policy with only the named bodies. */
     public AgentPolicy withBodies(List<String> remaining) {
         return new AgentPolicy(
                 remaining, template, places, items, worldItems, eventBytes, worldEventBytes, most);
     }
 
-    /** The same with another quota of agents. */
+    /** Returns this policy with another maximum number of agents. */
     public AgentPolicy withMost(int agents) {
         return new AgentPolicy(
                 bodies, template, places, items, worldItems, eventBytes, worldEventBytes, agents);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
 
-/** How much of something a file may still take up. */
+/** The remaining amount of a limited resource, for example bytes. */
 final class Allowance {
     private long left;
 
@@ -9,7 +9,7 @@ final class Allowance {
         left = most;
     }
 
-    /** Takes so much of it, or nothing and answers false if there is less left. */
+    /** Takes an amount. If less is left, takes nothing and returns false. */
     boolean take(long amount) {
         if (amount > left) {
             return false;

@@ -19,12 +19,12 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
 
-/** Checks what the values of an item mean together, once each of them is right. */
+/** Check of an item's values in combination, after each value was checked alone. */
 final class BodyCheck {
-    /** Farthest place on an axis [m]; the cubes of distances are still numbers. */
+    /** Maximum absolute coordinate [m]; the cubes of distances stay finite. */
     static final double MAX_PLACE = 1e100;
 
-    /** Longest time that a force acts [s]; its frames can be counted at every rate. */
+    /** Maximum duration of a force [s]; its number of frames is exact at every frame rate. */
     static final double MAX_FORCE_SECONDS = Forces.MAX_FRAMES / 10_000;
 
     private static final String MASS = "mass";
@@ -32,10 +32,13 @@ final class BodyCheck {
     private final Doubts doubts;
     private final Problems problems;
 
-    /** Where inertia was refused: what repetitions have in common is told once. */
+    /** Nodes whose inertia was refused, so that repetitions share one message. */
     private final Set<String> refused = new HashSet<>();
 
-    /** Lists of actions, by identity, and as bits of what items they were checked. */
+    /**
+     * Checked lists of actions, by identity, with a bit set of the kinds of items they were checked
+     * for.
+     */
     private final Map<List<Action>, Integer> checked = new IdentityHashMap<>();
 
     BodyCheck(Doubts doubts, Problems problems) {
@@ -44,6 +47,8 @@ final class BodyCheck {
     }
 
     /**
+     * Checks an item.
+     *
      * @param node of the item, or of its first repetition
      */
     void check(Node node, ItemDefinition item) {
@@ -63,7 +68,7 @@ final class BodyCheck {
         }
     }
 
-    /** Items that share their actions are told of once. */
+    /** Returns whether this list of actions was not yet reported; items may share a list. */
     private boolean isFirstOfThese(ItemDefinition item) {
         if (item.actions().isEmpty()) {
             return false;
@@ -88,7 +93,7 @@ final class BodyCheck {
         }
     }
 
-    /** Whether a place can be worked with; a problem is noted if not. */
+    /** Returns whether a place is within the limits; notes a problem if not. */
     void checkPlace(Node node, double[] metres) {
         for (double coordinate : metres) {
             if (!(Math.abs(coordinate) <= MAX_PLACE)) {
@@ -157,7 +162,7 @@ final class BodyCheck {
         }
     }
 
-    /** The value under keys within each other; that of the innermost mapping that has them. */
+    /** Returns the value under nested keys, or the innermost mapping that exists. */
     private static Node find(Node node, String... keys) {
         Node found = node;
         for (String key : keys) {

@@ -4,31 +4,35 @@ package reve.core.file;
 import java.util.Arrays;
 
 /**
- * Where pictures of a world are taken from.
+ * The viewpoint of a world's pictures.
  *
- * @param eye place of the camera (3) [m]
- * @param target what it looks at (3) [m], not the eye
- * @param up the direction that is up in the picture (3), not along the line of sight
- * @param verticalFovRadians opening angle from bottom to top, above 0 and below pi
+ * @param eye position of the camera (3) [m]
+ * @param target point that it looks at (3) [m], different from the eye
+ * @param up direction that is up in the picture (3), not parallel to the line of sight
+ * @param verticalFovRadians vertical field of view [rad], above 0 and below pi
  */
 public record CameraDescription(
         double[] eye, double[] target, double[] up, double verticalFovRadians) {
+    /** Copies the arrays. */
     public CameraDescription {
         eye = eye.clone();
         target = target.clone();
         up = up.clone();
     }
 
+    /** Returns a copy of the position (3) [m]. */
     @Override
     public double[] eye() {
         return eye.clone();
     }
 
+    /** Returns a copy of the target (3) [m]. */
     @Override
     public double[] target() {
         return target.clone();
     }
 
+    /** Returns a copy of the up direction (3). */
     @Override
     public double[] up() {
         return up.clone();

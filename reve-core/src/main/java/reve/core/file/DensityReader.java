@@ -12,11 +12,17 @@ import java.util.Arrays;
 import java.util.List;
 import java.util.Locale;
 
-/** Gives a body mass and inertia from {@code density} and its shape, and spheres their radius. */
+/**
+ * Reader of {@code density}: derives mass and inertia of a body from its shape, and the radius of
+ * spheres.
+ */
 final class DensityReader {
     private static final Unit DENSITY = Unit.parse("kg/m^3");
 
-    /** Parts of the extent that the centre of mass, of the moments that products may be off. */
+    /**
+     * Maximum offset of the centre of mass as a fraction of the extent, and of products of inertia
+     * as a fraction of the moments.
+     */
     private static final double TOLERANCE = 1e-3;
 
     private final WorldPrototype prototype;
@@ -30,7 +36,9 @@ final class DensityReader {
     }
 
     /**
-     * @param item with the shape; gets the properties that follow
+     * Reads a density.
+     *
+     * @param item has the shape; receives the derived properties
      */
     void read(Node density, Node aspect, ItemDefinition.Builder item) {
         for (String given : List.of("mass", "inertia")) {
@@ -78,7 +86,10 @@ final class DensityReader {
         }
     }
 
-    /** Laws know three moments about the item's origin and along its axes, and no more. */
+    /**
+     * Refuses other axes, because laws see only three moments about the item's origin and along its
+     * axes.
+     */
     private static void requireOwnAxes(Shape shape, MassProperties solid) {
         double extent = Math.max(shape.size(0), Math.max(shape.size(1), shape.size(2)));
         double moment = Arrays.stream(solid.moments()).max().orElseThrow();

@@ -2,10 +2,10 @@
 package reve.core.file;
 
 /**
- * Takes what a world file may not say though a world can come to it: a place beyond all distances,
- * inertia that no body has. A designer's file is refused for it. In a file that was saved from a
- * world that ran, which can hold what laws made of it, it is a warning. Items that a store kept are
- * taken as they are.
+ * The treatment of values that a world may reach but a designer should not write: a place beyond
+ * all limits, or inertia that no body can have. A designer's file is refused. A file saved from a
+ * running world, where laws may have produced the value, gets a warning. Items from a store are
+ * accepted silently.
  */
 enum Doubts {
     REFUSED,
@@ -24,7 +24,7 @@ enum Doubts {
         }
     }
 
-    /** What is right, and does nothing. */
+    /** Notes a warning for a value that is valid and has no effect. */
     void warn(Node node, String message, Problems problems) {
         if (this != IGNORED) {
             problems.warn(node, message);

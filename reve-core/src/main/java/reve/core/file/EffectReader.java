@@ -8,11 +8,11 @@ import reve.core.file.ActionReader.Definitions;
 import reve.core.file.ActionReader.Owner;
 import reve.core.unit.Unit;
 import reve.core.world.ItemDefinition;
-import reve.core.world.ItemSymbols;
 import reve.core.world.Parameter;
 import reve.core.world.ParameterType;
 import reve.core.world.PropertyDescriptor;
 import reve.core.world.ScalarType;
+import reve.core.world.StandardSymbols;
 import reve.core.world.WorldPrototype;
 
 import java.util.LinkedHashMap;
@@ -20,14 +20,14 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 
-/** Reads the effects of one action. */
+/** Reader of the effects of one action. */
 final class EffectReader {
     private static final List<String> EFFECTS =
             List.of(
                     "impulse", "force", "set", "symbol", "attach", "detach", "create", "remove",
                     "raise");
 
-    /** Keys that go with some effects only, and with which. */
+    /** Keys that are valid for some effects only, with these effects. */
     private static final Map<String, List<String>> COMPANIONS =
             Map.of(
                     "to",
@@ -39,7 +39,7 @@ final class EffectReader {
                     "item",
                     List.of("impulse", "force", "set", "symbol", "attach", "detach", "remove"));
 
-    /** What the server itself tells agents, and those who start it and read its output. */
+    /** Names of events that the server itself sends to agents or prints. */
     private static final List<String> OWN_EVENTS =
             List.of(
                     "joined",
@@ -119,7 +119,9 @@ final class EffectReader {
                         of.get().equals(Subject.ITEM) ? owner : someBody(of.get()));
     }
 
-    /** Actors, and items that are given as arguments, may have everything that bodies have. */
+    /**
+     * Returns an owner with all properties of bodies, for actors and for items given as arguments.
+     */
     private static Owner someBody(Subject subject) {
         return new Owner(subject.name(), WorldPrototype.BODY, true);
     }
@@ -164,7 +166,7 @@ final class EffectReader {
         };
     }
 
-    /** {@code item}, {@code actor}, or a parameter that takes an item. */
+    /** Reads {@code item}, {@code actor}, or a parameter of type item. */
     private Optional<Subject> subject(Node node) {
         String name = node.text().orElse("");
         if (name.equals(Subject.ITEM.name()) || name.equals(Subject.ACTOR.name())) {
@@ -259,7 +261,7 @@ final class EffectReader {
         return physics.prototype().realType();
     }
 
-    /** A numeric property. */
+    /** Returns a numeric property by name. */
     private Optional<PropertyDescriptor> property(Node where, String name, Owner whose) {
         return physics.find(where, name, whose.kind())
                 .filter(
@@ -307,7 +309,7 @@ final class EffectReader {
     }
 
     private boolean isSettable(Node node, String symbol) {
-        boolean derived = ItemSymbols.DERIVED.contains(symbol);
+        boolean derived = StandardSymbols.DERIVED.contains(symbol);
         if (derived) {
             problems.add(
                     node,
@@ -327,7 +329,7 @@ final class EffectReader {
         return definition.map(item -> new Effect.Create(item, with));
     }
 
-    /** What a created item has other than its definition says. */
+    /** Reads a value of a created item that differs from its definition. */
     private Optional<Operand> part(Node value, ItemDefinition item) {
         var whose = new Owner(item.name(), item.kind(), true);
         String name = value.key();

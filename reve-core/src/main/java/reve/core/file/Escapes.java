@@ -6,24 +6,24 @@ import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 
 /**
- * Finds the escape in a text in double quotes that stands for no character: the YAML parser ends
- * with an exception of its own at some, and takes halves of characters.
+ * Check of escapes in double-quoted texts. The YAML parser throws its own exception at some invalid
+ * escapes, and accepts unpaired surrogates.
  */
 final class Escapes {
     private static final Pattern ESCAPE =
             Pattern.compile("\\\\(?:u([0-9A-Fa-f]{4})|U([0-9A-Fa-f]{8})|\\R|.)", Pattern.DOTALL);
 
     /**
-     * An escape that is wrong.
+     * An invalid escape.
      *
      * @param offset in the text
-     * @param message what is wrong with it, and what to write
+     * @param message what is wrong, and what to write instead
      */
     record Wrong(int offset, String message) {}
 
     private Escapes() {}
 
-    /** Whether a text holds half a character. */
+    /** Returns whether a text contains an unpaired surrogate. */
     static boolean hasHalf(String text) {
         for (int i = 0; i < text.length(); i++) {
             if (Character.isHighSurrogate(text.charAt(i))
@@ -37,7 +37,7 @@ final class Escapes {
         return false;
     }
 
-    /** The first escape from an offset on that stands for no character. */
+    /** Returns the first invalid escape from an offset on. */
     static Optional<Wrong> find(String text, int from) {
         Matcher escape = ESCAPE.matcher(text);
         int at = from;
@@ -77,7 +77,7 @@ final class Escapes {
         return Optional.empty();
     }
 
-    /** The number that an escape gives, -1 if it gives none. */
+    /** Returns the code point of an escape; -1 if it has none. */
     private static long code(Matcher escape) {
         String digits = escape.group(1) != null ? escape.group(1) : escape.group(2);
         return digits == null ? -1 : Long.parseLong(digits, 16);

@@ -4,15 +4,15 @@ package reve.core.file;
 import java.util.List;
 import java.util.Optional;
 
-/** Items as they are written to items as they are meant: completed by prefabs, and repeated. */
+/** Expansion of items: completes them from prefabs, and repeats them. */
 final class Expansion {
-    /** Most values that come of it. */
+    /** Maximum number of values after expansion. */
     static final int MAX_VALUES = 10_000_000;
 
-    /** Most items, with their repetitions. */
+    /** Maximum number of items, including repetitions. */
     static final int MAX_ITEMS = 1_000_000;
 
-    /** Most formulas that are worked out for all repetitions. */
+    /** Maximum number of formula evaluations for all repetitions. */
     static final int MAX_FORMULAS = 10_000_000;
 
     private final Problems problems;
@@ -21,7 +21,7 @@ final class Expansion {
     private final Prefabs prefabs;
 
     /**
-     * @param source of which the prefabs are
+     * @param source of the prefabs
      */
     Expansion(WorldSource source, Problems problems) throws WorldFileException {
         this.problems = problems;
@@ -30,15 +30,15 @@ final class Expansion {
         this.prefabs = new Prefabs(source.named("prefabs"), problems, values);
     }
 
-    /** Takes items as they are meant. */
+    /** A receiver of expanded items. */
     interface Sink {
         void accept(Node item) throws WorldFileException;
 
-        /** Takes an item for each repetition. */
+        /** Receives the item of one repetition. */
         void accept(Template item, Repetition repetition) throws WorldFileException;
     }
 
-    /** Room for values, which the first item that is too large leaves. */
+    /** The remaining room for expanded values. */
     static final class Room {
         private final Problems problems;
         private final Allowance left = new Allowance(MAX_VALUES);
@@ -50,7 +50,9 @@ final class Expansion {
         }
 
         /**
-         * @throws WorldFileException at the item if there is no room for it and those like it
+         * Reserves room for items.
+         *
+         * @throws WorldFileException at the item if there is no room for it and its repetitions
          */
         void requireItems(long count, Node item) throws WorldFileException {
             if (!itemsLeft.take(count)) {
@@ -63,7 +65,9 @@ final class Expansion {
         }
 
         /**
-         * @throws WorldFileException at the item if its repetitions have too many formulas
+         * Reserves formula evaluations.
+         *
+         * @throws WorldFileException at the item if its repetitions evaluate too many formulas
          */
         void requireFormulas(long count, Node item) throws WorldFileException {
             if (!formulasLeft.take(count)) {
@@ -79,6 +83,8 @@ final class Expansion {
         }
 
         /**
+         * Reserves room for values.
+         *
          * @throws WorldFileException at the item if there is no room for its values
          */
         void require(long count, Node item) throws WorldFileException {
@@ -95,17 +101,20 @@ final class Expansion {
         }
     }
 
-    /** An item or agents' body with what it takes from the prefab that it is like. */
+    /** Returns an item or agent body completed with the values of its prefab. */
     Node complete(Node item) throws WorldFileException {
         return prefabs.complete(item);
     }
 
-    /** Prefabs that no item is like. */
+    /** Returns the prefabs that no item uses. */
     List<Node> unusedPrefabs() {
         return prefabs.unused();
     }
 
-    /** Refuses too many items before any is made; those of tables are counted when read. */
+    /**
+     * Refuses too many items before any is created. Items repeated by tables are counted when the
+     * table is read.
+     */
     void requireRoom(List<Node> items) throws WorldFileException {
         for (Node item : items) {
             Optional<Node> repeat = item.get("repeat");
@@ -123,7 +132,7 @@ final class Expansion {
         return (long) Math.max(0, count);
     }
 
-    /** Hands on the item, or all of its repetitions. */
+    /** Passes the item, or all of its repetitions, to the sink. */
     void expand(Node item, Sink sink) throws WorldFileException {
         if (problems.full()) {
             return;

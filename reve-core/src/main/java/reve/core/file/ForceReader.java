@@ -12,11 +12,11 @@ import java.util.Optional;
 import java.util.Set;
 import java.util.stream.Collectors;
 
-/** Reads the forces that act when a world begins; the items are known by then. */
+/** Reader of the forces that act from the start of a world. Runs after the items are read. */
 final class ForceReader {
     private static final Unit NEWTON = Unit.parse("N");
 
-    private final ItemNames names;
+    private final ItemMentions names;
     private final List<ItemDefinition> items;
     private final ScalarType real;
     private final PhysicsReader physics;
@@ -25,10 +25,10 @@ final class ForceReader {
     private final Quantities quantities;
 
     /**
-     * @param items those of the file, without those that have a problem
+     * @param items the valid items of the file
      */
     ForceReader(
-            ItemNames names,
+            ItemMentions names,
             List<ItemDefinition> items,
             PhysicsReader physics,
             Doubts doubts,
@@ -42,7 +42,7 @@ final class ForceReader {
         this.quantities = new Quantities(problems);
     }
 
-    /** In the order of the file, without those that have a problem. */
+    /** Returns the valid forces, in the order of the file. */
     List<LastingForce> readAll(Node list) {
         List<LastingForce> forces = new ArrayList<>();
         Set<String> immovable =

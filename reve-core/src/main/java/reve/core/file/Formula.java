@@ -12,12 +12,12 @@ import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 
 /**
- * Arithmetic with the numbers of a repetition: {@code 0.1 * i}, {@code [cos(i), sin(i), 0]}, {@code
- * 3 * ball(7)}. A value is one number or a list of them; operators and functions work on each. The
- * same values on every machine. Immutable.
+ * A formula over the numbers of a repetition: {@code 0.1 * i}, {@code [cos(i), sin(i), 0]}, {@code
+ * 3 * ball(7)}. A value is one number or a list of numbers; operators and functions apply to each
+ * element. Results are the same on every machine. Immutable.
  */
 final class Formula {
-    /** Longest formula [characters], and so its deepest nesting. */
+    /** Maximum length of a formula [characters], which also limits its nesting. */
     static final int MAX_LENGTH = 512;
 
     private static final Pattern TOKEN =
@@ -36,7 +36,7 @@ final class Formula {
     private static final Map<String, DoubleBinaryOperator> FUNCTIONS_OF_TWO =
             Map.of("min", Math::min, "max", Math::max, "atan2", StrictMath::atan2);
 
-    /** What a formula is worth in one repetition. */
+    /** A part of a formula that has a value in each repetition. */
     private interface Term {
         double[] value(double[] variables, long number);
     }
@@ -48,8 +48,10 @@ final class Formula {
     }
 
     /**
-     * @param variables the names that may be used
-     * @throws IllegalArgumentException saying what is wrong, without naming the formula
+     * Parses a formula.
+     *
+     * @param variables the permitted names
+     * @throws IllegalArgumentException with the reason; the message does not contain the formula
      */
     static Formula parse(String text, List<String> variables) {
         if (text.length() > MAX_LENGTH) {
@@ -58,7 +60,7 @@ final class Formula {
         return new Formula(new Parser(text, variables).parse());
     }
 
-    /** Whether a name means something in every formula. */
+    /** Returns whether a name is reserved in all formulas. */
     static boolean isTaken(String name) {
         return CONSTANTS.containsKey(name)
                 || FUNCTIONS.containsKey(name)
@@ -67,11 +69,11 @@ final class Formula {
     }
 
     /**
-     * One number or several, perhaps not finite.
+     * Returns one or more numbers, which may be infinite or NaN.
      *
-     * @param variables values of the variables, in their order
-     * @param number of the repetition, from 0: what random numbers follow from, beside their seed
-     * @throws IllegalArgumentException if lists of different lengths meet
+     * @param variables values of the variables, in order
+     * @param number of the repetition, from 0; with a seed it determines random numbers
+     * @throws IllegalArgumentException if lists of different lengths are combined
      */
     double[] value(double[] variables, long number) {
         return term.value(variables, number);
@@ -98,7 +100,7 @@ final class Formula {
         return combined;
     }
 
-    /** By recursive descent: sums of products of powers. */
+    /** A recursive-descent parser: sums of products of powers. */
     private static final class Parser {
         private final String text;
         private final List<String> variables;

@@ -23,21 +23,21 @@ import java.util.function.BiFunction;
 import java.util.function.Consumer;
 import java.util.function.Function;
 
-/** Reads items with their four aspects, and then what they say about each other. */
+/** Reader of items with their four aspects, and then of the references between them. */
 final class ItemReader {
     private final WorldPrototype prototype;
     private final Completion completion;
 
-    /** How deep actions that create items may stand in the actions of items that are created. */
+    /** Maximum nesting of created items in the actions of created items. */
     private static final int MAX_CREATED_DEPTH = 8;
 
-    /** Most items that actions create, each as often as it is read. */
+    /** Maximum number of created items that are read; an item counts each time it is read. */
     private static final int MAX_CREATED = 10_000;
 
-    /** Most values that are read for single items. */
+    /** Maximum number of values that are read for single items. */
     static final int MAX_READ = 2_000_000;
 
-    /** Values of an aspect that are not counted, except those of actions. */
+    /** Number of values of an aspect, except actions, that are not counted. */
     private static final int FREE_VALUES = 16;
 
     private final Problems problems;
@@ -46,13 +46,13 @@ final class ItemReader {
     private final DensityReader densities;
     private final ActionReader actions;
     private final SensorReader sensors;
-    private final ItemNames names;
+    private final ItemMentions names;
     private final BodyCheck bodies;
 
-    /** Begins the definition of an item of a name, which it may refuse. */
+    /** Creates the builder for an item's name; may refuse the name. */
     private final Function<String, ItemDefinition.Builder> beginning;
 
-    /** What was read of the aspects that items have wholly from prefabs. */
+    /** Definitions of aspects that items take completely from prefabs. */
     private final Map<SharedAspect, ItemDefinition> shared = new HashMap<>();
 
     private final Allowance created = new Allowance(MAX_CREATED);
@@ -64,16 +64,16 @@ final class ItemReader {
         void read(Node aspect, ItemDefinition.Builder item) throws WorldFileException;
     }
 
-    /** An aspect, by its identity, and what else it depends on how it is read. */
+    /** The key of a shared aspect: its identity, and what else determines how it is read. */
     private record SharedAspect(Node aspect, String kind, boolean hasPhysics) {}
 
-    /** Lays what an item says over what it is like. */
+    /** Completes an item from its prefab. */
     interface Completion {
         Node complete(Node item) throws WorldFileException;
     }
 
     /**
-     * @param pathOf where a file is that a value names, as the assets take it
+     * @param pathOf returns the path of a file that a value names, relative to the assets
      */
     ItemReader(
             WorldPrototype prototype,
@@ -86,7 +86,7 @@ final class ItemReader {
         this.prototype = prototype;
         this.completion = completion;
         this.problems = problems;
-        this.names = new ItemNames(problems);
+        this.names = new ItemMentions(problems);
         this.physics = physics;
         this.physical = new PhysicalReader(prototype, physics, assets, pathOf, problems);
         this.densities = new DensityReader(prototype, physics, problems);
@@ -96,7 +96,7 @@ final class ItemReader {
         this.beginning = doubts == Doubts.IGNORED ? ItemDefinition::kept : ItemDefinition::named;
     }
 
-    /** All items under {@code items}, without those that have a problem. */
+    /** Returns all valid items under {@code items}. */
     List<ItemDefinition> readAll(List<Node> nodes, Expansion expansion) throws WorldFileException {
         List<ItemDefinition> items = new ArrayList<>();
         var sink =
@@ -120,12 +120,12 @@ final class ItemReader {
         return items;
     }
 
-    /** What is known of items by their names. */
-    ItemNames names() {
+    /** Returns the items by name. */
+    ItemMentions names() {
         return names;
     }
 
-    /** The body that new agents get; the taker renames it. */
+    /** Returns the definition of the body that new agents get; the caller renames it. */
     ItemDefinition readTemplate(Node description) throws WorldFileException {
         Node template = completion.complete(description);
         ItemDefinition.Builder item = ItemDefinition.named("agent");
@@ -140,7 +140,7 @@ final class ItemReader {
         return item.build();
     }
 
-    /** An item that was kept, without its world: what it says of others is taken as it is. */
+    /** Reads a stored item without its world. References to other items are not checked. */
     Optional<ItemDefinition> readAlone(Node node) throws WorldFileException {
         Optional<String> kind = kind(node);
         Optional<ItemDefinition.Builder> item =
@@ -153,14 +153,14 @@ final class ItemReader {
         return item.map(ItemDefinition.Builder::build);
     }
 
-    /** What may be part of an item; all that comes of it are problems. */
+    /** Checks a part of an item; only its problems are of interest. */
     void readPart(Node node, String kind) throws WorldFileException {
         if (kind(node).isPresent()) {
             readAspects(node, kind, true, ItemDefinition.named("prefab"));
         }
     }
 
-    /** An item that actions create, any number of times. */
+    /** Reads an item that actions create any number of times. */
     private Optional<ItemDefinition> readCreated(Node description) throws WorldFileException {
         if (createdDepth == MAX_CREATED_DEPTH || !created.take(1)) {
             problems.add(
@@ -214,7 +214,9 @@ final class ItemReader {
         }
     }
 
-    /** The first repetition is read as a whole, of the others what differs from it if possible. */
+    /**
+     * Reads the first repetition completely, and from the others only the differences if possible.
+     */
     private void readRepeated(Template template, Repetition repetition, List<ItemDefinition> items)
             throws WorldFileException {
         Optional<RepeatedItem> repeated = Optional.empty();
@@ -234,7 +236,7 @@ final class ItemReader {
         }
     }
 
-    /** Reads an item that differs from the one read first in the values given. */
+    /** Reads a repetition that differs from the first item in the given values. */
     private Optional<ItemDefinition> readAgain(RepeatedItem first, List<Template.Made> values)
             throws WorldFileException {
         ItemDefinition definition = first.definition();
@@ -249,7 +251,7 @@ final class ItemReader {
                 case "physics" ->
                         physics.readProperty(
                                 made.value(), definition.kind(), sink(item, item::physics));
-                default -> {} // the name, and the parent, which comes last
+                default -> {} // the name, and the parent, which is read last
             }
         }
         first.parent(values).ifPresent(parent -> readParent(parent, definition.kind(), item));
@@ -264,7 +266,7 @@ final class ItemReader {
         return read;
     }
 
-    /** What an item of that kind holds is checked even if its name is wrong. */
+    /** Reads an item. Its content is checked even if its name is wrong. */
     private Optional<ItemDefinition> read(Node node) throws WorldFileException {
         Optional<String> kind = kind(node);
         Optional<ItemDefinition.Builder> named =
@@ -306,7 +308,7 @@ final class ItemReader {
         }
     }
 
-    /** The kind of an item; empty and a problem noted if items of that kind cannot be. */
+    /** Returns the kind of an item. Empty, with a problem noted, if items cannot have that kind. */
     private Optional<String> kind(Node item) {
         Optional<Node> node = item.get("kind");
         String kind = node.flatMap(Node::text).orElse(WorldPrototype.BODY);
@@ -399,7 +401,7 @@ final class ItemReader {
                     (aspect, into) -> readPhysics(aspect, kind, into),
                     item::physicsOf);
         } else if (properties.isPresent()) {
-            readPhysics(properties.get(), kind, item); // the density's mass follows from the shape
+            readPhysics(properties.get(), kind, item); // mass from density depends on the shape
         }
         if (node.get("capabilities").isPresent()) {
             requireWork(node.get("capabilities").get(), FREE_VALUES);
@@ -436,7 +438,9 @@ final class ItemReader {
                         });
     }
 
-    /** Reads an aspect; what is wholly of a prefab only for the first item that is like it. */
+    /**
+     * Reads an aspect. An aspect taken completely from a prefab is read for the first item only.
+     */
     private void read(
             Node node,
             Node aspect,
@@ -461,7 +465,7 @@ final class ItemReader {
         taking.accept(read);
     }
 
-    /** Counts what is about to be read, and refuses it if that is too much for one world. */
+    /** Counts the values to be read, and refuses them if they exceed the limit of a world. */
     private void requireWork(Node part, int free) throws WorldFileException {
         if (!work.take(Math.max(0, part.valueCount() - free))) {
             throw problems.of(part.file())
@@ -478,7 +482,10 @@ final class ItemReader {
         }
     }
 
-    /** Actions that an item has wholly from a prefab are read once, beside those that it adds. */
+    /**
+     * Reads actions. Those taken completely from a prefab are read once, separately from the item's
+     * own.
+     */
     private void readActions(
             Node access, String kind, boolean hasPhysics, ItemDefinition.Builder item)
             throws WorldFileException {
@@ -507,7 +514,7 @@ final class ItemReader {
             try {
                 capability.text().ifPresent(item::capability);
             } catch (IllegalArgumentException noName) {
-                // the schema has told so
+                // the schema check has reported it
             }
         }
     }
@@ -537,7 +544,10 @@ final class ItemReader {
                         });
     }
 
-    /** A number of a symbol that has a unit may name another, as properties may. */
+    /**
+     * Reads the value of a symbol. A number of a symbol with a unit may name another unit, as
+     * properties may.
+     */
     private Optional<Object> symbolValue(Node symbol) {
         Optional<SymbolDescriptor> number =
                 prototype
@@ -578,7 +588,7 @@ final class ItemReader {
         };
     }
 
-    /** With a physics aspect, every reference of the kind must be there, each to another item. */
+    /** Requires that a physics aspect has every reference of the kind, each to a different item. */
     private void requireReferences(Node item, String kind) {
         if (!hasPhysics(item)) {
             return;

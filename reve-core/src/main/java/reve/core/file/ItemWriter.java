@@ -24,12 +24,12 @@ import java.util.Map;
 import java.util.TreeMap;
 
 /**
- * Items as text of a world file, always the same text for the same item; {@link
- * WorldFile#parseItem} reads it back to the bit. What an item has by default, such as properties
- * that are 0, is left out. Immutable, any thread.
+ * Writer of items as text of a world file. The same item always gives the same text, which {@link
+ * WorldFile#parseItem} reads back to the bit. Default values, for example properties that are 0,
+ * are omitted. Immutable, any thread.
  */
 public final class ItemWriter {
-    /** The name of what has none. */
+    /** Placeholder name of an item without a name. */
     private static final String ANYBODY = "item";
 
     private final WorldPrototype prototype;
@@ -42,16 +42,20 @@ public final class ItemWriter {
     }
 
     /**
-     * All four aspects.
+     * Writes all four aspects.
      *
-     * @throws IllegalArgumentException naming the item if it has what no world file can hold: an
-     *     action made by a program, a mesh or a texture that came from none
+     * @throws IllegalArgumentException naming the item if it contains something that a world file
+     *     cannot express: an action made by a program, or a mesh or texture without a file
      */
     public String write(ItemDefinition item) {
         return YamlWriter.write(tree(item));
     }
 
-    /** What items that are alike share, under the name `item`; throws as above. */
+    /**
+     * Writes what similar items share, under the name `item`.
+     *
+     * @throws IllegalArgumentException as {@link #write(ItemDefinition)}
+     */
     public String write(Likeness item) {
         Map<String, Object> tree = named(ANYBODY, item.kind());
         Map<String, Object> physical = shape(ANYBODY, item.shape());
@@ -70,7 +74,7 @@ public final class ItemWriter {
         return tree;
     }
 
-    /** An item without name and kind, as {@code agents.body} has it. */
+    /** Returns an item without name and kind, as in {@code agents.body}. */
     Map<String, Object> template(ItemDefinition item) {
         Map<String, Object> tree = new LinkedHashMap<>();
         putAspects(tree, item);
@@ -102,7 +106,7 @@ public final class ItemWriter {
         return all;
     }
 
-    /** Without what a sensor has unless something else is said. */
+    /** Returns a sensor without its default values. */
     private static Map<String, Object> sensor(Sensor sensor) {
         Map<String, Object> tree = new LinkedHashMap<>();
         if (sensor.touch()) {
@@ -168,7 +172,8 @@ public final class ItemWriter {
         if (!item.colour().equals(Colour.defaultOf(item.shape(), item.material()))) {
             aspect.put("colour", hex(item.colour()));
         }
-        // A column rounds what it keeps, but a pose in a parent's frame is kept as it is.
+        // A column rounds its values, but a pose relative to a parent is stored with full
+        // precision.
         ScalarType real = item.parent().isPresent() ? ScalarType.F64 : prototype.realType();
         if (!isZero(item.location())) {
             aspect.put("location", numbers(real, item.location()));
@@ -264,7 +269,7 @@ public final class ItemWriter {
         return aspect;
     }
 
-    /** A symbol's value: text, truth, number or a list of such. */
+    /** Returns the value of a symbol: text, boolean, number, or a list of these. */
     static Object symbol(Object value) {
         return switch (value) {
             case List<?> list -> list.stream().map(ItemWriter::symbol).toList();
@@ -285,7 +290,10 @@ public final class ItemWriter {
         return aspect;
     }
 
-    /** In the order of the prototype; an aspect of zeros is told by the kind's first property. */
+    /**
+     * Returns the properties in the order of the prototype. An aspect of zeros is written as the
+     * kind's first property.
+     */
     private Map<String, Object> physics(ItemDefinition item) {
         Map<String, Object> aspect = new LinkedHashMap<>();
         List<PropertyDescriptor> properties =
@@ -310,7 +318,7 @@ public final class ItemWriter {
         return aspect;
     }
 
-    /** Whether all are +0, which a world holds that was told nothing. */
+    /** Returns whether all values are +0, the initial value of columns. */
     static boolean isZero(double... values) {
         for (double value : values) {
             if (Double.doubleToRawLongBits(value) != 0) {

@@ -6,13 +6,14 @@ import reve.core.world.Forces;
 import java.util.List;
 
 /**
- * A force that acts from the first frame on, as an action began it before the world was saved.
+ * A force that acts from the first frame on; an action started it before the world was saved.
  *
- * @param item a body that takes part in physics
- * @param newtons in the world's frame (3) [N]
- * @param frames how many frames it acts, 1 to {@link Forces#MAX_FRAMES}
+ * @param item a body with a physics aspect
+ * @param newtons in the world's reference frame (3) [N]
+ * @param frames number of frames that it acts, 1 to {@link Forces#MAX_FRAMES}
  */
 public record LastingForce(String item, List<Double> newtons, long frames) {
+    /** Copies the list. */
     public LastingForce {
         newtons = List.copyOf(newtons);
     }

@@ -9,29 +9,30 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * A physics law that a world asks for.
+ * A physics law that a world requires.
  *
  * @param name of its library, never a path: {@code hooke_spring}
  * @param parameters values [coherent SI units] by parameter name, in the order of the file
- * @param place where it is asked for, as {@code file:line:column}, for messages
- * @param mentions how a file says the parameters, by their names; empty if no file does
+ * @param place of the reference, as {@code file:line:column}, for messages
+ * @param mentions places and units of the parameters in the file, by name; empty without a file
  */
 public record LawReference(
         String name, Map<String, Double> parameters, String place, Map<String, Mention> mentions) {
     /**
-     * How a file says a parameter.
+     * The occurrence of a parameter in a file.
      *
      * @param place as {@code file:line:column}
      * @param unit that the file names
      */
     public record Mention(String place, Optional<Unit> unit) {}
 
+    /** Copies the maps, in their order. */
     public LawReference {
         parameters = Collections.unmodifiableMap(new LinkedHashMap<>(parameters));
         mentions = Collections.unmodifiableMap(new LinkedHashMap<>(mentions));
     }
 
-    /** A law that no file asks for. */
+    /** Creates a reference that is not in a file. */
     public LawReference(String name, Map<String, Double> parameters, String place) {
         this(name, parameters, place, Map.of());
     }

@@ -18,8 +18,8 @@ import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 
 /**
- * Warns of names that look like others, by the skeletons of UTS 39. Names of ASCII characters are
- * taken as they are; ICU is loaded only for a world that has other ones.
+ * Warnings about names that look like others, by the skeletons of UTS 39. Names of ASCII characters
+ * are compared directly; ICU is loaded only for a world with other characters.
  */
 final class LookAlikes {
     private static final Pattern WORD = Pattern.compile("[\\p{L}\\p{M}]+");
@@ -36,6 +36,8 @@ final class LookAlikes {
     }
 
     /**
+     * Notes the warnings.
+     *
      * @param names texts, all different, in the order of the file
      */
     static void warn(Collection<Node> names, Problems problems) {
@@ -70,7 +72,10 @@ final class LookAlikes {
                 .forEach(this::warnOfMixedWords);
     }
 
-    /** Of the compatible letters: those of full width look like any others. */
+    /**
+     * Returns the skeleton of the name's compatibility form, because full-width letters look like
+     * ordinary ones.
+     */
     private String skeleton(Node name) {
         return checker.getSkeleton(Normalizer.normalize(text(name), Normalizer.Form.NFKC));
     }
@@ -88,7 +93,7 @@ final class LookAlikes {
                         + ", but has other characters; write them alike or choose another name");
     }
 
-    /** A word that looks like one of ASCII letters, and is of letters of several scripts. */
+    /** Warns of a word that looks like ASCII letters but mixes letters of several scripts. */
     private void warnOfMixedWords(Node name) {
         Matcher word = WORD.matcher(text(name));
         while (word.find()) {

@@ -12,11 +12,11 @@ import java.util.Objects;
 import java.util.Optional;
 
 /**
- * One value of a file and where it stands. The asking methods answer "empty" where a value has
- * another type than asked for: that is for the schema to report, once.
+ * One value of a file and its position. The accessors return empty for a value of another type; the
+ * schema check reports it once.
  */
 final class Node {
-    /** Most names that a message lists. */
+    /** Maximum number of names that a message lists. */
     private static final int MAX_LISTED = 24;
 
     private final String file;
@@ -27,7 +27,7 @@ final class Node {
     private final int line;
     private final int column;
 
-    /** A map or list of nodes, String, Long, Double, Boolean, or null for nothing. */
+    /** A map or list of nodes, String, Long, Double, Boolean, or null for an empty value. */
     private final @Nullable Object value;
 
     private int textColumn;
@@ -52,17 +52,17 @@ final class Node {
         this.textColumn = column;
     }
 
-    /** The outermost value of a file; {@code value} as {@link Slot#fill}. */
+    /** Creates the outermost value of a file; {@code value} as in {@link Slot#fill}. */
     static Node root(String file, int line, int column, @Nullable Object value) {
         return new Node(file, null, "", line, column, line, column, value);
     }
 
-    /** Another value that takes the place of this one; as {@link Slot#fill}. */
+    /** Returns a node at this position with another value, as in {@link Slot#fill}. */
     Node withValue(@Nullable Object other) {
         return new Node(file, parent, key, keyLine, keyColumn, line, column, other);
     }
 
-    /** A list of numbers that takes the place of this value. */
+    /** Returns a node at this position with a list of numbers. */
     Node withNumbers(double[] numbers) {
         List<Node> elements = new ArrayList<>(numbers.length);
         Node list = withValue(elements);
@@ -73,9 +73,8 @@ final class Node {
     }
 
     /**
-     * This mapping with all that it leaves open taken from another one: mappings under the same key
-     * are laid over each other in the same way, anything else here hides what is there. Every value
-     * keeps the place where it stands.
+     * Returns this mapping completed from a base. Mappings under the same key are merged in the
+     * same way; any other value here replaces that of the base. Every value keeps its position.
      */
     Node over(Node base) {
         var fields = new LinkedHashMap<>(base.fieldMap());
@@ -92,7 +91,7 @@ final class Node {
         return withValue(fields);
     }
 
-    /** How many values the mapping holds, and the mappings in it. */
+    /** Returns the number of values in this mapping and its nested mappings. */
     int fieldCount() {
         int count = 0;
         for (Node field : children()) {
@@ -101,7 +100,7 @@ final class Node {
         return count;
     }
 
-    /** How many values this is, with all that it holds. */
+    /** Returns the number of values, including all nested ones. */
     long valueCount() {
         long count = 1;
         for (Node child : children()) {
@@ -110,7 +109,7 @@ final class Node {
         return count;
     }
 
-    /** This mapping without one of its keys. */
+    /** Returns this mapping without one of its keys. */
     Node without(String name) {
         if (get(name).isEmpty()) {
             return this;
@@ -120,10 +119,12 @@ final class Node {
         return withValue(fields);
     }
 
-    /** A place in a mapping or a list that waits for its value. */
+    /** A place in a mapping or a list whose value is not yet read. */
     record Slot(Node parent, Object key, int keyLine, int keyColumn) {
         /**
-         * @param value a new LinkedHashMap or ArrayList for a mapping or list, else the scalar
+         * Creates the value.
+         *
+         * @param value a new LinkedHashMap or ArrayList for a mapping or list, otherwise the scalar
          */
         Node fill(int line, int column, @Nullable Object value) {
             Node node = new Node(parent.file, parent, key, keyLine, keyColumn, line, column, value);
@@ -136,22 +137,30 @@ final class Node {
         }
     }
 
-    /** Whether this stands in the mapping that {@code owner} was written as, not in a prefab. */
+    /**
+     * Returns whether this value was written in the mapping of {@code owner} itself, not in a
+     * prefab.
+     */
     boolean isWrittenIn(Node owner) {
         return parent != null && parent.parent == owner.parent && parent.key.equals(owner.key);
     }
 
-    /** Says that the text does not begin in the column of the value: behind a quote, or below. */
+    /**
+     * Sets the column of the text's first character, if it differs from the value's: after a quote,
+     * or on a later line.
+     */
     void setTextColumn(int newTextColumn) {
         textColumn = newTextColumn;
     }
 
-    /** Where the first character of a text stands, -1 if in another line than the value begins. */
+    /**
+     * Returns the column of a text's first character; -1 if it is on a later line than the value.
+     */
     int textColumn() {
         return textColumn;
     }
 
-    /** The file that the value stands in, as messages call it. */
+    /** Returns the name of the file that contains the value, for messages. */
     String file() {
         return file;
     }
@@ -164,7 +173,7 @@ final class Node {
         return column;
     }
 
-    /** Where the key of this value stands; where the value stands if it has none. */
+    /** Returns the line of this value's key, or of the value if it has no key. */
     int keyLine() {
         return key instanceof String ? keyLine : line;
     }
@@ -173,26 +182,29 @@ final class Node {
         return key instanceof String ? keyColumn : column;
     }
 
-    /** The key in the mapping, or the number in the list from 0. */
+    /** Returns the key in the mapping, or the index in the list, from 0. */
     String key() {
         return key.toString();
     }
 
-    /** How messages name this value: {@code mass}, {@code laws[2]}; empty for the root. */
+    /**
+     * Returns the name of this value for messages: {@code mass}, {@code laws[2]}; empty for the
+     * root.
+     */
     String label() {
         return parent == null || key instanceof String
                 ? shorten(key())
                 : parent.label() + "[" + key + "]";
     }
 
-    /** The JSON pointer from the root to here. */
+    /** Returns the JSON pointer from the root to this value. */
     String pointer() {
         return parent == null
                 ? ""
                 : parent.pointer() + "/" + key().replace("~", "~0").replace("/", "~1");
     }
 
-    /** Whether it is in a list, and has no name. */
+    /** Returns whether this value is an element of a list, without a key. */
     boolean isElement() {
         return !(key instanceof String);
     }
@@ -209,19 +221,19 @@ final class Node {
         return value == null;
     }
 
-    /** The value under a key of a mapping. */
+    /** Returns the value under a key of a mapping. */
     Optional<Node> get(String name) {
         return isMapping() ? Optional.ofNullable(fieldMap().get(name)) : Optional.empty();
     }
 
-    /** The value at a place of a list, from 0. */
+    /** Returns the value at an index of a list, from 0. */
     Optional<Node> get(int index) {
         return isList() && index >= 0 && index < elementList().size()
                 ? Optional.of(elementList().get(index))
                 : Optional.empty();
     }
 
-    /** What a mapping or list holds, in the order of the file. */
+    /** Returns the values of a mapping or list, in the order of the file. */
     Collection<Node> children() {
         return isMapping() ? fieldMap().values() : isList() ? elementList() : List.of();
     }
@@ -240,12 +252,12 @@ final class Node {
         return value instanceof Boolean truth ? Optional.of(truth) : Optional.empty();
     }
 
-    /** String, Long, Double or Boolean; empty for mappings, lists and nothing. */
+    /** Returns a String, Long, Double or Boolean; empty for mappings, lists and empty values. */
     Optional<Object> scalar() {
         return isMapping() || isList() ? Optional.empty() : Optional.ofNullable(value);
     }
 
-    /** What was found, for messages: {@code number 3}, {@code a list}. */
+    /** Returns a description of this value for messages: {@code number 3}, {@code a list}. */
     String describe() {
         return switch (value) {
             case null -> "nothing";
@@ -257,7 +269,7 @@ final class Node {
         };
     }
 
-    /** Names for messages, with commas between them; of many, the first. */
+    /** Returns names for messages, separated by commas; at most the first {@link #MAX_LISTED}. */
     static String list(List<String> names) {
         return names.size() <= MAX_LISTED
                 ? String.join(", ", names)
@@ -267,7 +279,7 @@ final class Node {
                         + " more";
     }
 
-    /** The text or, of a long one, its beginning. */
+    /** Returns the text, shortened if it is long. */
     static String shorten(String text) {
         return text.length() <= 48 ? text : text.substring(0, 47) + "…";
     }

@@ -23,11 +23,11 @@ import java.util.function.Predicate;
 import java.util.regex.Pattern;
 
 /**
- * Reads the values that the effects of one action take: constants, and behind a {@code $}
- * parameters and expressions.
+ * Reader of the values in the effects of one action: constants, and parameters and expressions
+ * after a {@code $}.
  */
 final class OperandReader {
-    /** Names that parameters cannot have, because they mean something else in expressions. */
+    /** Names that parameters must not have, because expressions reserve them. */
     static final Set<String> RESERVED =
             Set.of("physics", "physical", "semantic", "item", Scope.ACTOR);
 
@@ -41,8 +41,8 @@ final class OperandReader {
     private final Allowance expressions;
 
     /**
-     * @param parameters by name; empty where the declaration is wrong, which was reported
-     * @param expressions how many more different ones the actions of the world may have
+     * @param parameters by name; empty if the declaration is wrong, which was reported
+     * @param expressions remaining number of different expressions for the world's actions
      */
     OperandReader(
             PhysicsReader physics,
@@ -62,7 +62,7 @@ final class OperandReader {
         return parameters;
     }
 
-    /** Numbers that a property can have. */
+    /** Reads numbers for a property. */
     Optional<Operand> numbers(Node node, PropertyDescriptor property) {
         return numbers(
                 node,
@@ -71,7 +71,7 @@ final class OperandReader {
                 values -> physics.fits(node, property, values));
     }
 
-    /** So many numbers that fit a unit and a type. */
+    /** Reads {@code count} numbers of a unit and a type. */
     Optional<Operand> numbers(Node node, int count, Unit unit, ScalarType type) {
         return numbers(node, count, unit, values -> physics.fits(node, type, values));
     }
@@ -113,7 +113,7 @@ final class OperandReader {
         }
     }
 
-    /** A value for a symbol of an item. */
+    /** Reads a value for a symbol of an item. */
     Optional<Operand> symbol(Node node, String item, String symbol) {
         if (isParameter(node)) {
             return named(node)
@@ -141,7 +141,7 @@ final class OperandReader {
         }
     }
 
-    /** A value for a field of an event: a text, a number or a truth value. */
+    /** Reads a value for a field of an event: a text, a number or a boolean. */
     Optional<Operand> field(Node node) {
         if (isParameter(node)) {
             return named(node)
@@ -153,7 +153,7 @@ final class OperandReader {
                 : node.scalar().map(OperandReader::widened).map(OperandReader::constant);
     }
 
-    /** An expression that is not behind a {@code $}. */
+    /** Reads an expression without a {@code $}. */
     Optional<Expression> expression(Node node, String text, int begin, ExpressionType expected) {
         if (!scope.knows(text) && !expressions.take(1)) {
             problems.add(
@@ -187,7 +187,7 @@ final class OperandReader {
         }
     }
 
-    /** Text, truth value, number or list of such, as symbols hold them. */
+    /** Returns a text, boolean, number, or a list of these, as symbols have them. */
     static Optional<Object> constant(Node node) {
         if (node.isList()) {
             List<Object> elements =
@@ -271,7 +271,7 @@ final class OperandReader {
         return node.text().filter(text -> text.startsWith("$")).isPresent();
     }
 
-    /** {@code $p}, whether or not there is a parameter p. */
+    /** Returns whether the value has the form {@code $p}, even if there is no parameter p. */
     private boolean isParameter(Node node) {
         return node.text()
                 .filter(text -> text.startsWith("$"))

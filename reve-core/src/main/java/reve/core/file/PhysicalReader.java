@@ -19,7 +19,7 @@ import java.util.Optional;
 import java.util.Set;
 import java.util.function.BiFunction;
 
-/** Reads physical aspects: shape, material, colour, location and orientation. */
+/** Reader of physical aspects: shape, material, colour, location and orientation. */
 final class PhysicalReader {
     private static final Unit METRE = Unit.parse("m");
     private static final Map<String, Set<String>> KEYS_BY_SHAPE =
@@ -39,7 +39,7 @@ final class PhysicalReader {
     private final Quantities quantities;
 
     /**
-     * @param pathOf where a file is that a value names, as the assets take it
+     * @param pathOf returns the path of a file that a value names, relative to the assets
      */
     PhysicalReader(
             WorldPrototype prototype,
@@ -61,7 +61,7 @@ final class PhysicalReader {
         aspect.get("material").filter(Node::isMapping).ifPresent(node -> material(node, item));
     }
 
-    /** Takes the value of one key, if it is about where the item is or which colour it has. */
+    /** Reads the value of one key if it is a location, an orientation or a colour. */
     void readPlaceOrColour(Node value, ItemDefinition.Builder item) {
         switch (value.key()) {
             case "colour" ->
@@ -114,7 +114,7 @@ final class PhysicalReader {
         boolean fromFile = name.equals("mesh") && aspect.get("file").isPresent();
         Set<String> wanted = fromFile ? Set.of("file") : KEYS_BY_SHAPE.getOrDefault(name, Set.of());
         if (node.isPresent() && wanted.isEmpty()) {
-            return; // an unknown shape, which the schema reported
+            return; // an unknown shape; the schema check reported it
         }
         boolean complete = true;
         for (String key : SHAPE_KEYS) {
@@ -252,7 +252,7 @@ final class PhysicalReader {
                 || !triangles.isList()
                 || vertices.children().size() < 3
                 || triangles.children().isEmpty()) {
-            return Optional.empty(); // which the schema reported
+            return Optional.empty(); // the schema check reported it
         }
         float[] coordinates = new float[3 * vertices.children().size()];
         int[] indices = new int[3 * triangles.children().size()];
@@ -301,7 +301,7 @@ final class PhysicalReader {
         return true;
     }
 
-    /** Runs what refuses bad values by itself, and notes the refusal where the value stands. */
+    /** Runs a step that refuses wrong values, and notes a refusal at the value. */
     private void attempt(Node node, Runnable step) {
         try {
             step.run();

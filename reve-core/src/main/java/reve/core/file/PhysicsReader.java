@@ -14,7 +14,7 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
 
-/** Reads physics aspects; the prototype says which properties there are, of which type and unit. */
+/** Reader of physics aspects. The prototype defines the properties with their types and units. */
 final class PhysicsReader {
     private final WorldPrototype prototype;
     private final Set<String> misdeclared;
@@ -23,7 +23,8 @@ final class PhysicsReader {
     private final Quantities quantities;
 
     /**
-     * @param misdeclared names of properties whose declaration was refused: say no more of them
+     * @param misdeclared names of properties whose declaration was refused; further problems with
+     *     them are not reported
      */
     PhysicsReader(
             WorldPrototype prototype, Set<String> misdeclared, Doubts doubts, Problems problems) {
@@ -38,11 +39,13 @@ final class PhysicsReader {
         return prototype;
     }
 
-    /** Takes what an aspect holds, in the order of the file. */
+    /** A receiver of an aspect's values, in the order of the file. */
     interface Sink {
         void numbers(String property, double[] values);
 
         /**
+         * Receives references.
+         *
          * @param targets texts, the names of items, as many as the property has components
          */
         void references(PropertyDescriptor property, List<Node> targets);
@@ -59,7 +62,7 @@ final class PhysicsReader {
         }
     }
 
-    /** Takes the value of the property that is its key. */
+    /** Reads the value of the property that is its key. */
     void readProperty(Node value, String kind, Sink sink) {
         find(value, value.key(), kind)
                 .ifPresent(
@@ -76,7 +79,8 @@ final class PhysicsReader {
     }
 
     /**
-     * What mass and inertia follow from; a world that declares a property `density` has its own.
+     * Returns the density, from which mass and inertia follow; empty in a world that declares a
+     * property `density`.
      */
     Optional<Node> density(Node aspect, String kind) {
         return aspect.get("density").filter(value -> isDensity(value, kind));
@@ -88,7 +92,7 @@ final class PhysicsReader {
                 && prototype.find(kind, "density").isEmpty();
     }
 
-    /** The constants of the world by name, each given once. */
+    /** Returns the constants of the world by name; each may be given once. */
     Map<String, List<Double>> constants(List<Node> aspects) {
         Map<String, List<Double>> values = new LinkedHashMap<>();
         Map<String, Node> given = new HashMap<>();
@@ -128,9 +132,9 @@ final class PhysicsReader {
     }
 
     /**
-     * The property of that kind and name; empty and a problem noted if unknown.
+     * Returns the property of a kind and name. Empty, with a problem noted, if it is unknown.
      *
-     * @param where the node that has the name as its key, or in its value
+     * @param where the node that has the name as its key or in its value
      */
     Optional<PropertyDescriptor> find(Node where, String name, String kind) {
         Optional<PropertyDescriptor> property = prototype.find(kind, name);
@@ -150,14 +154,17 @@ final class PhysicsReader {
         return property;
     }
 
-    /** The value of a numeric property in its unit; empty and a problem if it does not fit. */
+    /**
+     * Reads the value of a numeric property in its unit. Empty, with a problem noted, if it does
+     * not fit.
+     */
     Optional<double[]> numbers(Node node, PropertyDescriptor property) {
         return quantities
                 .numbers(node, property.components(), property.unit())
                 .filter(values -> fits(node, property, values));
     }
 
-    /** Whether the property can have the values; a problem is noted if not. */
+    /** Returns whether the property permits the values; notes a problem if not. */
     boolean fits(Node node, PropertyDescriptor property, double[] values) {
         for (double value : values) {
             if (value < property.minimum()) {
@@ -170,7 +177,7 @@ final class PhysicsReader {
         return fits(node, property.type(), values);
     }
 
-    /** Whether a column of the type can hold the values; a problem is noted if not. */
+    /** Returns whether a column of the type can represent the values; notes a problem if not. */
     boolean fits(Node node, ScalarType type, double[] values) {
         for (double value : values) {
             if (!type.holds(value)) {
@@ -202,7 +209,7 @@ final class PhysicsReader {
         return type != ScalarType.F64 || isWorkable(node, values);
     }
 
-    /** Whether physics can work with numbers; a problem is noted if not. */
+    /** Returns whether the numbers are usable in physics; notes a problem if not. */
     boolean isWorkable(Node node, double... values) {
         for (double value : values) {
             if (Math.abs(value) > ScalarType.MAX_F64) {

@@ -11,8 +11,8 @@ import java.util.Optional;
 import java.util.Set;
 
 /**
- * Checks prefabs that no item is like, so that a typo is told before the prefab is needed. What
- * only an item can complete is left open: formulas, half a shape, the items that it refers to.
+ * Check of prefabs that no item uses, so that errors are found before the prefab is used. Parts
+ * that only an item can complete are not checked: formulas, half a shape, references to items.
  */
 final class PrefabCheck {
     private static final List<String> SHAPE_KEYS =
@@ -30,16 +30,16 @@ final class PrefabCheck {
 
     private final WorldPrototype prototype;
 
-    /** Of which kind a property is, by its name. */
+    /** Kinds by the names of their properties. */
     private final Map<String, String> kinds = new HashMap<>();
 
     private final ItemReader reader;
 
-    /** Aspects without what is given by formulas. */
+    /** Aspects without values given by formulas. */
     private final Map<Node, Node> constants = new HashMap<>();
 
     /**
-     * @param reader for these only: the items that prefabs refer to need not be there
+     * @param reader used only here, because referenced items need not exist
      */
     PrefabCheck(WorldPrototype prototype, ItemReader reader) {
         this.prototype = prototype;
@@ -61,7 +61,9 @@ final class PrefabCheck {
         reader.readPart(part, kind(part));
     }
 
-    /** Prefabs that are like one have the same aspects, which are searched once. */
+    /**
+     * Returns the prefab without formulas. Derived prefabs share aspects, which are searched once.
+     */
     private Node withoutFormulas(Node prefab) {
         Map<String, Node> fields = new LinkedHashMap<>();
         for (Node value : prefab.children()) {
@@ -98,7 +100,7 @@ final class PrefabCheck {
         return item.withValue(fields);
     }
 
-    /** The kind that is said, or else the one that has most of the properties. */
+    /** Returns the declared kind, or the kind that has most of the properties. */
     private String kind(Node prefab) {
         Optional<String> said = prefab.get("kind").flatMap(Node::text);
         if (said.isPresent()

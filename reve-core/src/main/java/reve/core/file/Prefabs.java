@@ -11,9 +11,9 @@ import java.util.Objects;
 import java.util.Optional;
 import java.util.Set;
 
-/** Descriptions of items that items are like, by name. */
+/** The prefabs of a world file by name: descriptions that items are derived from. */
 final class Prefabs {
-    /** Most prefabs of which each is like the next. */
+    /** Maximum length of a chain of prefabs in which each is derived from the next. */
     static final int MAX_CHAIN = 32;
 
     private final Problems problems;
@@ -21,12 +21,12 @@ final class Prefabs {
     private final Map<String, Node> given = new LinkedHashMap<>();
     private final Map<String, Node> complete = new HashMap<>();
 
-    /** Names of those that something other than a prefab is like. */
+    /** Names of prefabs that an item or an agent's body uses. */
     private final Set<String> used = new HashSet<>();
 
     /**
-     * @param prefabs mappings under their names; of several with one name, the first counts
-     * @param values how many may come of laying items over prefabs
+     * @param prefabs mappings under their names; the first of several with one name counts
+     * @param values remaining room for values that completion creates
      */
     Prefabs(List<Node> prefabs, Problems problems, Expansion.Room values)
             throws WorldFileException {
@@ -48,13 +48,13 @@ final class Prefabs {
         }
     }
 
-    /** What an item says, over what the prefab says that it is like, if it is like one. */
+    /** Returns an item merged over its prefab, if it has one. */
     Node complete(Node item) throws WorldFileException {
         item.get("like").flatMap(Node::text).ifPresent(used::add);
         return complete(item, new LinkedHashSet<>());
     }
 
-    /** Those that nothing is like, not even by way of others, as they are meant. */
+    /** Returns the completed prefabs that nothing uses, directly or through other prefabs. */
     List<Node> unused() {
         Set<String> reached = new HashSet<>();
         for (String name : used) {
@@ -89,7 +89,7 @@ final class Prefabs {
     }
 
     /**
-     * @param where what is complained about if there is no such prefab
+     * @param where the node to report if there is no such prefab
      */
     private Optional<Node> prefab(Node where, String name, Set<String> users)
             throws WorldFileException {

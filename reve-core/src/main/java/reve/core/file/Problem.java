@@ -4,10 +4,10 @@ package reve.core.file;
 import java.util.Comparator;
 
 /**
- * One thing that is wrong with a world file, or that is worth a look.
+ * An error or a warning about a world file.
  *
- * @param severity whether the file is refused for it
- * @param file the file's name as the caller gave it
+ * @param severity whether the file is refused because of it
+ * @param file name of the file as the caller gave it
  * @param line from 1
  * @param column from 1, in characters
  * @param pointer JSON pointer of the value, such as {@code /items/0/physics/mass}; empty for the
@@ -17,11 +17,11 @@ import java.util.Comparator;
 public record Problem(
         Severity severity, String file, int line, int column, String pointer, String message)
         implements Comparable<Problem> {
-    /** What a problem does to the file. */
+    /** The effect of a problem on the file. */
     public enum Severity {
         /** The file is refused. */
         ERROR,
-        /** The file is valid, and perhaps not what was meant. */
+        /** The file is valid, but may differ from what its author intended. */
         WARNING
     }
 
@@ -37,7 +37,7 @@ public record Problem(
         return BY_POSITION.compare(this, other);
     }
 
-    /** {@code file:line:column: message}, or {@code file:line:column: warning: message}. */
+    /** Returns {@code file:line:column: message}, or {@code file:line:column: warning: message}. */
     @Override
     public String toString() {
         return file

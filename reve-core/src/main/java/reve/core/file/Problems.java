@@ -11,15 +11,12 @@ import java.util.List;
 import java.util.Set;
 import java.util.regex.Pattern;
 
-/**
- * Collects what is wrong with a world file and those that it includes; stops taking more when
- * nobody would read on.
- */
+/** Collector of the problems of a world file and its included files; limits their number. */
 final class Problems {
-    /** Most problems that one report holds. */
+    /** Maximum number of problems in one report. */
     static final int MAX_REPORTED = 100;
 
-    /** Most names for which one report looks for what was meant. */
+    /** Maximum number of wrong names in one report for which a suggestion is searched. */
     static final int MAX_SUGGESTIONS = 20;
 
     private static final Pattern CONTROL_CHARACTER = Pattern.compile("\\p{Cc}");
@@ -28,7 +25,7 @@ final class Problems {
     private final List<Problem> found;
     private final List<Problem> warnings;
 
-    /** Mappings in which a key is not known: what they seem to lack may be that. */
+    /** Mappings with an unknown key; a key that they seem to lack may be that one, misspelt. */
     private final Set<String> misspelt;
 
     private final Allowance suggestions;
@@ -55,34 +52,38 @@ final class Problems {
         this.misspelt = misspelt;
     }
 
-    /** The same problems, to be told of another file. */
+    /** Returns a collector that adds problems of another file to the same report. */
     Problems of(String otherFile) {
         return new Problems(otherFile, found, warnings, misspelt, suggestions);
     }
 
-    /** The file that is being read. */
+    /** Returns the name of the file that is being read. */
     String file() {
         return file;
     }
 
-    /** Where a node's value begins, as {@code file:line:column}. */
+    /** Returns the start of a node's value, as {@code file:line:column}. */
     static String place(Node node) {
         return node.file() + ":" + node.line() + ":" + node.column();
     }
 
-    /** Where the key of a node's value stands, as {@code file:line:column}. */
+    /** Returns the start of the key of a node's value, as {@code file:line:column}. */
     static String keyPlace(Node node) {
         return node.file() + ":" + node.keyLine() + ":" + node.keyColumn();
     }
 
-    /** Where another node stands, for messages: {@code on line 5}, or {@code in f.yaml:5}. */
+    /**
+     * Returns the position of another node for messages: {@code on line 5}, or {@code in f.yaml:5}.
+     */
     static String place(Node other, Node here) {
         return other.file().equals(here.file())
                 ? "on line " + other.line()
                 : "in " + other.file() + ":" + other.line();
     }
 
-    /** Notes a problem with the value of a node; of a single value, the first one says enough. */
+    /**
+     * Notes a problem with the value of a node; only the first problem of a single value is kept.
+     */
     void add(Node node, String message) {
         if (isFirst(node)) {
             add(problem(node.file(), node.line(), node.column(), node.pointer(), message));
@@ -99,13 +100,15 @@ final class Problems {
                                                 && problem.pointer().equals(node.pointer()));
     }
 
-    /** Notes a problem at a character of a text, from 0; of a text in block style, at its start. */
+    /**
+     * Notes a problem at a character of a text, from 0; for a text in block style, at its start.
+     */
     void addInText(Node node, int offset, String message) {
         int column = node.textColumn() < 0 ? node.column() : node.textColumn() + offset;
         add(problem(node.file(), node.line(), column, node.pointer(), message));
     }
 
-    /** Notes a problem with the key that a node stands under, as {@link #add(Node, String)}. */
+    /** Notes a problem with the key of a node, as {@link #add(Node, String)}. */
     void addAtKey(Node node, String message) {
         if (isFirst(node)) {
             add(problem(node.file(), node.keyLine(), node.keyColumn(), node.pointer(), message));
@@ -122,20 +125,22 @@ final class Problems {
         addAtKey(node, message);
     }
 
-    /** Whether a key of the mapping is not known, so that what it lacks needs no telling. */
+    /**
+     * Returns whether the mapping has an unknown key, so that missing keys need not be reported.
+     */
     boolean isMisspelt(Node mapping) {
         return misspelt.contains(mapping.file() + mapping.pointer());
     }
 
     /**
-     * The end of a message that says which name was probably meant. Empty if none is near, and for
-     * all but the first names: to look for them takes longer than all else.
+     * Returns the end of a message that suggests the intended name. Empty if no name is similar,
+     * and after {@link #MAX_SUGGESTIONS} names, because the search is slow.
      */
     String suggestion(String wrong, Collection<String> known) {
         return !full() && suggestions.take(1) ? Suggestion.of(wrong, known) : "";
     }
 
-    /** Notes what does not keep a file from being valid. */
+    /** Notes a warning, which does not make the file invalid. */
     void warn(Node node, String message) {
         Problem warning =
                 problem(
@@ -150,12 +155,12 @@ final class Problems {
         }
     }
 
-    /** By their places, as many as a report holds. */
+    /** Returns the warnings in order of position, at most as many as a report holds. */
     List<Problem> warnings() {
         return warnings.stream().sorted().toList();
     }
 
-    /** What several items have from one place is told once. */
+    /** Adds a problem, unless several items have the same one from the same place. */
     private void add(Problem problem) {
         if (!full() && !found.contains(problem)) {
             found.add(problem);
@@ -171,10 +176,10 @@ final class Problems {
     }
 
     /**
-     * Ends the reading if all files together declare too many, before anything is made of them.
+     * Throws if all files together declare too many values, before they are read.
      *
-     * @param declared what they declare
-     * @param key under which they do
+     * @param declared the declared values
+     * @param key under which they are declared
      */
     void requireAtMost(int most, List<Node> declared, String key) throws WorldFileException {
         if (declared.size() > most) {
@@ -191,21 +196,21 @@ final class Problems {
         }
     }
 
-    /** Ends the reading if no more would be told. */
+    /** Throws if the report is full. */
     void throwIfFull() throws WorldFileException {
         if (full()) {
             throw exception();
         }
     }
 
-    /** Ends the reading if anything was found. */
+    /** Throws if there is any error. */
     void throwIfAny() throws WorldFileException {
         if (!found.isEmpty()) {
             throw exception();
         }
     }
 
-    /** Notes a problem after which reading on makes no sense. */
+    /** Returns an exception for an error after which the file cannot be read further. */
     WorldFileException fatal(int line, int column, String message) {
         found.add(problem(file, line, column, "", message));
         return exception();
@@ -216,7 +221,10 @@ final class Problems {
         return problem(Problem.Severity.ERROR, file, line, column, pointer, message);
     }
 
-    /** What a file contains must not control the terminal that shows the message. */
+    /**
+     * Creates a problem. Escapes control characters, because the file's content must not control a
+     * terminal.
+     */
     private static Problem problem(
             Problem.Severity severity,
             String file,

@@ -11,9 +11,12 @@ import java.util.List;
 import java.util.Optional;
 import java.util.Set;
 
-/** Reads {@code prototype} and {@code properties}: which properties the items of a world have. */
+/**
+ * Reader of {@code prototype} and {@code properties}, which define the properties of the world's
+ * items.
+ */
 final class PrototypeReader {
-    /** Most properties of one world. */
+    /** Maximum number of properties of one world. */
     static final int MAX_PROPERTIES = 1000;
 
     private final Problems problems;
@@ -25,7 +28,7 @@ final class PrototypeReader {
         this.quantities = new Quantities(problems);
     }
 
-    /** The standard prototype that the file names, with the properties that are declared. */
+    /** Returns the standard prototype that the file names, with the declared properties. */
     WorldPrototype read(Node root, List<Node> properties) throws WorldFileException {
         problems.requireAtMost(MAX_PROPERTIES, properties, "properties");
         WorldPrototype prototype = standard(root);
@@ -35,12 +38,15 @@ final class PrototypeReader {
         return prototype;
     }
 
-    /** Names of the properties whose declaration was refused. */
+    /** Returns the names of the properties whose declaration was refused. */
     Set<String> misdeclared() {
         return misdeclared;
     }
 
-    /** The unit under the key {@code unit}, else 1; empty and a problem if it is wrong. */
+    /**
+     * Returns the unit under the key {@code unit}, or 1 without this key. Empty, with a problem
+     * noted, if it is wrong.
+     */
     static Optional<Unit> unit(Node owner, Problems problems) {
         Optional<Node> node = owner.get("unit");
         if (node.isEmpty()) {
@@ -54,7 +60,10 @@ final class PrototypeReader {
         }
     }
 
-    /** The number under the key {@code components}, else 1; the schema reports wrong ones. */
+    /**
+     * Returns the number under the key {@code components}, or 1; the schema check reports wrong
+     * numbers.
+     */
     static int components(Node owner) {
         return Math.clamp(
                 owner.get("components").flatMap(Node::number).orElse(1.0).longValue(),

@@ -14,12 +14,12 @@ import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 
 /**
- * Reads the numbers of a world file: {@code 3}, {@code [0, 3, 0]}, {@code 3 kg}, {@code 0 3 0 km/h}
- * or {@code "[0, 3, 0] km/h"}. Numbers without a unit are in the unit that is asked for, others are
+ * Reader of the numbers of a world file: {@code 3}, {@code [0, 3, 0]}, {@code 3 kg}, {@code 0 3 0
+ * km/h} or {@code "[0, 3, 0] km/h"}. Numbers without a unit have the expected unit; others are
  * converted to it.
  */
 final class Quantities {
-    /** Longest text that is looked at; hundreds of numbers fit. */
+    /** Maximum length of a text with numbers [characters]. */
     private static final int MAX_LENGTH = 1024;
 
     private static final Pattern NUMBER =
@@ -34,19 +34,22 @@ final class Quantities {
 
     private final Problems problems;
 
-    /** Those that were read, by their texts: many items use the same few. */
+    /** Units that were read, by their texts; many items use the same few. */
     private final Map<String, Unit> units = new HashMap<>();
 
     Quantities(Problems problems) {
         this.problems = problems;
     }
 
-    /** One number in {@code unit}, or empty and a problem noted. */
+    /** Returns one number in {@code unit}; empty, with a problem noted, if it is wrong. */
     Optional<Double> number(Node node, Unit unit) {
         return numbers(node, 1, unit).map(values -> values[0]);
     }
 
-    /** {@code count} numbers in {@code unit}, or empty and a problem noted. */
+    /**
+     * Returns {@code count} numbers in {@code unit}; empty, with a problem noted, if they are
+     * wrong.
+     */
     Optional<double[]> numbers(Node node, int count, Unit unit) {
         if (node.text().isPresent()) {
             return fromText(node, count, unit);
@@ -61,11 +64,11 @@ final class Quantities {
      * A number of any unit.
      *
      * @param value in SI units
-     * @param unit that was given
+     * @param unit in the file
      */
     record Quantity(double value, Optional<Unit> unit) {}
 
-    /** One number, whatever its unit, or empty and a problem noted. */
+    /** Returns one number of any unit; empty, with a problem noted, if it is wrong. */
     Optional<Quantity> quantity(Node node) {
         if (node.text().isEmpty()) {
             return node.number().map(value -> new Quantity(value, Optional.empty()));
@@ -142,7 +145,7 @@ final class Quantities {
                         + "`";
     }
 
-    /** Takes a text apart into leading numbers and what follows them. */
+    /** Splits a text into leading numbers and the rest. */
     private Optional<Parsed> parse(Node node, String expected) {
         String text = node.text().orElseThrow().strip();
         if (text.length() > MAX_LENGTH) {

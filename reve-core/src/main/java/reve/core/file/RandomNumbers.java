@@ -4,11 +4,11 @@ package reve.core.file;
 import java.util.Map;
 
 /**
- * Numbers that look random and follow from a seed and the number of a repetition: SplitMix64 of
- * Steele, Lea and Flood, "Fast splittable pseudorandom number generators", 2014.
+ * Pseudorandom numbers from a seed and the number of a repetition: SplitMix64 of Steele, Lea and
+ * Flood, "Fast splittable pseudorandom number generators", 2014.
  */
 final class RandomNumbers {
-    /** What formulas call; the argument is the seed. */
+    /** The random functions of formulas; their argument is the seed. */
     static final Map<String, Function> FUNCTIONS =
             Map.of(
                     "random", numbers -> new double[] {numbers.next()},
@@ -18,10 +18,10 @@ final class RandomNumbers {
 
     private static final long STEP = 0x9e3779b97f4a7c15L;
 
-    /** What is nearer to the origin has too few digits left for a direction. */
+    /** Minimum distance from the origin; nearer points have too few digits for a direction. */
     private static final double SMALLEST = 1e-6;
 
-    /** One number, or the coordinates of a point. */
+    /** Returns one number, or the coordinates of a point. */
     interface Function {
         double[] value(RandomNumbers numbers);
     }
@@ -32,18 +32,20 @@ final class RandomNumbers {
         state = mixed(mixed(seed) + number);
     }
 
-    /** Evenly from 0 (possible) to 1 (never). */
+    /** Returns a uniform number from 0 (inclusive) to 1 (exclusive). */
     double next() {
         state += STEP;
         return (mixed(state) >>> 11) * 0x1p-53;
     }
 
-    /** Evenly in the cube from -1 to 1. */
+    /** Returns a uniform point in the cube from -1 to 1. */
     private double[] inBox() {
         return new double[] {2 * next() - 1, 2 * next() - 1, 2 * next() - 1};
     }
 
-    /** Evenly in the ball of radius 1: the first point of the cube that lies in it. */
+    /**
+     * Returns a uniform point in the ball of radius 1: the first point of the cube that is inside.
+     */
     private double[] inBall() {
         double[] point = inBox();
         while (squared(point) > 1) {
@@ -52,7 +54,7 @@ final class RandomNumbers {
         return point;
     }
 
-    /** Evenly on the sphere of radius 1. */
+    /** Returns a uniform point on the sphere of radius 1. */
     private double[] onSphere() {
         double[] point = inBall();
         while (squared(point) < SMALLEST) {

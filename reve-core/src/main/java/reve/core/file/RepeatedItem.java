@@ -7,11 +7,11 @@ import java.util.List;
 import java.util.Optional;
 
 /**
- * An item that is repeated, as it is in its first repetition. The others are like it but for what
- * formulas give, so that only this has to be read of them.
+ * The first repetition of an item. The others differ from it only in values given by formulas, so
+ * only these are read.
  *
- * @param node what was read
- * @param definition what came of it
+ * @param node that was read
+ * @param definition result of reading it
  */
 record RepeatedItem(Node node, ItemDefinition definition) {
 
@@ -19,7 +19,7 @@ record RepeatedItem(Node node, ItemDefinition definition) {
         return definition.kind();
     }
 
-    /** Whether each of the values can be read without the rest of the item. */
+    /** Returns whether each of the values can be read without the rest of the item. */
     boolean differsInSingleValues(List<Template.Made> values) {
         return values.stream().allMatch(made -> isSingle(made.aspect(), made.value().key()));
     }
@@ -35,17 +35,17 @@ record RepeatedItem(Node node, ItemDefinition definition) {
         };
     }
 
-    /** The name in another repetition. */
+    /** Returns the name in another repetition. */
     Node name(List<Template.Made> values) {
         return find(values, "", "name").or(() -> node.get("name")).orElseThrow();
     }
 
-    /** What the item moves with in another repetition. */
+    /** Returns the parent in another repetition. */
     Optional<Node> parent(List<Template.Made> values) {
         return find(values, "", "parent").or(() -> node.get("parent"));
     }
 
-    /** A property of the physics aspect in another repetition. */
+    /** Returns a property of the physics aspect in another repetition. */
     Optional<Node> physics(List<Template.Made> values, String property) {
         return find(values, "physics", property)
                 .or(() -> node.get("physics").flatMap(aspect -> aspect.get(property)));

@@ -5,28 +5,28 @@ import java.util.List;
 import java.util.Optional;
 
 /**
- * How often an item is repeated, and the numbers that its formulas use.
+ * The number of an item's repetitions, and the numbers that its formulas use.
  *
- * @param variables their names
- * @param count of repetitions
- * @param values of the variables in each
+ * @param variables names of the variables
+ * @param count number of repetitions
+ * @param values of the variables in each repetition
  */
 record Repetition(List<String> variables, long count, Values values) {
     private static final String INDEX = "i";
 
-    /** Values of the variables of one repetition. */
+    /** Returns the values of the variables in one repetition. */
     interface Values {
         double[] at(long number);
     }
 
-    /** What stands under {@code repeat}; empty and a problem noted if it is wrong. */
+    /** Reads the value of {@code repeat}. Empty, with a problem noted, if it is wrong. */
     static Optional<Repetition> read(Node node, SourceFiles files, Problems problems)
             throws WorldFileException {
         if (node.text().isPresent()) {
             Optional<SourceFiles.Source> file = files.find(node, problems);
             return file.isEmpty()
                     ? Optional.empty()
-                    : Optional.of(Table.read(file.get(), files, problems));
+                    : Optional.of(CsvTable.read(file.get(), files, problems));
         }
         if (node.number().isPresent()) {
             long count = node.number().get().longValue();
@@ -36,7 +36,9 @@ record Repetition(List<String> variables, long count, Values values) {
         return node.isMapping() ? grid(node, problems) : Optional.empty();
     }
 
-    /** All combinations of several indices, the last one running fastest. */
+    /**
+     * Reads a grid: all combinations of several indices, in which the last index changes fastest.
+     */
     private static Optional<Repetition> grid(Node node, Problems problems) {
         List<String> names = node.children().stream().map(Node::key).toList();
         for (Node index : node.children()) {

@@ -18,9 +18,9 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 
-/** Reads what a world says of semantic symbols: their types, and rules that give them. */
+/** Reader of the types of semantic symbols, and of the rules that compute them. */
 final class RuleReader {
-    /** Most rules of one world, and most symbols whose type it declares. */
+    /** Maximum number of rules of one world, and of symbols whose type it declares. */
     static final int MAX_RULES = 1000;
 
     private final Problems problems;
@@ -29,7 +29,7 @@ final class RuleReader {
         this.problems = problems;
     }
 
-    /** The prototype with the declared symbols. */
+    /** Returns the prototype with the declared symbols. */
     WorldPrototype readSymbols(List<Node> symbols, WorldPrototype prototype)
             throws WorldFileException {
         problems.requireAtMost(MAX_RULES, symbols, "symbols");
@@ -45,7 +45,7 @@ final class RuleReader {
         return prototype.withSymbols(declared);
     }
 
-    /** All rules, in the order of the file. */
+    /** Returns all rules, in the order of the file. */
     List<Rule> readRules(List<Node> nodes, WorldPrototype prototype) throws WorldFileException {
         problems.requireAtMost(MAX_RULES, nodes, "rules");
         List<Rule> rules = new ArrayList<>();
@@ -160,7 +160,9 @@ final class RuleReader {
                 .orElse(ExpressionType.ANY);
     }
 
-    /** A rule reads what rules before it give, not what it gives itself or a later one does. */
+    /**
+     * Requires that a rule reads only symbols of earlier rules, not its own or those of later ones.
+     */
     private void requireOrder(List<Rule> rules, Map<String, Node> nodes) {
         for (int i = 0; i < rules.size(); i++) {
             Rule rule = rules.get(i);

@@ -30,8 +30,8 @@ import java.util.regex.Pattern;
 import java.util.stream.Collectors;
 
 /**
- * Checks the form of a file against the schema that is shipped, and says what the schema's library
- * found in the words of this project, at the place in the file.
+ * Check of a file's form against the shipped schema. It translates the findings of the schema
+ * library into messages at the position in the file.
  */
 final class SchemaCheck {
     private static final String RESOURCE = "/reve-world.schema.json";
@@ -46,7 +46,9 @@ final class SchemaCheck {
     private static final Schema PART = REGISTRY.getSchema(SchemaLocation.of(ID + "#/$defs/part"));
     private static final Schema ITEM = REGISTRY.getSchema(SchemaLocation.of(ID + "#/$defs/item"));
 
-    /** More elements than the schema allows in any list whose elements it describes. */
+    /**
+     * One more than the maximum number of elements of any list whose elements the schema describes.
+     */
     private static final int MAX_ELEMENTS = 10_001;
 
     private static final Map<String, String> TYPES =
@@ -68,31 +70,34 @@ final class SchemaCheck {
 
     private final Problems problems;
 
-    /** Whether a list or a mapping is longer than it may be. */
+    /** Whether a list or a mapping is longer than permitted. */
     private boolean tooLong;
 
     private SchemaCheck(Problems problems) {
         this.problems = problems;
     }
 
-    /** Notes everything in a world file that has not the form it should have. */
+    /** Notes all errors of form in a world file. */
     static void check(Node root, Problems problems) throws WorldFileException {
         new SchemaCheck(problems).check(root, FILE);
     }
 
-    /** As {@link #check}, of a file that is included. */
+    /** Checks an included file, as {@link #check}. */
     static void checkPart(Node root, Problems problems) throws WorldFileException {
         new SchemaCheck(problems).check(root, PART);
     }
 
-    /** As {@link #check}, of a single item. */
+    /** Checks a single item, as {@link #check}. */
     static void checkItem(Node item, Problems problems) throws WorldFileException {
         var check = new SchemaCheck(problems);
         check.report(ITEM.validate(toJson(item, Optional.empty())), item);
         check.endIfTooLong();
     }
 
-    /** Items are checked one by one: there may be many, and a hundred problems are enough. */
+    /**
+     * Checks a file. Items are checked one by one, because there may be many and the report is
+     * limited.
+     */
     private void check(Node root, Schema schema) throws WorldFileException {
         ObjectNode withoutItems = (ObjectNode) toJson(root, root.get("items").filter(Node::isList));
         report(schema.validate(withoutItems), root);
@@ -106,7 +111,7 @@ final class SchemaCheck {
         endIfTooLong();
     }
 
-    /** What is read after this may take it that every list and mapping is as long as it may be. */
+    /** Throws if a list or mapping is too long, so that the readers may rely on the limits. */
     private void endIfTooLong() throws WorldFileException {
         if (tooLong) {
             problems.throwIfAny();
@@ -169,7 +174,10 @@ final class SchemaCheck {
         }
     }
 
-    /** In braces, {@code mass: 0,5} is a mass of 0, and a key 5 without a value. */
+    /**
+     * Explains a decimal comma: in braces, {@code mass: 0,5} is a mass of 0, and a key 5 without a
+     * value.
+     */
     private boolean tellsOfDecimalComma(Node base, Error error, Node node) {
         boolean comma =
                 node.isNothing() && DIGITS.matcher(node.key()).matches() && !node.isElement();
@@ -187,7 +195,7 @@ final class SchemaCheck {
         return comma;
     }
 
-    /** What the node is in, which the library reports for keys that it does not know. */
+    /** Returns the mapping of a node, at which the library reports unknown keys. */
     private static Node mapping(Node base, Error error, Node node) {
         Node reported = resolve(base, error.getInstanceLocation());
         return reported == node ? resolve(base, error.getInstanceLocation().getParent()) : reported;
@@ -268,13 +276,13 @@ final class SchemaCheck {
         return suggestion.isEmpty() ? "; known here: " + String.join(", ", known) : suggestion;
     }
 
-    /** The part of the schema that holds the rule which was broken. */
+    /** Returns the part of the schema that contains the broken rule. */
     private static JsonNode surrounding(Error error) {
         String rule = error.getSchemaLocation().getFragment().toString();
         return TREE.at(JsonPointer.compile(rule.substring(0, rule.lastIndexOf('/'))));
     }
 
-    /** What a rule expects, which it refers to or says itself. */
+    /** Returns the description of a rule, from the rule itself or from its reference. */
     private static String description(JsonNode rule) {
         JsonNode reference = rule.path("$ref");
         return (reference.isMissingNode()
@@ -303,8 +311,8 @@ final class SchemaCheck {
     }
 
     /**
-     * The same values for the library, of long lists only the first elements; {@code emptied} as a
-     * list without any.
+     * Converts the values for the library. Copies only the first elements of long lists, and {@code
+     * emptied} as an empty list.
      */
     private static JsonNode toJson(Node node, Optional<Node> emptied) {
         JsonNodeFactory json = JsonNodeFactory.instance;
@@ -333,7 +341,10 @@ final class SchemaCheck {
         };
     }
 
-    /** The library compares whole numbers as 64-bit ones unless told that they are larger. */
+    /**
+     * Returns whether a whole number exceeds 64 bits; the library must be told, or it compares with
+     * overflow.
+     */
     private static boolean isWholeBeyondLong(double number) {
         return Double.isFinite(number) && Math.abs(number) >= 0x1p63;
     }

@@ -16,7 +16,7 @@ import java.util.SortedSet;
 import java.util.TreeSet;
 import java.util.function.Supplier;
 
-/** Reads the {@code sensors} of a body. */
+/** Reader of the {@code sensors} of a body. */
 final class SensorReader {
     private static final String TOUCHES = "a sensor with `touch: true` does not look";
     private static final double CAMERA_FIELD_OF_VIEW = Math.toRadians(60);
@@ -30,7 +30,7 @@ final class SensorReader {
         this.quantities = new Quantities(problems);
     }
 
-    /** One sensor; empty and a problem noted if it cannot be. */
+    /** Reads one sensor. Empty, with a problem noted, if it is invalid. */
     Optional<Sensor> read(Node node) {
         Optional<Node> camera = node.get("camera");
         return camera.isPresent() ? readCamera(node, camera.get()) : readSense(node);

@@ -13,13 +13,13 @@ import java.util.Objects;
 import java.util.Optional;
 
 /**
- * The text files that a world is made of: the world file, and those in its folder that it names,
- * directly or not. All together are limited.
+ * The text files of a world: the world file, and the files in its folder that it names, directly or
+ * not. Their total size is limited.
  */
 final class SourceFiles {
     private final WorldFolder folder;
 
-    /** The folder as the world file's name has it; null for none. */
+    /** The folder as in the given name of the world file; null for none. */
     private final @Nullable Path named;
 
     private final Allowance bytes = new Allowance(SourceText.MAX_BYTES);
@@ -27,19 +27,22 @@ final class SourceFiles {
     /**
      * A file in the folder.
      *
-     * @param name what messages call it: as the world file was named
+     * @param name for messages, relative to the same folder as the world file's name
      */
     record Source(String name, Path path) {}
 
     /**
-     * @param worldFile as messages call it
+     * @param worldFile name for messages
      */
     SourceFiles(WorldFolder folder, String worldFile) {
         this.folder = folder;
         this.named = Path.of(worldFile).getParent();
     }
 
-    /** The file that a text names; empty and a problem noted if the folder has no such file. */
+    /**
+     * Returns the file that a text names. Empty, with a problem noted, if the folder has no such
+     * file.
+     */
     Optional<Source> find(Node node, Problems problems) {
         Optional<String> text = node.text();
         if (text.isEmpty()) {
@@ -56,8 +59,8 @@ final class SourceFiles {
     }
 
     /**
-     * The path within the folder, {@code /} between names, of what a text names relative to the
-     * file that it stands in.
+     * Returns the path within the folder, separated by {@code /}, of a name relative to the file
+     * that contains it.
      */
     String pathOf(Node node, String name) {
         Path beside = Path.of(node.file()).getParent();
@@ -69,7 +72,7 @@ final class SourceFiles {
     }
 
     /**
-     * @throws WorldFileException if it is too large, or not UTF-8, or cannot be read
+     * @throws WorldFileException if the file is too large, not UTF-8, or unreadable
      */
     String read(Source source, Problems problems) throws WorldFileException {
         try {
@@ -79,12 +82,15 @@ final class SourceFiles {
         }
     }
 
-    /** The text of the world file, which may be anywhere; else as the other one. */
+    /**
+     * Reads the text of the world file, which may be anywhere; otherwise as {@link #read(Source,
+     * Problems)}.
+     */
     String read(Path worldFile, Problems problems) throws WorldFileException, IOException {
         return SourceText.read(worldFile, problems, bytes);
     }
 
-    /** The text of a world file that was read already; it counts alike. */
+    /** Decodes the text of a world file that is already in memory; it counts towards the limit. */
     String decode(byte[] content, Problems problems) throws WorldFileException {
         return SourceText.decode(content, problems, bytes);
     }

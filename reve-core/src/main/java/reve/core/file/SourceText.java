@@ -11,12 +11,15 @@ import java.nio.charset.StandardCharsets;
 import java.nio.file.Files;
 import java.nio.file.Path;
 
-/** From a path to text: what is refused before any parser sees it. */
+/** Reader of a file's text; refuses files that no parser should receive. */
 final class SourceText {
-    /** Largest world file, with all that it includes [bytes]. */
+    /** Maximum size of a world file with all included files [bytes]. */
     static final int MAX_BYTES = 16 << 20;
 
-    /** Longest stretch without any of {@link #BREAKS}; on longer ones a parser wastes seconds. */
+    /**
+     * Maximum length of a part without any of {@link #BREAKS} [characters]; longer parts take a
+     * parser seconds.
+     */
     static final int MAX_STRETCH = 65_536;
 
     private static final String BREAKS = "\n,:[]{}\"";
@@ -26,7 +29,7 @@ final class SourceText {
     /**
      * Reads a regular UTF-8 file.
      *
-     * @param bytes how many may be read
+     * @param bytes remaining number of bytes
      * @throws IOException if the system cannot read it
      */
     static String read(Path path, Problems problems, Allowance bytes)
@@ -43,7 +46,7 @@ final class SourceText {
                             : "not a regular file");
         }
         try (InputStream in = Files.newInputStream(path)) {
-            // what has no size, such as /proc/kmsg, may wait for ever
+            // A file without a size, such as /proc/kmsg, could block for ever.
             int size = (int) Math.min(Files.size(path), MAX_BYTES + 1L);
             return decode(in.readNBytes(size), problems, bytes);
         }
@@ -88,7 +91,7 @@ final class SourceText {
         }
     }
 
-    /** A problem where the given beginning of a file ends. */
+    /** Returns a problem at the end of the given beginning of a file. */
     private static WorldFileException atEnd(CharSequence text, Problems problems, String message) {
         int line = 1;
         int column = 1;

@@ -10,23 +10,23 @@ import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 
 /**
- * An item with formulas in its texts, in braces: {@code node-{i+1}}. A text that is one formula and
- * nothing else is its number, or a list of its numbers. {@code {{} and {@code }}} are plain braces.
+ * An item whose texts contain formulas in braces: {@code node-{i+1}}. A text that consists of one
+ * formula becomes its number or list of numbers. {@code {{} and {@code }}} are literal braces.
  */
 final class Template {
-    /** Longest text that formulas make [characters]. */
+    /** Maximum length of a text that formulas produce [characters]. */
     static final int MAX_TEXT = 4096;
 
-    /** So many characters of a text with formulas cost as much as one formula. */
+    /** Number of characters of a text with formulas that cost as much as one formula. */
     private static final int CHARACTERS_OF_A_FORMULA = 64;
 
     private static final Pattern PIECE =
             Pattern.compile("(\\{\\{|\\}\\})|\\{([^{}]*)\\}|([{}])|[^{}]+");
 
-    /** As many values of a mapping or list are copied with it and not counted. */
+    /** Number of values of a mapping or list that are copied without being counted. */
     private static final int FREE_CHILDREN = 8;
 
-    /** Makes one value of the item. */
+    /** Creates one value of the item. */
     private interface Maker {
         Node make(double[] variables, long number);
     }
@@ -35,9 +35,9 @@ final class Template {
     private record Part(String aspect, Maker maker) {}
 
     /**
-     * What formulas gave in one repetition.
+     * The result of formulas in one repetition.
      *
-     * @param aspect the mapping of the item that holds the value; empty for the item's own
+     * @param aspect the mapping of the item that contains the value; empty for the item's own
      * @param value under its key
      */
     record Made(String aspect, Node value) {}
@@ -50,7 +50,7 @@ final class Template {
     private long formulas;
 
     /**
-     * @param variables the names that formulas may use; what is wrong with them is noted
+     * @param variables the names that formulas may use; problems with formulas are noted
      */
     Template(Node item, List<String> variables, Problems problems) {
         this.variables = variables;
@@ -58,18 +58,20 @@ final class Template {
         this.maker = item(item);
     }
 
-    /** How many values are made anew for each item, or copied into one that is. */
+    /** Returns the number of values that are created or copied for each item. */
     int size() {
         return made;
     }
 
-    /** How many formulas are worked out for each item; long ones and long texts count as more. */
+    /**
+     * Returns the cost of each item in formula evaluations; long formulas and long texts cost more.
+     */
     long formulas() {
         return formulas;
     }
 
     /**
-     * The item of one repetition; a problem is noted where a formula has no value.
+     * Returns the item of one repetition; notes a problem where a formula has no value.
      *
      * @param values of the variables
      * @param number of the repetition, from 0
@@ -78,7 +80,7 @@ final class Template {
         return maker.make(values, number);
     }
 
-    /** As {@link #make}, but only what differs between repetitions. */
+    /** Returns, as {@link #make}, only the parts that differ between repetitions. */
     List<Made> makeParts(double[] values, long number) {
         List<Made> all = new ArrayList<>(parts.size());
         for (Part part : parts) {
@@ -87,7 +89,7 @@ final class Template {
         return all;
     }
 
-    /** The mapping without the values in which formulas stand. */
+    /** Returns the mapping without the values that contain formulas. */
     static Node withoutFormulas(Node mapping) {
         if (!hasFormula(mapping)) {
             return mapping;
@@ -103,7 +105,7 @@ final class Template {
         return mapping.withValue(fields);
     }
 
-    /** Whether a formula stands in the value, or anywhere in it. */
+    /** Returns whether the value or a nested value contains a formula. */
     static boolean hasFormula(Node node) {
         return node.text().filter(text -> text.indexOf('{') >= 0).isPresent()
                 || node.children().stream().anyMatch(Template::hasFormula);
@@ -241,7 +243,10 @@ final class Template {
         return node.withValue(text.toString());
     }
 
-    /** Finite numbers; 1 stands in where there is none, so that the rest is still checked. */
+    /**
+     * Returns finite numbers. Notes a problem and returns 1 if a formula has no value, so that the
+     * rest is still checked.
+     */
     private double[] value(Node node, Formula formula, double[] variableValues, long repetition) {
         String wrong;
         try {

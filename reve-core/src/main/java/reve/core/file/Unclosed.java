@@ -8,9 +8,8 @@ import java.util.Deque;
 import java.util.Optional;
 
 /**
- * Finds the quote or bracket that a YAML parser missed the end of: the parser complains where it
- * gave up, which may be the end of the file. Follows quotes, comments, brackets and block texts, no
- * more of YAML.
+ * Search for a quote or bracket that was not closed. A YAML parser reports only where it failed,
+ * which may be the end of the file. Understands quotes, comments, brackets and block texts only.
  */
 final class Unclosed {
     /**
@@ -28,10 +27,10 @@ final class Unclosed {
     private int line = 1;
     private int lineStart;
 
-    /** Of the line that is being read; -1 until it is asked for. */
+    /** Indent of the current line; -1 until it is computed. */
     private int indent = -1;
 
-    /** The quoted text read last, if it is of several lines. */
+    /** The last quoted text, if it spans several lines. */
     private @Nullable Opening quote;
 
     private int quoteEnd;
@@ -41,7 +40,7 @@ final class Unclosed {
     }
 
     /**
-     * What is not closed where a parser gave up.
+     * Returns the quote or bracket that is open where a parser failed.
      *
      * @param problemLine from 1
      * @param problemColumn from 1
@@ -116,7 +115,7 @@ final class Unclosed {
         at++;
     }
 
-    /** Lines of a block text are indented deeper than the line that it begins in. */
+    /** Skips a block text, whose lines are indented deeper than the line in which it begins. */
     private void skipBlock() {
         int outer = indent();
         skipLine();

@@ -4,7 +4,7 @@ package reve.core.file;
 import reve.core.frame.Timing;
 import reve.core.rule.Rule;
 import reve.core.world.ColumnArena;
-import reve.core.world.Forces;
+import reve.core.world.Force;
 import reve.core.world.Item;
 import reve.core.world.ItemDefinition;
 import reve.core.world.World;
@@ -20,18 +20,19 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * A world before it runs: what a world file says, checked and in SI units. Immutable; any number of
- * worlds can be built from it.
+ * The checked content of a world file in SI units. Immutable; any number of worlds can be built
+ * from it.
  *
- * @param doc what the world shows, for people; may be empty
- * @param age frames of simulated time that it has behind it when it begins
- * @param laws in the order in which they are loaded
- * @param constants values of the properties of the item {@code world}, by name [their units]
- * @param camera empty if pictures choose their own
- * @param rules which symbols items get, in the order in which they are evaluated
+ * @param doc description of the world for human readers; may be empty
+ * @param age frames of simulated time before the world begins
+ * @param laws in loading order
+ * @param constants values of the properties of the item {@code world}, by name [the property's
+ *     unit]
+ * @param camera viewpoint of pictures; empty fits them to the bodies
+ * @param rules that compute symbols, in order of evaluation
  * @param items in the order of the file; they may refer to each other
- * @param forces on items, in the order in which they are added up
- * @param warnings of what the file says, which is valid and perhaps not what was meant
+ * @param forces on items, in the order of summation
+ * @param warnings about the file
  */
 public record WorldDescription(
         String name,
@@ -47,6 +48,7 @@ public record WorldDescription(
         List<ItemDefinition> items,
         List<LastingForce> forces,
         List<Problem> warnings) {
+    /** Copies lists and maps, in their order. */
     public WorldDescription {
         laws = List.copyOf(laws);
         constants = Collections.unmodifiableMap(new LinkedHashMap<>(constants));
@@ -56,7 +58,7 @@ public record WorldDescription(
         warnings = List.copyOf(warnings);
     }
 
-    /** A world with nothing in it, no laws and no agents. */
+    /** Returns a description without items, laws and agents. */
     public static WorldDescription bare(String name, WorldPrototype prototype, Timing timing) {
         return new WorldDescription(
                 name,
@@ -74,14 +76,16 @@ public record WorldDescription(
                 List.of());
     }
 
-    /** The same world with other laws. */
+    /** Returns this description with other laws. */
     public WorldDescription withLaws(List<LawReference> others) {
         return new WorldDescription(
                 name, doc, prototype, timing, age, others, constants, camera, agents, rules, items,
                 forces, warnings);
     }
 
-    /** A new world with all items, owned by the calling thread; {@code arena} must outlive it. */
+    /**
+     * Builds a world with all items, owned by the calling thread; {@code arena} must outlive it.
+     */
     public World build(ColumnArena arena) {
         World world = new World(name, prototype, arena);
         world.setAge(age);
@@ -100,7 +104,7 @@ public record WorldDescription(
                 force ->
                         world.forces()
                                 .add(
-                                        new Forces.Force(
+                                        new Force(
                                                 world.find(force.item()).orElseThrow().id(),
                                                 force.newtons(),
                                                 force.frames())));
@@ -108,10 +112,10 @@ public record WorldDescription(
     }
 
     /**
-     * This world as it has become: its items and constants as they are now, in an order that gives
-     * the rows that laws see their places. World's thread.
+     * Returns a description of the current world: its items and constants, in an order that
+     * preserves the rows that laws see. World's thread.
      *
-     * @param world what was built of this
+     * @param world built from this description
      * @param nowLoaded the laws that act on it now
      */
     public WorldDescription of(World world, List<LawReference> nowLoaded) {
@@ -140,10 +144,13 @@ public record WorldDescription(
                 List.of());
     }
 
-    /** Those on items that have gone, or are scenery now, end with the next frame. */
+    /**
+     * Returns the lasting forces, without those on items that were removed or are scenery now; they
+     * end with the next frame.
+     */
     private static List<LastingForce> forcesIn(World world) {
         List<LastingForce> forces = new ArrayList<>();
-        for (Forces.Force force : world.forces().active()) {
+        for (Force force : world.forces().active()) {
             world.find(force.item())
                     .filter(item -> !item.physics().isEmpty())
                     .ifPresent(
@@ -156,9 +163,9 @@ public record WorldDescription(
     }
 
     /**
-     * All items but {@code world}, so that adding them in this order to an empty world of the same
-     * prototype gives each that takes part in physics the row that it has here: in the order of
-     * their ids as far as the order of the rows allows.
+     * Returns all items except {@code world}. Adding them in this order to an empty world of the
+     * same prototype gives each item with a physics aspect its current row. The order is by id as
+     * far as the rows permit.
      */
     private static List<Item> inOrderOfRows(World world) {
         Map<String, Integer> rows = new HashMap<>();
@@ -168,7 +175,7 @@ public record WorldDescription(
                 ordered.add(item);
             } else if (!item.kind().equals(WorldPrototype.WORLD)) {
                 int row = rows.merge(item.kind(), 1, Integer::sum) - 1;
-                ordered.add(world.table(item.kind()).itemAt(row));
+                ordered.add(world.item(world.table(item.kind()).idAt(row)));
             }
         }
         return ordered;

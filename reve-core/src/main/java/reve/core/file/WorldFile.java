@@ -16,22 +16,22 @@ import java.util.Optional;
 import java.util.Set;
 
 /**
- * Reads world files: YAML (any JSON file is also valid) that follows the schema {@code
- * reve-world.schema.json}. Any thread; nothing is kept between calls.
+ * Reader of world files: YAML (including JSON) that follows the schema {@code
+ * reve-world.schema.json}. Any thread; keeps no state between calls.
  */
 public final class WorldFile {
-    /** The format version that {@code reve:} names. */
+    /** Version of the format, the value of the key {@code reve}. */
     public static final int FORMAT_VERSION = 1;
 
-    /** Of the world file in a folder. */
+    /** File name of a world in a folder. */
     public static final String NAME = "world.yaml";
 
     private WorldFile() {}
 
     /**
-     * Reads and checks a whole file, with those that it includes.
+     * Reads and checks a file with its included files.
      *
-     * @throws WorldFileException with all that is wrong with it, by line and column
+     * @throws WorldFileException with all problems, by line and column
      * @throws IOException if the system cannot read it
      */
     public static WorldDescription load(Path path) throws WorldFileException, IOException {
@@ -42,8 +42,8 @@ public final class WorldFile {
     }
 
     /**
-     * As {@link #load}, of the {@value #NAME} of a folder, which leads out of it no more than what
-     * it names does: nobody chose that file.
+     * Reads the {@value #NAME} of a folder, as {@link #load}. Neither the file nor the files that
+     * it names may be outside the folder, because the user chose only the folder.
      *
      * @throws WorldFileException if it is a link out of the folder, or not a regular file
      */
@@ -58,9 +58,9 @@ public final class WorldFile {
     }
 
     /**
-     * Reads and checks the bytes of a file, which has no folder to find others in.
+     * Reads and checks the bytes of a file, which cannot refer to other files.
      *
-     * @param name what problems call the file
+     * @param name of the file in problems
      * @throws WorldFileException as {@link #load}
      */
     public static WorldDescription parse(String name, byte[] content) throws WorldFileException {
@@ -70,12 +70,11 @@ public final class WorldFile {
     }
 
     /**
-     * Writes a world file that {@link #load} reads back to the bit, in place of the one that may be
-     * there: all of it, or nothing. Models and images are named as they were: relative to the
-     * folder of the file that the world came from.
+     * Writes a world file atomically; {@link #load} reads it back to the bit. The names of models
+     * and images stay relative to the folder of the original world file.
      *
-     * @throws IllegalArgumentException naming what no world file can hold, such as a world that is
-     *     too large
+     * @throws IllegalArgumentException naming what a world file cannot express, for example a world
+     *     that is too large
      * @throws IOException if the system cannot write it
      */
     public static void save(Path path, WorldDescription world) throws IOException {
@@ -100,19 +99,19 @@ public final class WorldFile {
         }
     }
 
-    /** As the other one, of an item that needs no files. */
+    /** Reads an item that uses no files. */
     public static ItemDefinition parseItem(String name, String text, WorldPrototype prototype)
             throws WorldFileException {
         return parseItem(name, text, prototype, new Assets(WorldFolder.none()));
     }
 
     /**
-     * Reads and checks what {@link ItemWriter} wrote. Items that it refers to are not looked for,
-     * and need not be given; an action may take it that the item has physics.
+     * Reads and checks text of an {@link ItemWriter}. Referenced items need not exist; actions may
+     * assume that the item has a physics aspect.
      *
-     * @param name what problems call the text
-     * @param prototype of the world that the item is for
-     * @param assets where its mesh and texture come from
+     * @param name of the text in problems
+     * @param prototype of the item's world
+     * @param assets source of its mesh and texture
      * @throws WorldFileException as {@link #load}
      */
     public static ItemDefinition parseItem(

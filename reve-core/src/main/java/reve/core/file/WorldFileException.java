@@ -4,7 +4,10 @@ package reve.core.file;
 import java.util.List;
 import java.util.stream.Collectors;
 
-/** A world file was refused. Its message is all problems, one a line, in the order of the file. */
+/**
+ * The refusal of a world file. Its message contains all problems, one per line, in the order of the
+ * file.
+ */
 public final class WorldFileException extends Exception {
     private static final long serialVersionUID = 1L;
 
@@ -15,7 +18,7 @@ public final class WorldFileException extends Exception {
         this.problems = List.copyOf(problems);
     }
 
-    /** At least one, sorted by position. */
+    /** Returns the problems sorted by position; at least one. */
     public List<Problem> problems() {
         return problems;
     }

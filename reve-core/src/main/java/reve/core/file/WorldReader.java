@@ -16,7 +16,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 
-/** Reads a whole file whose form was checked; what the schema cannot express is checked here. */
+/** Reader of a whole file after the schema check; it checks what the schema cannot express. */
 final class WorldReader {
     private static final Unit METRE = Unit.parse("m");
     private static final double DEFAULT_FOV_RADIANS = Math.PI / 4;
@@ -148,7 +148,10 @@ final class WorldReader {
         return laws;
     }
 
-    /** Which parameters a law has, only the law knows; here they become numbers in SI units. */
+    /**
+     * Reads a law and converts its parameters to SI units. Only the law knows which parameters it
+     * has.
+     */
     private LawReference law(String name, Node law, String place, PhysicsReader physics) {
         Map<String, Double> values = new LinkedHashMap<>();
         Map<String, LawReference.Mention> mentions = new LinkedHashMap<>();

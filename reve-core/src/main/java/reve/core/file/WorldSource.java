@@ -13,18 +13,18 @@ import java.util.Optional;
 import java.util.Set;
 
 /**
- * A world file with the files that it includes, directly or not, each once, their form checked.
+ * A world file with its included files, direct or not, each once, after the schema check.
  *
  * @param world the outermost mapping of the world file
- * @param parts those of all files; what is included comes before what includes it
- * @param files where files that the world names are found
+ * @param parts the outermost mappings of all files; an included file precedes the including one
+ * @param files resolves the files that the world names
  */
 record WorldSource(Node world, List<Node> parts, SourceFiles files) {
-    /** Most files of which each is included by the one before. */
+    /** Maximum depth of inclusion. */
     static final int MAX_DEPTH = 16;
 
     /**
-     * Reads a world file and what it includes.
+     * Reads a world file and its included files.
      *
      * @throws IOException if the system cannot read the world file
      */
@@ -36,23 +36,23 @@ record WorldSource(Node world, List<Node> parts, SourceFiles files) {
         return reader.read(text);
     }
 
-    /** Reads a world that is in no file, and can therefore include none. */
+    /** Reads a world that is not in a file, and can therefore include none. */
     static WorldSource parse(byte[] content, Problems problems) throws WorldFileException {
         var reader = new Reader(WorldFolder.none(), problems);
         return reader.read(reader.files.decode(content, problems));
     }
 
-    /** What a key has under it in each file that has it. */
+    /** Returns the value of a key in each file that has it. */
     List<Node> each(String key) {
         return parts.stream().map(part -> part.get(key)).flatMap(Optional::stream).toList();
     }
 
-    /** What a key holds, in all files together. */
+    /** Returns the elements under a key in all files. */
     List<Node> all(String key) {
         return each(key).stream().flatMap(node -> node.children().stream()).toList();
     }
 
-    /** What a key holds by name, in all files together. */
+    /** Returns the named values under a key in all files. */
     List<Node> named(String key) {
         return each(key).stream()
                 .filter(Node::isMapping)
@@ -66,7 +66,7 @@ record WorldSource(Node world, List<Node> parts, SourceFiles files) {
         private final Allowance values = new Allowance(YamlReader.MAX_VALUES);
         private final List<Node> parts = new ArrayList<>();
 
-        /** Real paths of files that are being read, the innermost last, and that were read. */
+        /** Real paths of the files in progress, the innermost last. */
         private final Set<Path> open = new LinkedHashSet<>();
 
         private final Set<Path> done = new HashSet<>();

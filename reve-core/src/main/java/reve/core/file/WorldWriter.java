@@ -16,12 +16,12 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * Worlds as text of one world file: the same text for the same world, and reading it gives the
- * world back to the bit. Prefabs, repetitions and included files are written out; models and images
- * stay files of their own.
+ * Writer of a world as text of one world file. The same world always gives the same text, and
+ * reading it restores the world to the bit. Prefabs, repetitions and included files are expanded;
+ * models and images stay separate files.
  */
 public final class WorldWriter {
-    /** As the schema says. */
+    /** Maximum number of forces, as in the schema. */
     private static final int MAX_FORCES = 10_000;
 
     private final WorldDescription world;
@@ -33,9 +33,9 @@ public final class WorldWriter {
     }
 
     /**
-     * The text of a world file.
+     * Returns the text of a world file.
      *
-     * @throws IllegalArgumentException naming the item or property that no world file can hold
+     * @throws IllegalArgumentException naming the item or property that a world file cannot express
      */
     public static String write(WorldDescription world) {
         return YamlWriter.write(new WorldWriter(world).tree());
@@ -162,7 +162,7 @@ public final class WorldWriter {
         return tree;
     }
 
-    /** Empty for the prototype's own reals. */
+    /** Returns the property's type; empty for the prototype's own real type. */
     private Optional<String> type(PropertyDescriptor property) {
         if (property.type() == world.prototype().realType()) {
             return Optional.empty();

@@ -32,37 +32,40 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * Text to {@link Node}s: one YAML 1.2 document of mappings, lists and scalars. What makes YAML
- * surprising or dangerous (aliases, tags, several documents, deep nesting) is refused.
+ * Reader of text to {@link Node}s: one YAML 1.2 document of mappings, lists and scalars. Surprising
+ * or dangerous features of YAML are refused: aliases, tags, several documents, deep nesting.
  */
 final class YamlReader {
-    /** Deepest nesting of mappings and lists. */
+    /** Maximum nesting of mappings and lists. */
     static final int MAX_DEPTH = 32;
 
-    /** Most values, counting mappings and lists, in a file and those that it includes. */
+    /** Maximum number of values, including mappings and lists, in a file and its included files. */
     static final int MAX_VALUES = 2_000_000;
 
-    /** Most of them outside of {@code items}: nobody needs more, and refusing them is quick. */
+    /**
+     * Maximum number of these values outside {@code items}, so that useless files are refused
+     * early.
+     */
     static final int MAX_OTHER_VALUES = 500_000;
 
-    /** Most keys of one mapping. */
+    /** Maximum number of keys of one mapping. */
     static final int MAX_KEYS = 65_536;
 
-    /** Longest text of a key or a value [characters]. */
+    /** Maximum length of a key or a value [characters]. */
     static final int MAX_TEXT_LENGTH = 65_536;
 
     /**
-     * Most characters that are read at once. For each piece the scanner copies what it has not
-     * taken, so that pieces of its default size make it quadratic in the length of a token.
+     * Maximum size of a piece that is read at once [characters]. The scanner copies the unread rest
+     * for each piece, so its default piece size takes quadratic time in the length of a token.
      */
     private static final int MAX_PIECE = 1 << 20;
 
     private static final int MIN_PIECE = 1024;
 
-    /** Longest part of a message of the parser, which may quote the file [characters]. */
+    /** Maximum length of part of a parser message, which may quote the file [characters]. */
     private static final int MAX_QUOTE = 200;
 
-    /** What begins with a sign that no world file has a use for, as the parser calls it. */
+    /** Values that begin with an unused YAML indicator, as the parser names them. */
     private static final Map<String, String> SIGNS =
             Map.of(
                     " tag",
@@ -80,22 +83,22 @@ final class YamlReader {
     private final Allowance values;
     private final ScalarResolver resolver = new CoreScalarResolver(false);
 
-    /** The mapping or list being read, innermost last. */
+    /** The open mappings and lists, innermost last. */
     private final Deque<Node> open = new ArrayDeque<>();
 
     private @Nullable Node root;
 
-    /** A key whose value comes next. */
+    /** A key whose value follows. */
     private Node.@Nullable Slot waiting;
 
-    /** Where what was taken last begins. */
+    /** Start of the last event. */
     private Optional<Mark> taken = Optional.empty();
 
     private int documents;
     private boolean inItems;
     private int others;
 
-    /** The place of the text that was looked up last, in code points and in characters. */
+    /** Position of the last text lookup, in code points and in characters. */
     private int passedPoints;
 
     private int passed;
@@ -108,11 +111,11 @@ final class YamlReader {
     }
 
     /**
-     * The outermost mapping of the text. Duplicate keys and numbers that are not finite are noted
-     * in {@code problems} and reading goes on.
+     * Returns the outermost mapping of the text. Notes duplicate keys and numbers that are not
+     * finite in {@code problems}, and continues.
      *
-     * @param values how many may be read
-     * @throws WorldFileException for what ends the reading: syntax, limits, refused YAML features
+     * @param values remaining number of values
+     * @throws WorldFileException if reading cannot continue: syntax, limits, refused YAML features
      */
     static Node read(String text, Problems problems, Allowance values) throws WorldFileException {
         return read(text, problems, values, false);
@@ -146,14 +149,14 @@ final class YamlReader {
         return reader.requireRoot();
     }
 
-    /** As {@link #read}, of what a store kept, in which a text may hold half a character. */
+    /** Reads stored text, as {@link #read}; texts may contain unpaired surrogates. */
     static Node readKept(String text, Problems problems) throws WorldFileException {
         return read(text, problems, new Allowance(MAX_VALUES), true);
     }
 
     /**
-     * Leaves one place of the buffer free, where the library puts the second half of a surrogate
-     * pair that the buffer would end in.
+     * A reader that leaves one place of the buffer free. The library puts the second half of a
+     * surrogate pair there if the buffer would end between the halves.
      */
     private static final class WholeCharacters extends StringReader {
         WholeCharacters(String text) {
@@ -191,7 +194,7 @@ final class YamlReader {
                 takeScalar(scalar);
             }
             case CollectionEndEvent end -> open.removeLast();
-            default -> {} // begin and end of the stream and of its document
+            default -> {} // start and end of the stream and of its document
         }
     }
 
@@ -266,7 +269,7 @@ final class YamlReader {
         }
     }
 
-    /** A plain scalar by YAML's core schema: a number, a truth value, nothing, or else text. */
+    /** Resolves a plain scalar by YAML's core schema: a number, a boolean, null, or text. */
     private @Nullable Object resolve(ScalarEvent scalar) {
         String text = scalar.getValue();
         Tag tag = resolver.resolve(text, true);
@@ -314,7 +317,7 @@ final class YamlReader {
                         + (digits
                                 ? "`" + Node.shorten(text) + "` is too large for a 64-bit number"
                                 : "`" + text + "` is not a finite number"));
-        return 1.0; // stands in, so that the rest of the file is still checked
+        return 1.0; // a placeholder, so that the rest of the file is still checked
     }
 
     private String subjectOfNext() {
@@ -387,7 +390,7 @@ final class YamlReader {
                 message);
     }
 
-    /** Blames the first escape from there on that stands for no character. */
+    /** Returns a problem at the first invalid escape from a position on. */
     private Problem noCharacter(Optional<Mark> from) {
         int begin = offset(from);
         Optional<Escapes.Wrong> wrong = Escapes.find(text, begin);
@@ -410,7 +413,10 @@ final class YamlReader {
         return problems.fatal(problem.line(), problem.column(), problem.message());
     }
 
-    /** Goes on from the last place, because later values have later marks. */
+    /**
+     * Returns the character offset of a mark. Continues from the last lookup, because marks only
+     * increase.
+     */
     private int offset(Optional<Mark> mark) {
         int points = mark.map(Mark::getIndex).orElse(0);
         if (points < passedPoints) {
@@ -424,7 +430,7 @@ final class YamlReader {
         return passed;
     }
 
-    /** Blames the quote or bracket that is not closed, if one is. */
+    /** Returns an exception that names the quote or bracket that is not closed, if there is one. */
     private WorldFileException notYaml(MarkedYamlEngineException syntax) {
         int line = syntax.getProblemMark().map(Mark::getLine).orElse(0) + 1;
         int column = syntax.getProblemMark().map(Mark::getColumn).orElse(0) + 1;
@@ -449,7 +455,7 @@ final class YamlReader {
                         + (comment ? "; a # begins a comment unless it is in quotes" : ""));
     }
 
-    /** The parser's two half sentences as one, without its picture of the line. */
+    /** Joins the parser's two half sentences, without its excerpt of the line. */
     private static String sentence(MarkedYamlEngineException syntax) {
         String context = syntax.getContext();
         String problem =

@@ -26,9 +26,9 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * Mappings, lists, texts, numbers and truth values to YAML that {@link YamlReader} reads back to
- * the bit: always the same text for the same values. What holds a mapping stands on lines of its
- * own, anything else on one line.
+ * Writer of mappings, lists, texts, numbers and booleans as YAML that {@link YamlReader} reads back
+ * to the bit. The same values always give the same text. A value that contains a mapping is written
+ * on several lines, any other value on one.
  */
 final class YamlWriter {
     private static final int WIDTH = 100;
@@ -63,9 +63,9 @@ final class YamlWriter {
                         });
     }
 
-    /** A number as it is written in lists and mappings. */
+    /** The text of a number in lists and mappings. */
     record Numeral(String text) {
-        /** The shortest text that is read as exactly this number. */
+        /** Returns the shortest text that is read as exactly this number. */
         static Numeral of(double value) {
             boolean negativeZero = value == 0 && 1 / value < 0;
             boolean integer =
@@ -75,7 +75,7 @@ final class YamlWriter {
             return new Numeral(integer ? Long.toString((long) value) : Double.toString(value));
         }
 
-        /** As {@link #of(double)} for what is kept as a 32-bit real. */
+        /** Returns the shortest text that is read as exactly this 32-bit number. */
         static Numeral of(float value) {
             double shortest = Double.parseDouble(Float.toString(value));
             return of((float) shortest == value ? shortest : value);
@@ -83,8 +83,10 @@ final class YamlWriter {
     }
 
     /**
+     * Returns the YAML of a tree.
+     *
      * @param tree maps with texts as keys, collections, String, Boolean and {@link Numeral}
-     * @throws IllegalArgumentException if these are more values than would be read
+     * @throws IllegalArgumentException if the reader's limit of values is exceeded
      */
     static String write(Map<String, ?> tree) {
         var out = new StringBuilder();
@@ -149,7 +151,7 @@ final class YamlWriter {
         scalar(text, NO_TAG, ScalarStyle.PLAIN);
     }
 
-    /** In quotes where it would be taken for a number, a truth value or nothing. */
+    /** Writes a text, quoted if it would otherwise be read as a number, a boolean or null. */
     private void text(String text) {
         if (!text.codePoints().allMatch(YamlWriter::isPlain)) {
             scalar(text, QUOTED, ScalarStyle.DOUBLE_QUOTED);
@@ -160,7 +162,7 @@ final class YamlWriter {
         }
     }
 
-    /** What can be seen and is one character to everybody. */
+    /** Returns whether a character is visible and the same for every reader. */
     private static boolean isPlain(int codePoint) {
         return codePoint >= ' ' && codePoint <= '~' || Character.isLetterOrDigit(codePoint);
     }

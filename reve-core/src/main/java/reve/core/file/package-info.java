@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /**
- * World files: YAML (or JSON) that a person writes, checked as a whole, with every problem reported
- * at its line and column before anything is built. {@link WorldFile} is the way in.
+ * World files: YAML (or JSON) that a person writes. A file is checked completely, and every problem
+ * is reported with line and column before a world is built. {@link WorldFile} is the entry point.
  */
 @NullMarked
 package reve.core.file;

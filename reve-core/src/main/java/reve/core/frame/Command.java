@@ -3,31 +3,34 @@ package reve.core.frame;
 
 import reve.core.world.World;
 
-/** Something that wants to be done to the world, from any thread, once, in ACT of some frame. */
+/** A request to change the world, from any thread, executed once in ACT of a frame. */
 public interface Command {
 
-    /** Declared name of who asks; commands of one frame are ordered by it first. */
+    /** Returns the name of the sender; commands of one frame are first ordered by it. */
     String origin();
 
-    /** Rises with every command of an origin; orders them. */
+    /** Returns a number that increases with each command of an origin, and orders them. */
     long sequence();
 
     /**
-     * True if it need not wait for a frame: it is executed between two frames where that comes
-     * sooner, see {@link FrameLoop#executePrompt}.
+     * Returns true if the command need not wait for a frame: it may be executed between two frames,
+     * see {@link FrameLoop#executePrompt}.
      */
     default boolean isPrompt() {
         return false;
     }
 
     /**
-     * True if the command is not to be executed in this frame. Then it waits for the next one, and
-     * so does all that its origin has said after it. Asked in ACT.
+     * Returns true if the command must wait for the next frame. Later commands of its origin then
+     * wait, too. Called in ACT.
      */
     default boolean mustWait(FrameEvent event) {
         return false;
     }
 
-    /** Called on the world's thread in ACT. What it throws is reported and harms nobody else. */
+    /**
+     * Executes the command. Called on the world's thread in ACT. An exception is reported and does
+     * not affect other commands.
+     */
     void execute(World world, FrameEvent event);
 }

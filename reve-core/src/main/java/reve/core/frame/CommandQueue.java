@@ -10,9 +10,9 @@ import java.util.concurrent.ConcurrentLinkedQueue;
 import java.util.concurrent.atomic.AtomicInteger;
 
 /**
- * The way into the world from other threads. INTAKE takes what has arrived into the frame, ACT
- * executes it ordered by origin and sequence, so that the order of arrival within a frame does not
- * matter. Prompt commands may come before their frame. Bounded, and lock-free on both sides.
+ * The queue of commands from other threads. INTAKE takes the queued commands into the frame, and
+ * ACT executes them in order of origin and sequence, so the order of arrival within a frame has no
+ * effect. Prompt commands may be executed before the frame. Bounded, and lock-free on both sides.
  */
 public final class CommandQueue {
 
@@ -24,13 +24,13 @@ public final class CommandQueue {
     private final AtomicInteger waiting = new AtomicInteger();
     private final List<Command> taken = new ArrayList<>();
 
-    /** Those that must wait for the next frame; they count as waiting. */
+    /** Commands that must wait for the next frame; they count as waiting. */
     private final List<Command> postponed = new ArrayList<>();
 
     private final FaultLog faults = new FaultLog();
 
     /**
-     * @param capacity most commands that may wait for the next frame
+     * @param capacity maximum number of commands that wait for the next frame
      */
     public CommandQueue(int capacity) {
         if (capacity < 1) {
@@ -40,13 +40,13 @@ public final class CommandQueue {
         this.capacity = capacity;
     }
 
-    /** Makes the queue take part in frames. */
+    /** Subscribes the queue to INTAKE and ACT. */
     public void subscribeTo(FrameBus bus) {
         bus.subscribe(FramePhase.INTAKE, "command queue", this::take);
         bus.subscribe(FramePhase.ACT, "command queue", this::execute);
     }
 
-    /** Queues a command for the next frame. Any thread; false if the queue is full. */
+    /** Queues a command for the next frame. Returns false if the queue is full. Any thread. */
     public boolean offer(Command command) {
         if (waiting.incrementAndGet() > capacity) {
             waiting.decrementAndGet();
@@ -56,7 +56,7 @@ public final class CommandQueue {
         return true;
     }
 
-    /** Executes the prompt commands that have arrived; between frames. */
+    /** Executes the queued prompt commands; between frames. */
     void executePrompt(FrameEvent event) {
         for (Iterator<Command> all = arrived.iterator(); all.hasNext(); ) {
             Command command = all.next();
@@ -71,8 +71,8 @@ public final class CommandQueue {
     }
 
     private void take(FrameEvent event) {
-        // What arrives while we take belongs to the next frame, else a fast sender could hold us
-        // here.
+        // Commands that arrive during this loop belong to the next frame; otherwise a fast sender
+        // could keep the loop running.
         for (int i = waiting.get(); i > 0; i--) {
             Command command = arrived.poll();
             if (command == null) {
@@ -81,7 +81,7 @@ public final class CommandQueue {
             waiting.decrementAndGet();
             taken.add(command);
         }
-        if (!postponed.isEmpty()) { // addAll allocates for an empty list, too
+        if (!postponed.isEmpty()) { // addAll allocates even for an empty list
             waiting.addAndGet(-postponed.size());
             taken.addAll(postponed);
             postponed.clear();
@@ -106,7 +106,10 @@ public final class CommandQueue {
         taken.clear();
     }
 
-    /** Commands are executed in the order of their origins, so the last one that waits tells. */
+    /**
+     * Returns whether an earlier command of this origin waits. Commands are in order of origin, so
+     * the last waiting command decides.
+     */
     private boolean isOfWaiting(String origin) {
         return !postponed.isEmpty() && postponed.getLast().origin().equals(origin);
     }

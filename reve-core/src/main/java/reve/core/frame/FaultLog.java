@@ -11,7 +11,10 @@ import java.util.LinkedHashMap;
 import java.util.Map;
 import java.util.Set;
 
-/** Turns what listeners and commands throw into "fault" events, each distinct message once. */
+/**
+ * The conversion of exceptions of listeners and commands to "fault" events, once for each distinct
+ * message.
+ */
 final class FaultLog {
 
     private static final Logger LOG = LoggerFactory.getLogger(FaultLog.class);
@@ -19,7 +22,7 @@ final class FaultLog {
 
     private final Set<String> reported = new HashSet<>();
 
-    /** Reports unless this source said the same before, or too much was reported already. */
+    /** Reports a fault, unless the source reported the same before or the limit is reached. */
     void report(FrameEvent event, String source, Throwable fault) {
         String message = String.valueOf(fault.getMessage());
         String type = fault.getClass().getSimpleName();

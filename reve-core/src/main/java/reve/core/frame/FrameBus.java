@@ -5,19 +5,20 @@ import java.util.Arrays;
 import java.util.concurrent.atomic.AtomicReferenceArray;
 
 /**
- * Tells listeners about the phases of each frame, in the order they subscribed. Subscribing and
- * closing work from any thread; calls come on the world's thread.
+ * The bus that notifies listeners of the phases of each frame, in order of subscription. Any thread
+ * may subscribe and close; listeners are called on the world's thread.
  */
 public final class FrameBus {
 
     private static final Subscriber[] NONE = {};
 
-    /** By phase; an array is never changed, only replaced. */
+    /** Subscribers by phase; an array is replaced and never changed. */
     private final AtomicReferenceArray<Subscriber[]> subscribers =
             new AtomicReferenceArray<>(FramePhase.values().length);
 
     private final FaultLog faults = new FaultLog();
 
+    /** Creates a bus without subscribers. */
     public FrameBus() {
         for (int i = 0; i < subscribers.length(); i++) {
             subscribers.set(i, NONE);
@@ -27,8 +28,8 @@ public final class FrameBus {
     /**
      * Adds a listener, from the next dispatch of its phase on.
      *
-     * @param name who it is, for messages
-     * @throws IllegalStateException if the phase is PHYSICS and has a listener already
+     * @param name of the listener, for messages
+     * @throws IllegalStateException if the phase is PHYSICS and already has a listener
      */
     public synchronized Subscription subscribe(
             FramePhase phase, String name, FrameListener listener) {
@@ -48,8 +49,8 @@ public final class FrameBus {
     }
 
     /**
-     * Calls the listeners of the event's phase. One that throws does not keep the others from being
-     * called; it is reported as a "fault" event, once for each distinct message.
+     * Calls the listeners of the event's phase. If one throws, the others are still called, and a
+     * "fault" event is raised, once for each distinct message.
      */
     void dispatch(FrameEvent event) {
         for (Subscriber subscriber : subscribers.get(event.phase().ordinal())) {

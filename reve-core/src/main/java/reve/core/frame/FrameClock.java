@@ -3,7 +3,7 @@ package reve.core.frame;
 
 import java.util.concurrent.locks.LockSupport;
 
-/** The only clock a frame loop sees; it decides when frames run, never what is in them. */
+/** The only clock of a frame loop. It determines when frames run, never their content. */
 public interface FrameClock {
 
     /** The machine's monotonic clock. */
@@ -20,9 +20,9 @@ public interface FrameClock {
                 }
             };
 
-    /** Monotonic time from an arbitrary origin [ns]. */
+    /** Returns monotonic time from an arbitrary origin [ns]. */
     long nanoTime();
 
-    /** Waits about that long [ns]; may return early, and does when the thread is unparked. */
+    /** Waits for about that long [ns]. May return early, and does when the thread is unparked. */
     void park(long nanoseconds);
 }

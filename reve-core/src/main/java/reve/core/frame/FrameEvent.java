@@ -3,7 +3,9 @@ package reve.core.frame;
 
 import reve.core.world.World;
 
-/** What a listener is told. One object serves all calls: valid during the call only. */
+/**
+ * The data of a frame for listeners. One object serves all calls and is valid only during the call.
+ */
 public final class FrameEvent {
 
     private final World world;
@@ -17,32 +19,34 @@ public final class FrameEvent {
     }
 
     /**
-     * 1 for the first frame; 0 while the world as it was built is derived and published. It never
-     * goes back, as time does when the world goes back to an image.
+     * Returns the number of the frame, from 1; 0 while the initial world is derived and published.
+     * It never decreases, unlike time when the world is rewound.
      */
     public long frame() {
         return frame;
     }
 
+    /** Returns the current phase of the frame. */
     public FramePhase phase() {
         return phase;
     }
 
-    /** Simulated time at the end of this frame [s]. */
+    /** Returns the simulated time at the end of this frame [s]. */
     public double timeSeconds() {
         return timing.timeSeconds(world.age());
     }
 
-    /** Length of one physics step [s]. */
+    /** Returns the length of one physics step [s]. */
     public double dtSeconds() {
         return timing.dtSeconds();
     }
 
-    /** Physics steps per frame. */
+    /** Returns the number of physics steps per frame. */
     public int steps() {
         return timing.stepsPerFrame();
     }
 
+    /** Returns the world of the frame. */
     public World world() {
         return world;
     }

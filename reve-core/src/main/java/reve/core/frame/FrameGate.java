@@ -4,12 +4,12 @@ package reve.core.frame;
 import java.util.function.BooleanSupplier;
 
 /**
- * Keeps a frame loop from beginning its next frame for a while. Called on the loop's thread between
- * frames, and must not block, but where said otherwise.
+ * A condition that a frame loop checks before each frame. Called on the loop's thread between
+ * frames; must not block, unless a method says otherwise.
  */
 public interface FrameGate {
 
-    /** Holds nothing. */
+    /** A gate that is always open. */
     FrameGate OPEN =
             new FrameGate() {
                 @Override
@@ -25,32 +25,35 @@ public interface FrameGate {
             };
 
     /**
-     * Whether a frame may begin that is due.
+     * Returns whether a due frame may begin.
      *
-     * @param nowNanoseconds what the loop's clock shows
-     * @return 0 or less if it may, else the time after which to ask again [ns], sooner if the loop
-     *     is woken up ({@link FrameLoop#wake})
+     * @param nowNanoseconds time of the loop's clock [ns]
+     * @return 0 or less if it may begin, otherwise the time after which to ask again [ns]; the loop
+     *     asks earlier if it is woken ({@link FrameLoop#wake})
      */
     long nanosecondsToWait(long frame, long nowNanoseconds);
 
     /**
-     * Lets the loop's thread wait, for about that long [ns] or until {@link #wake}. A gate that
-     * opens by what this thread could do meanwhile may have it do that.
+     * Blocks the loop's thread for about that long [ns] or until {@link #wake}. The gate may
+     * meanwhile do work on this thread that could open it.
      *
-     * @param disturbed true if the loop has something else to do; a gate that does not park the
-     *     thread asks it before it waits
-     * @param clock the loop's own
+     * @param disturbed returns true if the loop has other work; a gate that does not park the
+     *     thread checks it before it waits
+     * @param clock the loop's clock
      */
     default void await(long nanoseconds, BooleanSupplier disturbed, FrameClock clock) {
         clock.park(nanoseconds);
     }
 
-    /** Ends {@link #await}; the loop's thread is unparked, too. Any thread. */
+    /** Ends {@link #await}; the loop's thread is also unparked. Any thread. */
     default void wake() {}
 
-    /** The loop is paused: time that was waited until now counts no more. */
+    /** Notifies the gate that the loop is paused: the waiting time so far no longer counts. */
     void paused();
 
-    /** The world has become that of another frame, see {@link FrameLoop#continueAfter}. */
+    /**
+     * Notifies the gate that the world was replaced by that of another frame, see {@link
+     * FrameLoop#continueAfter}.
+     */
     void continuesAfter(long frame);
 }

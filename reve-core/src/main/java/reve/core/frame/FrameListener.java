@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.frame;
 
-/** Something that takes part in frames. */
+/** A participant of frames. */
 @FunctionalInterface
 public interface FrameListener {
 
     /**
-     * Called on the world's thread, in the phase subscribed to; must not keep the event. The frame,
-     * and with it everybody in the world, waits until it returns: it neither sleeps nor waits for
-     * files, sockets or locks, but leaves such work to a thread of its own. Nothing ends one that
-     * does; what it throws is a "fault", and the others are called all the same.
+     * Handles one phase of a frame. Called on the world's thread; must not retain the event. The
+     * frame and all clients wait until it returns, so it must not sleep or wait for files, sockets
+     * or locks; use another thread for such work. A listener that blocks is not interrupted. An
+     * exception is reported as a "fault", and the other listeners are still called.
      */
     void onFrame(FrameEvent event);
 }

@@ -4,6 +4,7 @@ package reve.core.frame;
 import org.jspecify.annotations.Nullable;
 
 import reve.core.world.Activity;
+import reve.core.world.FrameControl;
 import reve.core.world.World;
 
 import java.util.EnumMap;
@@ -17,29 +18,31 @@ import java.util.concurrent.locks.LockSupport;
 import java.util.function.BooleanSupplier;
 
 /**
- * Makes the frames of a world, all on the thread that calls {@link #step} or {@link #run}, which
- * thereby owns the world.
+ * The loop that makes the frames of a world on the thread that calls {@link #step} or {@link #run};
+ * this thread owns the world.
  *
- * <p>Frame 0 is the world as it was built: before the first frame it is derived and published, so
- * that readers can see it. A frame ends at a x steps x dt of simulated time, where a is the world's
- * age in frames.
+ * <p>Frame 0 is the initial world: it is derived and published before the first frame, so that
+ * readers can see it. A frame ends at a x steps x dt of simulated time, where a is the world's age
+ * in frames.
  */
 public final class FrameLoop {
 
     /**
-     * Most frames that a late loop runs without a pause to catch up; older lateness is given up.
+     * Maximum number of frames that a late loop runs without waiting, to catch up; older delay is
+     * dropped.
      */
     public static final int MAX_CATCH_UP_FRAMES = 4;
 
     private static final long UNLIMITED = Long.MAX_VALUE;
     private static final long AT_WORK = Long.MIN_VALUE;
 
-    /** How long a paused loop sleeps at most; whoever resumes it wakes it up. */
+    /** Maximum sleep of a paused loop [ns]; resuming wakes it earlier. */
     private static final long PAUSE_NANOSECONDS = 100_000_000;
 
     private static final FramePhase[] PHASES = FramePhase.values();
 
     private final World world;
+    private final FrameControl control;
     private final FrameBus bus;
     private final FrameEvent event;
     private final Pacing pacing;
@@ -49,15 +52,18 @@ public final class FrameLoop {
     private final AtomicLong frames = new AtomicLong();
     private final FrameClock clock;
 
-    /** The last frame that {@link #run} may make; {@link #UNLIMITED} unless paused. */
+    /** Last frame that {@link #run} may make; {@link #UNLIMITED} unless paused. */
     private final AtomicLong lastAllowed = new AtomicLong(UNLIMITED);
 
-    /** The last frame that was begun. */
+    /** Last frame that was begun. */
     private final AtomicLong begunFrame = new AtomicLong();
 
     private final AtomicReference<@Nullable FramePhase> phase = new AtomicReference<>();
 
-    /** When the wait of the loop's thread ends; {@link #AT_WORK} unless it waits [ns]. */
+    /**
+     * Time at which the wait of the loop's thread ends [ns]; {@link #AT_WORK} while it does not
+     * wait.
+     */
     private final AtomicLong waitEnd = new AtomicLong(AT_WORK);
 
     private final Queue<Runnable> errands = new ConcurrentLinkedQueue<>();
@@ -68,24 +74,26 @@ public final class FrameLoop {
     private volatile boolean stopped;
     private volatile @Nullable Thread runner;
 
+    /** Creates a loop that uses the system's clock. */
     public FrameLoop(World world, FrameBus bus, Timing timing, Pacing pacing) {
         this(world, bus, timing, pacing, FrameClock.SYSTEM);
     }
 
     /**
-     * @param clock what paces and profiles the frames; it never reaches the world
+     * @param clock paces and profiles the frames; the world never sees it
      */
     public FrameLoop(World world, FrameBus bus, Timing timing, Pacing pacing, FrameClock clock) {
         this.world = world;
+        this.control = FrameControl.of(world);
         this.bus = bus;
         this.event = new FrameEvent(world, timing);
         this.clock = clock;
         this.pacing = pacing;
         this.pacer = new Pacer(timing, pacing, clock);
-        world.forces().setFramesPerSecond(timing.framesPerSecond());
+        control.setFramesPerSecond(timing.framesPerSecond());
     }
 
-    /** Makes one frame at once, without pacing and whatever the gate says. */
+    /** Makes one frame at once, without pacing and without asking the gate. */
     public void step() {
         world.guard().claim();
         runErrands();
@@ -97,13 +105,12 @@ public final class FrameLoop {
         long start = clock.nanoTime();
         long frame = frames.getPlain() + 1;
         begunFrame.set(frame);
-        world.beginFrame();
+        control.begin();
         dispatch(frame, FramePhase.INTAKE);
         dispatch(frame, FramePhase.ACT);
-        world.forces().apply();
+        control.applyForces();
         dispatch(frame, FramePhase.PHYSICS);
-        world.forces().withdraw();
-        world.releaseReplacedMemory();
+        control.endPhysics();
         dispatch(frame, FramePhase.DERIVE);
         publish(frame);
         add(busyNanoseconds, clock.nanoTime() - start);
@@ -111,11 +118,11 @@ public final class FrameLoop {
     }
 
     /**
-     * The world has become another one, as that frame shows it: the next to be made is the one
-     * after it, and before it this one is derived and published. World's thread, between frames.
+     * Continues with the frame after the given one, because the world was replaced. The replaced
+     * world is first derived and published. World's thread, between frames.
      *
-     * @param frame the last one made, or a later one
-     * @throws IllegalStateException if a frame is being made
+     * @param frame the last frame made, or a later one
+     * @throws IllegalStateException if a frame is in progress
      */
     public void continueAfter(long frame) {
         if (making) {
@@ -142,22 +149,22 @@ public final class FrameLoop {
         gate.continuesAfter(frame);
     }
 
-    /** From now on {@link #run} asks this gate before each frame. Any thread. */
+    /** Sets the gate that {@link #run} asks before each frame. Any thread. */
     public void setGate(FrameGate gate) {
         this.gate = gate;
         wake();
     }
 
-    /** Has {@link #run}, if it waits, look again at once whether it may go on. Any thread. */
+    /** Makes a waiting {@link #run} check at once whether it may continue. Any thread. */
     public void wake() {
         LockSupport.unpark(runner);
         gate.wake();
     }
 
     /**
-     * Has something done between two frames, as soon as none is being made: at once while the loop
-     * is paused or waits. If the world is another one then, it is derived and published at once,
-     * too. Any thread.
+     * Runs an errand between two frames, as soon as no frame is in progress: at once while the loop
+     * is paused or waits. If the errand replaces the world, it is derived and published at once.
+     * Any thread.
      *
      * @param errand called on the world's thread; must not throw
      */
@@ -167,9 +174,8 @@ public final class FrameLoop {
     }
 
     /**
-     * Executes the prompt commands of a queue now, unless the loop is paused: what they change
-     * belongs to the next frame, as if that had executed them first. World's thread, between
-     * frames.
+     * Executes the prompt commands of a queue now, unless the loop is paused. Their changes belong
+     * to the next frame, as if that frame had executed them first. World's thread, between frames.
      */
     public void executePrompt(CommandQueue commands) {
         if (!isPaused()) {
@@ -179,7 +185,8 @@ public final class FrameLoop {
     }
 
     /**
-     * Makes that many paced frames, fewer if {@link #stop()} is called or the thread interrupted.
+     * Makes {@code count} paced frames, or fewer if {@link #stop()} is called or the thread is
+     * interrupted.
      *
      * @param count 0 only publishes frame 0, if that has not happened yet
      */
@@ -199,43 +206,43 @@ public final class FrameLoop {
         }
     }
 
-    /** Makes paced frames until {@link #stop()} is called or the thread interrupted. */
+    /** Makes paced frames until {@link #stop()} is called or the thread is interrupted. */
     public void run() {
         run(Long.MAX_VALUE);
     }
 
-    /** Ends {@link #run} after the current frame, now and ever after. Any thread. */
+    /** Ends {@link #run} after the current frame, permanently. Any thread. */
     public void stop() {
         stopped = true;
         wake();
     }
 
-    /** True once {@link #stop()} was called. Any thread. */
+    /** Returns true after {@link #stop()} was called. Any thread. */
     public boolean isStopped() {
         return stopped;
     }
 
     /**
-     * Keeps {@link #run} from making another frame, until it is resumed. Any thread.
+     * Prevents {@link #run} from beginning another frame until it is resumed. Any thread.
      *
-     * @return the frame after which it pauses: the last one that was begun
+     * @return the frame after which it pauses: the last one begun
      */
     public synchronized long pause() {
-        lastAllowed.set(0); // from here on none is begun, or the loop looks again
+        lastAllowed.set(0); // from here on no frame is begun, or the loop checks again
         long last = begunFrame.get();
         lastAllowed.set(last);
-        wake(); // who waits for the gate waits no longer
+        wake(); // ends a wait for the gate
         return last;
     }
 
-    /** Lets {@link #run} go on after a pause, as if no time had passed. Any thread. */
+    /** Resumes {@link #run} after a pause, as if no time had passed. Any thread. */
     public synchronized void resume() {
         lastAllowed.set(UNLIMITED);
         wake();
     }
 
     /**
-     * Lets {@link #run} make that many frames more and pause then. Any thread.
+     * Resumes {@link #run} for {@code count} more frames. Any thread.
      *
      * @return the frame after which it pauses
      */
@@ -247,51 +254,51 @@ public final class FrameLoop {
         return last;
     }
 
-    /** True while no other frame may be made. Any thread. */
+    /** Returns true while no further frame may be made. Any thread. */
     public boolean isPaused() {
         return lastAllowed.get() <= frame();
     }
 
-    /** How fast {@link #run} goes. */
+    /** Returns the pacing of {@link #run}. */
     public Pacing pacing() {
         return pacing;
     }
 
-    /** The world whose frames these are; its owner is the thread that makes them. */
+    /** Returns the world of the frames; the thread that makes them owns it. */
     public World world() {
         return world;
     }
 
-    /** What the world's thread does now. Any thread. */
+    /** Returns the current activity of the world's thread. Any thread. */
     public Activity activity() {
         return world.activity();
     }
 
-    /** Returns the thread that {@link #run} is called by, or null. Any thread. */
+    /** Returns the thread that called {@link #run}, or null. Any thread. */
     public @Nullable Thread thread() {
         return runner;
     }
 
-    /** Returns the phase whose listeners are called now, or null. Any thread. */
+    /** Returns the phase whose listeners are being called, or null. Any thread. */
     public @Nullable FramePhase phase() {
         return phase.getAcquire();
     }
 
     /**
-     * True while the loop's thread waits for a pause to end, or for the gate or the next frame's
-     * time, and for these no longer than it intended to. Any thread.
+     * Returns true while the loop's thread waits for the end of a pause, for the gate or for the
+     * next frame's time, unless the wait is longer than intended. Any thread.
      */
     public boolean isWaiting() {
         long end = waitEnd.getAcquire();
         return end != AT_WORK && (isPaused() || clock.nanoTime() - end <= 0);
     }
 
-    /** Frames completed. Any thread. */
+    /** Returns the number of completed frames. Any thread. */
     public long frame() {
         return frames.getAcquire();
     }
 
-    /** Where the time went so far. Any thread. */
+    /** Returns the profile so far. Any thread. */
     public FrameProfile profile() {
         Map<FramePhase, Long> byPhase = new EnumMap<>(FramePhase.class);
         for (FramePhase phase : PHASES) {
@@ -313,7 +320,10 @@ public final class FrameLoop {
         }
     }
 
-    /** Those that are there now: who sends more does not keep frames from being made. */
+    /**
+     * Runs the errands queued at the start of the call, so that a fast sender cannot prevent
+     * frames.
+     */
     private void runErrands() {
         if (errands.isEmpty()) {
             return;
@@ -325,18 +335,18 @@ public final class FrameLoop {
     }
 
     private void publish(long frame) {
-        world.fixEvents();
+        control.publish();
         dispatch(frame, FramePhase.PUBLISH);
-        world.endFrame();
+        control.end();
     }
 
     private void dispatch(long frame, FramePhase phase) {
         long start = clock.nanoTime();
         event.set(frame, phase);
         if (phase.structureMayChange()) {
-            world.guard().unlockStructure();
+            control.unlock();
         } else {
-            world.guard().lockStructure(phase.name());
+            control.lock(phase.name());
         }
         making = true;
         this.phase.setRelease(phase);
@@ -348,7 +358,11 @@ public final class FrameLoop {
                 index, phaseNanoseconds.getPlain(index) + clock.nanoTime() - start);
     }
 
-    /** Waits while paused or held by the gate. @return false if no more frames are wanted */
+    /**
+     * Waits while paused or held by the gate.
+     *
+     * @return false if no more frames are wanted
+     */
     private boolean mayBegin() {
         boolean waited = false;
         runErrands();
@@ -382,7 +396,7 @@ public final class FrameLoop {
         return !errands.isEmpty() || isPaused() || stopped;
     }
 
-    /** How long a frame may not begin yet, at most until looked at again [ns]. */
+    /** Returns how long a frame must still wait, at most until the next check [ns]. */
     private long nanosecondsHeld(long frame) {
         if (lastAllowed.get() < frame) {
             gate.paused();
@@ -391,7 +405,10 @@ public final class FrameLoop {
         return gate.nanosecondsToWait(frame, clock.nanoTime());
     }
 
-    /** Begins a frame unless paused; whoever pauses meanwhile learns of it, or stops it. */
+    /**
+     * Begins a frame unless paused. A concurrent pause either sees this frame as begun, or prevents
+     * it.
+     */
     private boolean begin(long frame) {
         if (lastAllowed.get() < frame) {
             return false;

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.frame;
 
-/** The parts of a frame, in the order they run, all on the world's thread. */
+/** The parts of a frame in order of execution, all on the world's thread. */
 public enum FramePhase {
     /** Takes queued commands into this frame, in a fixed order. */
     INTAKE(true),
-    /** Executes them: joins, actions, law changes. */
+    /** Executes the commands: joins, actions, law changes. */
     ACT(true),
-    /** Exactly one listener, the physics adapter, advances the world. */
+    /** Advances the world; its only listener is the physics adapter. */
     PHYSICS(false),
-    /** Works out derived properties. */
+    /** Computes derived properties. */
     DERIVE(false),
-    /** Hands a snapshot to readers. */
+    /** Passes a snapshot to readers. */
     PUBLISH(false);
 
     private final boolean structureMayChange;
@@ -20,7 +20,7 @@ public enum FramePhase {
         this.structureMayChange = structureMayChange;
     }
 
-    /** True where items may be added and removed. */
+    /** Returns true if items may be added and removed in this phase. */
     public boolean structureMayChange() {
         return structureMayChange;
     }

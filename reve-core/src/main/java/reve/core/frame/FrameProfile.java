@@ -4,11 +4,12 @@ package reve.core.frame;
 import java.util.Map;
 
 /**
- * Where a frame loop's time went, from its start until now.
+ * The times of a frame loop since its start.
  *
  * @param frames frames completed
  * @param overruns frames that ended after the next one was due (REAL_TIME only)
- * @param droppedFrames frames of wall time given up because catching up is bounded (REAL_TIME only)
+ * @param droppedFrames number of frames by which the loop gave up catching up with the wall clock
+ *     (REAL_TIME only)
  * @param busyNanoseconds time inside frames, without waiting [ns]
  * @param phaseNanoseconds time in the listeners of each phase [ns]
  */
@@ -19,6 +20,7 @@ public record FrameProfile(
         long busyNanoseconds,
         Map<FramePhase, Long> phaseNanoseconds) {
 
+    /** Copies the map. */
     public FrameProfile {
         phaseNanoseconds = Map.copyOf(phaseNanoseconds);
     }

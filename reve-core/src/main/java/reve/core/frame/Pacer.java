@@ -4,8 +4,8 @@ package reve.core.frame;
 import java.util.concurrent.atomic.AtomicLong;
 
 /**
- * Decides when the next frame is due. Deadlines are products on the monotonic clock, so waiting
- * late once does not make everything after it late.
+ * The schedule of frames. Deadlines are products on the monotonic clock, so one late wake-up does
+ * not delay later frames.
  */
 final class Pacer {
 
@@ -25,13 +25,13 @@ final class Pacer {
         this.clock = clock;
     }
 
-    /** The first frame begins now. */
+    /** Starts the schedule; the first frame is due now. */
     void start() {
         originNanoseconds = clock.nanoTime();
         framesSinceOrigin = 0;
     }
 
-    /** A frame was made; the next is due when its share of wall time is over. */
+    /** Advances the schedule after a frame; the next one is due after one frame of wall time. */
     void frameDone() {
         framesSinceOrigin++;
         if (pacing == Pacing.FAST) {
@@ -50,7 +50,7 @@ final class Pacer {
         }
     }
 
-    /** Time until the next frame is due [ns]; 0 or less if it is. */
+    /** Returns the time until the next frame is due [ns]; 0 or less if it is due. */
     long nanosecondsToWait() {
         if (pacing == Pacing.FAST) {
             return 0;
@@ -66,7 +66,9 @@ final class Pacer {
         return droppedFrames.getAcquire();
     }
 
-    /** Offset of a frame's beginning from the origin [ns], without overflow for centuries. */
+    /**
+     * Returns the offset of a frame's start from the origin [ns]; does not overflow for centuries.
+     */
     private long due(long frame) {
         int perSecond = timing.framesPerSecond();
         return frame / perSecond * SECOND + frame % perSecond * SECOND / perSecond;

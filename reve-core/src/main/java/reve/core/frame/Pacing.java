@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.frame;
 
-/** How fast simulated time passes. */
+/** The speed of simulated time. */
 public enum Pacing {
-    /** As fast as wall time, never drifting from it; overload is counted. */
+    /** At the speed of wall time, without drift; overload is counted. */
     REAL_TIME,
     /** As fast as possible. */
     FAST

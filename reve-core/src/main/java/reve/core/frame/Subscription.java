@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.frame;
 
-/** A listener's place on the bus. */
+/** A subscription of a listener to the bus. */
 public interface Subscription extends AutoCloseable {
 
-    /** Ends it; at once between frames, from the next dispatch on during one. Idempotent. */
+    /**
+     * Ends the subscription: at once between frames, from the next dispatch on during a frame.
+     * Idempotent.
+     */
     @Override
     void close();
 }

@@ -2,27 +2,28 @@
 package reve.core.frame;
 
 /**
- * How simulated time is cut up.
+ * The division of simulated time into frames and steps.
  *
  * @param framesPerSecond frames per simulated second, 1 to 10,000
  * @param stepsPerFrame physics steps per frame, 1 to 10,000
  */
 public record Timing(int framesPerSecond, int stepsPerFrame) {
 
-    /** 60 frames a second, one step each. */
+    /** 60 frames per second with one step each. */
     public static final Timing DEFAULT = new Timing(60, 1);
 
+    /** Checks that both numbers are in their range. */
     public Timing {
         requireRange("frames per second", framesPerSecond);
         requireRange("steps per frame", stepsPerFrame);
     }
 
-    /** Length of one physics step [s]. */
+    /** Returns the length of one physics step [s]. */
     public double dtSeconds() {
         return 1.0 / ((double) framesPerSecond * stepsPerFrame);
     }
 
-    /** Simulated time at the end of a frame [s]: a product, never a sum. */
+    /** Returns the simulated time at the end of a frame [s], computed as a product, never a sum. */
     public double timeSeconds(long frame) {
         return frame * stepsPerFrame * dtSeconds();
     }

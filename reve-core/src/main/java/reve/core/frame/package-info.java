@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/** The frame: its phases, who takes part in them, and how fast they follow each other. */
+/** The frame: its phases, its listeners, its commands, and its pacing. */
 @NullMarked
 package reve.core.frame;
 

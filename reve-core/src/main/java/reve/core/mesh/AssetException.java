@@ -5,10 +5,12 @@ package reve.core.mesh;
 public final class AssetException extends Exception {
     private static final long serialVersionUID = 1L;
 
+    /** With a message that names the file. */
     public AssetException(String message) {
         super(message);
     }
 
+    /** With a message that names the file, and what caused it. */
     public AssetException(String message, Throwable cause) {
         super(message, cause);
     }

@@ -51,6 +51,7 @@ public final class Assets {
         T read() throws AssetException;
     }
 
+    /** The files in a world's folder; none is read yet. */
     public Assets(WorldFolder folder) {
         this(folder, new Budget(System::nanoTime));
     }

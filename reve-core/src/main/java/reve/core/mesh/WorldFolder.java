@@ -22,6 +22,7 @@ public final class WorldFolder {
 
     private final Optional<Path> folder;
 
+    /** What lies in this folder or below it. */
     public WorldFolder(Path folder) {
         this(Optional.of(folder));
     }

@@ -57,6 +57,7 @@ public final class Expression {
         return text;
     }
 
+    /** The type of what it gives. */
     public ExpressionType type() {
         return type;
     }

@@ -5,6 +5,7 @@ package reve.core.rule;
 public final class ExpressionException extends Exception {
     private static final long serialVersionUID = 1L;
 
+    /** Characters before the mistake. */
     private final int offset;
 
     ExpressionException(int offset, String message) {

@@ -7,6 +7,7 @@ public enum ExpressionType {
     TRUTH("true or false"),
     /** One number in SI units. */
     NUMBER("a number"),
+    /** A text. */
     TEXT("a text"),
     /** Several values, such as the three numbers of a vector. */
     LIST("a list"),

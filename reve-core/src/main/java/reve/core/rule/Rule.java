@@ -3,7 +3,7 @@ package reve.core.rule;
 
 import org.jspecify.annotations.Nullable;
 
-import reve.core.world.ItemSymbols;
+import reve.core.world.StandardSymbols;
 
 import java.util.Optional;
 
@@ -20,7 +20,7 @@ public record Rule(
      * @throws IllegalArgumentException if the world derives that symbol in another way
      */
     public Rule {
-        if (ItemSymbols.DERIVED.contains(symbol) || symbol.equals("class")) {
+        if (StandardSymbols.DERIVED.contains(symbol) || symbol.equals("class")) {
             throw new IllegalArgumentException(
                     "symbol " + symbol + " is a standard one; a rule cannot give it");
         }

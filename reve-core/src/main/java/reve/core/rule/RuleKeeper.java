@@ -133,7 +133,7 @@ final class RuleKeeper {
     void disable(long frame, String why) {
         disabled = true;
         for (int row = 0; row < table.rowCount(); row++) {
-            table.itemAt(row).semantic().derive(rule.symbol(), null);
+            itemAt(row).semantic().derive(rule.symbol(), null);
         }
         raise(frame, "TooManySteps", "rule " + rule.symbol() + " " + why);
     }
@@ -158,14 +158,18 @@ final class RuleKeeper {
                 return;
             }
             steps++;
-            Item item = table.itemAt(row);
+            Item item = itemAt(row);
             if (hasChanged(row, item) || !listed) {
                 give(item, applies(item) ? evaluate(item, frame) : null, frame);
             }
         }
         for (int row = rows; row < table.rowCount(); row++) {
-            give(table.itemAt(row), null, frame); // scenery that had physics
+            give(itemAt(row), null, frame); // scenery that had physics
         }
+    }
+
+    private Item itemAt(int row) {
+        return world.item(table.idAt(row));
     }
 
     private void makeRoom(int rows) {

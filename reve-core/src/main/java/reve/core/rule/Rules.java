@@ -28,6 +28,7 @@ public final class Rules {
     private final long stepsPerFrame;
     private final List<RuleKeeper> keepers = new ArrayList<>();
 
+    /** With the usual steps per frame. */
     public Rules(World world, List<Rule> rules) {
         this(world, rules, STEPS_PER_FRAME);
     }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.space;
 
-/** A box along the axes, its faces included [m]. A side may be infinite. */
+/** An axis-aligned box, including its faces [m]. A side may be infinite. */
 public record Box(double minX, double minY, double minZ, double maxX, double maxY, double maxZ) {
 
     /**
@@ -28,7 +28,7 @@ public record Box(double minX, double minY, double minZ, double maxX, double max
     }
 
     /**
-     * A cube around a point.
+     * Returns a cube around a point.
      *
      * @param half half the length of an edge [m]
      */

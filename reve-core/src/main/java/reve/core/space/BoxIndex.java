@@ -6,13 +6,13 @@ import java.lang.foreign.ValueLayout;
 import java.util.function.LongPredicate;
 
 /**
- * Which of many boxes meet a region or are nearest to a point: a packed tree of boxes (an R-tree
- * whose nodes hold eight neighbours along a curve through space). All boxes are given at once, as
- * often as they move; what is found depends on the boxes alone and comes in a fixed order. One
+ * An index that finds the boxes that meet a region or are nearest to a point: a packed tree of
+ * boxes (an R-tree whose nodes contain eight neighbours along a space-filling curve). All boxes are
+ * loaded at once whenever they move. Results depend on the boxes alone and have a fixed order. One
  * thread.
  *
- * <p>While the same number of boxes comes, their order along the curve is kept, and only what is
- * around them is worked out; they are put in order again when they have moved far.
+ * <p>While the number of boxes stays the same, their order along the curve is reused and only the
+ * nodes around them are computed. The boxes are sorted again after they have moved far.
  */
 public final class BoxIndex {
 
@@ -22,7 +22,7 @@ public final class BoxIndex {
     private static final int MAX_LEVELS = 12;
     private static final int NOTHING = -1;
 
-    /** How many times as long the edges of a node become before it counts as grown. */
+    /** Factor by which the edges of a node grow before it counts as worn. */
     private static final double WORN_OUT = 2;
 
     private final RankedOrder ranked = new RankedOrder();
@@ -31,28 +31,30 @@ public final class BoxIndex {
     private double[] lows = {};
     private double[] highs = {};
     private long[] givenKeys = {};
-    private float[] centres = {};
+    private int[] centres = {};
     private int[] order = {};
     private int ordered = NOTHING;
 
-    /** Sum of the edges of the nodes around boxes, when the boxes were put in order. */
+    /** Sum of the edges of each leaf node when the boxes were last sorted. */
     private double[] extents = {};
 
-    /** All nodes, six sides each: the boxes in their order, then those around eight, ... */
+    /**
+     * All nodes, six sides each: the boxes in order, then the nodes around eight boxes, and so on.
+     */
     private double[] sides = {};
 
     private long[] keys = {};
 
-    /** The first node of each level, and behind the last one. */
+    /** The first node of each level, and the index after the last node. */
     private final int[] firstOf = new int[MAX_LEVELS + 2];
 
     private int levels;
 
     /**
-     * Takes in boxes instead of those before; allocates only if there are more than ever.
+     * Replaces the boxes; allocates only if there are more than ever before.
      *
-     * @param ids (rows) keys of the boxes, different longs
-     * @param lows (rows x 3) lower corners in doubles; a box with a NaN is left out
+     * @param ids (rows) keys of the boxes, distinct longs
+     * @param lows (rows x 3) lower corners in doubles; a box with a NaN is ignored
      * @param highs (rows x 3) upper corners
      */
     public void build(MemorySegment ids, MemorySegment lows, MemorySegment highs, int rows) {
@@ -68,12 +70,12 @@ public final class BoxIndex {
         }
     }
 
-    /** How many boxes there are. */
+    /** Returns the number of boxes. */
     public int size() {
         return firstOf[1];
     }
 
-    /** Finds the keys of all boxes that meet a box or touch it, in rising order. */
+    /** Finds the keys of all boxes that meet or touch a box, in ascending order. */
     public void inBox(Box box, Found found) {
         found.clear();
         int depth = pushTop();
@@ -92,7 +94,7 @@ public final class BoxIndex {
         found.sort();
     }
 
-    /** Finds the keys of all boxes that meet a ball or touch it, in rising order. */
+    /** Finds the keys of all boxes that meet or touch a ball, in ascending order. */
     public void inSphere(double x, double y, double z, double radius, Found found) {
         found.clear();
         int depth = pushTop();
@@ -106,11 +108,11 @@ public final class BoxIndex {
     }
 
     /**
-     * Whether the way from one point to another meets or touches a box that counts.
+     * Returns whether the segment between two points meets or touches a box that counts.
      *
-     * @param ends part of the way at either end that is not looked at, such as 1e-9
-     * @param counts is asked for the keys of the boxes on the way, in no particular order, until it
-     *     says yes
+     * @param ends fraction of the segment at either end that is ignored, such as 1e-9
+     * @param counts called with the keys of the boxes on the segment, in no particular order, until
+     *     it returns true
      */
     public boolean isOnWay(double[] from, double[] to, double ends, LongPredicate counts) {
         int depth = pushTop();
@@ -128,8 +130,8 @@ public final class BoxIndex {
     }
 
     /**
-     * Whether the stretches of the line within the three pairs of a node's faces have a part in
-     * common (slab method). As rounding is monotonic, a node around a box is met if the box is.
+     * Returns whether the intervals of the line within the three pairs of a node's faces overlap
+     * (slab method). As rounding is monotonic, a node around a box is met if the box is.
      */
     private boolean isOnLine(int node, double[] from, double[] to, double ends) {
         int at = SIDES * node;
@@ -154,10 +156,10 @@ public final class BoxIndex {
     }
 
     /**
-     * Finds the keys of the boxes nearest to a point: in the order of the distance from the point
-     * to the box, 0 within it, and of the keys for equal ones.
+     * Finds the keys of the boxes nearest to a point, ordered by the distance from the point to the
+     * box (0 inside it), then by key.
      *
-     * @param most how many; fewer if there are not so many
+     * @param most maximum number of results
      */
     public void nearest(double x, double y, double z, int most, Found found) {
         found.clear();
@@ -186,7 +188,10 @@ public final class BoxIndex {
         return size() > 0 ? 1 : 0;
     }
 
-    /** Notes a box, or pushes what a node holds; returns the new depth of the stack. */
+    /**
+     * Adds a box to the results, or pushes the children of a node; returns the new depth of the
+     * stack.
+     */
     private int enter(int node, int depth, Found found) {
         if (node < size()) {
             found.add(keys[node]);
@@ -203,6 +208,33 @@ public final class BoxIndex {
             stack[after++] = child;
         }
         return after;
+    }
+
+    // For searches of this package: boxes are the nodes below size(), and the last node is the top.
+
+    /** Returns the number of nodes, including boxes. */
+    int nodes() {
+        return size() == 0 ? 0 : firstOf[levels + 1];
+    }
+
+    /** Returns the (nodes x 6) lower and upper corners; owned by this index. */
+    double[] sides() {
+        return sides;
+    }
+
+    /** Returns the key of a box. */
+    long key(int box) {
+        return keys[box];
+    }
+
+    int firstChild(int node) {
+        return firstChild(node, levelOf(node));
+    }
+
+    /** Returns the index after the last child. */
+    int endOfChildren(int node) {
+        int level = levelOf(node);
+        return lastChild(firstChild(node, level), level);
     }
 
     private int levelOf(int node) {
@@ -229,7 +261,7 @@ public final class BoxIndex {
         return dx * dx + dy * dy + dz * dz;
     }
 
-    /** Gathers the boxes that are there; returns how many. */
+    /** Reads the boxes without NaN; returns their number. */
     private int read(
             MemorySegment ids, MemorySegment givenLows, MemorySegment givenHighs, int rows) {
         MemorySegment.copy(ids, ValueLayout.JAVA_LONG, 0, givenKeys, 0, rows);
@@ -254,13 +286,13 @@ public final class BoxIndex {
 
     private void putInOrder(int count) {
         for (int i = 0; i < AXES * count; i++) {
-            centres[i] = (float) (0.5 * lows[i] + 0.5 * highs[i]);
+            centres[i] = RankedOrder.sortable(0.5 * lows[i] + 0.5 * highs[i]);
         }
         order = ranked.sort(centres, count);
         ordered = count;
     }
 
-    /** True if many nodes around boxes have grown. */
+    /** Returns true if many leaf nodes have grown. */
     private boolean isWorn() {
         int grown = 0;
         for (int node = size(); node < firstOf[2]; node++) {
@@ -283,7 +315,7 @@ public final class BoxIndex {
                 + (sides[at + 5] - sides[at + 2]);
     }
 
-    /** Lays the boxes down in their order, and around them the levels. */
+    /** Writes the boxes in order, and the levels above them. */
     private void fill(int count) {
         for (int i = 0; i < count; i++) {
             keys[i] = givenKeys[order[i]];
@@ -331,11 +363,11 @@ public final class BoxIndex {
         lows = new double[AXES * room];
         highs = new double[AXES * room];
         givenKeys = new long[room];
-        centres = new float[AXES * room];
+        centres = new int[AXES * room];
         extents = new double[room / FAN_OUT + 1];
         keys = new long[room];
         ordered = NOTHING;
-        // A level has an eighth of the nodes of the one before, rounded up.
+        // Each level has an eighth of the nodes of the previous one, rounded up.
         sides = new double[SIDES * (room + room / (FAN_OUT - 1) + MAX_LEVELS)];
     }
 }

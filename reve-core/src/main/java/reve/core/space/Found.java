@@ -5,13 +5,13 @@ import java.util.Arrays;
 import java.util.Objects;
 import java.util.function.LongPredicate;
 
-/** The keys that a query of a {@link BoxIndex} found; used again and again. One thread. */
+/** The keys found by a query of a {@link BoxIndex}; reusable. One thread. */
 public final class Found {
 
     private long[] keys = new long[16];
     private int size;
 
-    /** How many were found. */
+    /** Returns the number of keys. */
     public int size() {
         return size;
     }
@@ -23,7 +23,7 @@ public final class Found {
         return keys[Objects.checkIndex(index, size)];
     }
 
-    /** Forgets those for which a test is false; the others stay in their order. */
+    /** Removes the keys for which a test is false; the others keep their order. */
     public void keepIf(LongPredicate test) {
         int kept = 0;
         for (int i = 0; i < size; i++) {

@@ -4,13 +4,13 @@ package reve.core.space;
 import java.util.Arrays;
 
 /**
- * Nodes of a {@link BoxIndex} by their distance from a point, the nearest first: a binary heap in
- * arrays. At equal distance nodes come before boxes, which may be in them, and boxes in the order
- * of their keys.
+ * A priority queue of nodes of a {@link BoxIndex} by distance from a point, nearest first: a binary
+ * heap in arrays. At equal distance, nodes precede boxes, which they may contain, and boxes are
+ * ordered by key.
  */
 final class Queue {
 
-    /** The key of what is no box; lower than all others. */
+    /** The key of a node that is not a box; lower than all others. */
     static final long NODE = Long.MIN_VALUE;
 
     private double[] distances = new double[64];
@@ -44,7 +44,7 @@ final class Queue {
         put(at, distance, key, node);
     }
 
-    /** Removes the nearest. */
+    /** Removes the nearest node. */
     void remove() {
         size--;
         double distance = distances[size];

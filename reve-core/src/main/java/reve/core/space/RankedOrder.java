@@ -4,10 +4,10 @@ package reve.core.space;
 import java.util.Arrays;
 
 /**
- * An order of points in which neighbours in space are mostly neighbours: along a Z-curve (Morton)
- * through their ranks on each axis. By rank rather than by place, so that one point far away does
- * not press all others into one cell. Radix sorts, in time proportional to the number of points;
- * allocates only for more points than ever before.
+ * An order of points that keeps neighbours in space mostly adjacent: a Z-curve (Morton) through
+ * their ranks on each axis. Ranks replace coordinates so that one distant point does not press all
+ * others into one cell. Radix sorts, in time proportional to the number of points; allocates only
+ * for more points than ever before.
  */
 final class RankedOrder {
 
@@ -16,6 +16,15 @@ final class RankedOrder {
     private static final int DIGIT_BITS = 11;
     private static final int DIGITS = 1 << DIGIT_BITS;
 
+    /** Smallest number that is infinite as a float. */
+    private static final double BEYOND_FLOATS = 0x1p128;
+
+    /**
+     * Number of low bits of a double that are dropped, so that the rest fits the non-finite
+     * patterns of a float.
+     */
+    private static final int SPARE_BITS = 39;
+
     private final int[] counts = new int[DIGITS];
     private int[] keys = {};
     private int[] codes = {};
@@ -23,17 +32,17 @@ final class RankedOrder {
     private int[] spare = {};
 
     /**
-     * The order of the points.
+     * Returns the order of the points.
      *
-     * @param places (count x 3) coordinates
-     * @return indices of points; valid until the next call, and at times longer than count
+     * @param places (count x 3) coordinates, converted by {@link #sortable}
+     * @return indices of points; valid until the next call, may be longer than count
      */
-    int[] sort(float[] places, int count) {
+    int[] sort(int[] places, int count) {
         reserve(count);
         Arrays.fill(codes, 0, count, 0);
         for (int axis = 0; axis < AXES; axis++) {
             for (int i = 0; i < count; i++) {
-                keys[i] = sortable(places[AXES * i + axis]);
+                keys[i] = places[AXES * i + axis];
             }
             sortByKeys(keys, count);
             for (int rank = 0; rank < count; rank++) {
@@ -45,7 +54,7 @@ final class RankedOrder {
         return order;
     }
 
-    /** Keys are compared without sign; equal ones stay in the order of their indices. */
+    /** Sorts by unsigned keys; equal keys keep the order of their indices. */
     private void sortByKeys(int[] by, int count) {
         for (int i = 0; i < count; i++) {
             order[i] = i;
@@ -71,13 +80,25 @@ final class RankedOrder {
         }
     }
 
-    /** Bits whose order without sign is the order of the numbers. */
-    private static int sortable(float value) {
-        int bits = Float.floatToRawIntBits(value);
+    /**
+     * Returns bits whose unsigned order is the order of the numbers, at the precision of floats.
+     * Larger numbers use the non-finite patterns of floats, at a relative precision of a ten
+     * thousandth.
+     */
+    static int sortable(double value) {
+        int bits = Float.floatToRawIntBits((float) value);
+        if (Math.abs(value) >= BEYOND_FLOATS) {
+            long above =
+                    Double.doubleToRawLongBits(Math.abs(value))
+                            - Double.doubleToRawLongBits(BEYOND_FLOATS);
+            bits =
+                    Float.floatToRawIntBits(Float.POSITIVE_INFINITY) + (int) (above >>> SPARE_BITS)
+                            | (value < 0 ? Integer.MIN_VALUE : 0);
+        }
         return bits ^ (bits >> 31 | Integer.MIN_VALUE);
     }
 
-    /** Two zero bits between each of ten bits. */
+    /** Inserts two zero bits after each of ten bits. */
     private static int spread(int bits) {
         int spread = (bits | bits << 16) & 0x030000FF;
         spread = (spread | spread << 8) & 0x0300F00F;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/** Boxes in space, and which of them are where. Knows nothing of worlds. */
+/** Spatial search over boxes. Independent of worlds. */
 @NullMarked
 package reve.core.space;
 

@@ -6,20 +6,23 @@ import java.util.Collection;
 import java.util.Comparator;
 import java.util.Locale;
 
-/** Finds the name that was probably meant. */
+/** Search for the name that was probably meant. */
 public final class Suggestion {
-    /** Names beyond these are not looked at, so that a wrong file is refused quickly. */
+    /** Maximum number of names that are compared, so that a wrong file is refused quickly. */
     private static final int MAX_CANDIDATES = 1_000;
 
-    /** Longest text for which a name is looked for; names of items are no longer. */
+    /**
+     * Maximum length of a text for which a name is searched [characters]; names of items are not
+     * longer.
+     */
     private static final int MAX_LENGTH = 128;
 
-    /** Most letters in which a name may differ from what was written. */
+    /** Maximum edit distance between the text and a suggested name. */
     private static final int MAX_DISTANCE = 8;
 
     private Suggestion() {}
 
-    /** {@code "; did you mean `x`?"}, or nothing if no known name is near. */
+    /** Returns {@code "; did you mean `x`?"}, or an empty text if no known name is similar. */
     public static String of(String wrong, Collection<String> known) {
         if (wrong.length() > MAX_LENGTH) {
             return "";
@@ -46,8 +49,9 @@ public final class Suggestion {
     }
 
     /**
-     * Fewest insertions, deletions, replacements and swaps of neighbours between two texts, or some
-     * number above {@code limit}. Works on the three last rows, and in them beside the diagonal.
+     * Returns the minimum number of insertions, deletions, replacements and swaps of neighbours
+     * between two texts, or a number above {@code limit}. Keeps the last three rows, and in them
+     * only the cells near the diagonal.
      */
     private static int distance(String a, String b, int limit) {
         int far = limit + 1;

@@ -4,9 +4,10 @@ package reve.core.text;
 import java.util.Locale;
 
 /**
- * Escapes foreign text for terminals, logs and messages: control characters forge lines or command
- * the terminal, bidirectional controls reorder a line, and other characters show nothing. Letters,
- * marks, digits and signs of all scripts stay as they are, with the joiners that scripts need.
+ * Escaping of untrusted text for terminals, logs and messages. Control characters could forge lines
+ * or command the terminal, bidirectional controls reorder a line, and other characters are
+ * invisible. Letters, marks, digits and signs of all scripts stay unchanged, with the joiners that
+ * scripts need.
  */
 public final class Visible {
 
@@ -16,7 +17,7 @@ public final class Visible {
 
     private Visible() {}
 
-    /** Returns the text as one line; a backslash and {@code u{HEX}} stand for what is unsafe. */
+    /** Returns the text as one line; unsafe characters become a backslash and {@code u{HEX}}. */
     public static String line(String text) {
         return isSafe(text, ' ') ? text : escaped(text);
     }
@@ -37,8 +38,8 @@ public final class Visible {
     }
 
     /**
-     * Returns the same JSON document with JSON's own escapes for unsafe characters beyond ASCII,
-     * which occur in strings only. Those within ASCII are escaped by every writer of JSON.
+     * Returns the JSON document with JSON escapes for unsafe characters beyond ASCII, which occur
+     * in strings only. Every writer of JSON escapes those within ASCII.
      */
     public static String json(String document) {
         if (isSafe(document, '\n')) {
@@ -60,13 +61,13 @@ public final class Visible {
     }
 
     /**
-     * @param least the first ASCII character that needs no look
+     * @param least first ASCII character that is safe without a check
      */
     private static boolean isSafe(String text, int least) {
         for (int i = 0; i < text.length(); i++) {
             char c = text.charAt(i);
             if ((c < least || c > LAST_ASCII) && !isSafe(c)) {
-                return false; // perhaps one half of a safe character
+                return false; // possibly half of a safe character
             }
         }
         return true;

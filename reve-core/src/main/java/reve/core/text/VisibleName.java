@@ -8,15 +8,15 @@ import java.util.Optional;
 import java.util.Set;
 
 /**
- * The rule for names that people compare by eye: every character is seen, and the characters stand
- * in the order in which they are seen. Names of any script follow it. Joiners and variation
- * selectors are taken where a script or an emoji needs them.
+ * The rule for names that people compare by eye: every character is visible, and characters are
+ * displayed in their logical order. Names of any script can follow it. Joiners and variation
+ * selectors are permitted where a script or an emoji needs them.
  */
 public final class VisibleName {
     private static final int NON_JOINER = 0x200C;
     private static final int JOINER = 0x200D;
 
-    /** Scripts whose letters a joiner or a non-joiner gives another form. */
+    /** Scripts in which a joiner or a non-joiner changes the form of letters. */
     private static final Set<UnicodeScript> JOINED =
             EnumSet.of(
                     UnicodeScript.ARABIC,
@@ -39,7 +39,7 @@ public final class VisibleName {
 
     private VisibleName() {}
 
-    /** What keeps a text from being seen as it is; empty if nothing does. */
+    /** Returns why a text violates the rule; empty if it does not. */
     public static Optional<String> fault(String text) {
         int last = text.length() - 1;
         if (last >= 0 && (isGap(text.codePointAt(0)) || isGap(text.charAt(last)))) {
@@ -59,7 +59,10 @@ public final class VisibleName {
         return Character.isWhitespace(character) || Character.isSpaceChar(character);
     }
 
-    /** Controls, formats, separators of lines, and what else has no width: see UTS 39. */
+    /**
+     * Returns whether a character is a control, format or line separator, or has no width, by UTS
+     * 39.
+     */
     private static boolean isHidden(int character) {
         if (character < 0x7F) {
             return character < 0x20;
@@ -90,7 +93,7 @@ public final class VisibleName {
                 || character >= 0xE0100 && character <= 0xE01EF;
     }
 
-    /** Whether what stands before and after makes a character that is not seen matter. */
+    /** Returns whether an invisible character has an effect between its neighbours. */
     private static boolean isNeeded(String text, int at, int character) {
         if (at == 0) {
             return false;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/** Foreign text, made safe to show. */
+/** Untrusted text, made safe to display. */
 @NullMarked
 package reve.core.text;
 

@@ -1,14 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.unit;
 
-/** The seven SI base units, in the order in which {@link Unit#exponents()} gives them. */
+/** The seven SI base units, in the order of {@link Unit#exponents()}. */
 public enum SiBase {
+    /** Length. */
     METRE("m"),
+    /** Mass. */
     KILOGRAM("kg"),
+    /** Time. */
     SECOND("s"),
+    /** Electric current. */
     AMPERE("A"),
+    /** Temperature. */
     KELVIN("K"),
+    /** Amount of substance. */
     MOLE("mol"),
+    /** Luminous intensity. */
     CANDELA("cd");
 
     private final String symbol;
@@ -17,7 +24,7 @@ public enum SiBase {
         this.symbol = symbol;
     }
 
-    /** The symbol of this base unit, such as {@code kg}. */
+    /** Returns the symbol of this base unit, such as {@code kg}. */
     public String symbol() {
         return symbol;
     }

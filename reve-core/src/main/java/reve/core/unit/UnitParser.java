@@ -1,167 +1,280 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.unit;
 
-import tech.units.indriya.AbstractUnit;
-import tech.units.indriya.format.EBNFUnitFormat;
-import tech.units.indriya.format.SymbolMap;
-import tech.units.indriya.format.TokenMgrError;
-import tech.units.indriya.unit.UnitDimension;
-import tech.units.indriya.unit.Units;
-
-import java.util.Locale;
-import java.util.Map;
-import java.util.ResourceBundle;
-import java.util.regex.Matcher;
-import java.util.regex.Pattern;
-
-import javax.measure.Dimension;
-import javax.measure.UnitConverter;
-
 /**
- * Text to {@link Unit} by way of the units library. Its grammar is wider than a unit of ours
- * (logarithms, offsets, numeric factors), so the text is narrowed first and the result checked.
+ * Text to {@link Unit}, by the grammar of the engine's {@code vesper_unit_parse}:
+ *
+ * <pre>
+ * product = power { ("*" | "·" | "/") power };  power = atom [ "^" integer | raised digits ];
+ * atom = symbol | number | "(" product ")"
+ * </pre>
  */
 final class UnitParser {
-    private static final int MAX_LENGTH = 64;
-    private static final Pattern ALLOWED = Pattern.compile("[\\p{L}%°℃0-9²³*·/^()\\-]+");
-    private static final Pattern NAME = Pattern.compile("[\\p{L}%°℃]+");
+    private static final int MAX_LENGTH = 255;
+    private static final String EXAMPLE = "; write it like kg*m^2/s^2 or N/m";
+    private static final int MAX_DEPTH = 16;
+    private static final int MAX_EXPONENT = 127;
+    private static final String RAISED = "⁰¹²³⁴⁵⁶⁷⁸⁹";
+    private static final char RAISED_MINUS = '⁻';
+    private static final int BASES = SiBase.values().length;
 
-    /** Largest product of all exponents: the library takes a step of recursion for each. */
-    private static final int MAX_POWER = 1000;
+    private final String text;
+    private int at;
 
-    private static final Pattern NUMBER = Pattern.compile("(\\^-?)?\\d+");
-    private static final Map<Dimension, SiBase> BASES =
-            Map.of(
-                    UnitDimension.LENGTH, SiBase.METRE,
-                    UnitDimension.MASS, SiBase.KILOGRAM,
-                    UnitDimension.TIME, SiBase.SECOND,
-                    UnitDimension.ELECTRIC_CURRENT, SiBase.AMPERE,
-                    UnitDimension.TEMPERATURE, SiBase.KELVIN,
-                    UnitDimension.AMOUNT_OF_SUBSTANCE, SiBase.MOLE,
-                    UnitDimension.LUMINOUS_INTENSITY, SiBase.CANDELA);
-    private static final EBNFUnitFormat FORMAT = EBNFUnitFormat.getInstance(symbols());
+    /** Whether the text read so far ends with a power that was written with {@code ^}. */
+    private boolean endsWithExponent;
 
-    private UnitParser() {}
+    /** A unit under construction; its scale is a fraction. */
+    private static final class Quantity {
+        private final int[] exponents = new int[BASES];
+        private double numerator = 1;
+        private double denominator = 1;
+    }
+
+    private UnitParser(String text) {
+        this.text = text;
+    }
 
     static Unit parse(String text) {
-        String symbol = normalise(text);
+        String symbol = text.strip();
         if (symbol.equals("1")) {
             return Unit.ONE;
         }
-        checkForm(text, symbol);
-        AbstractUnit<?> unit = parseWithLibrary(text, symbol);
-        double scale = scale(text, unit);
-        return new Unit(exponents(text, unit.getDimension()), scale, symbol);
+        return new UnitParser(symbol).parse();
     }
 
-    /** The library's base symbols whatever the machine's language, and a few that it lacks. */
-    private static SymbolMap symbols() {
-        SymbolMap symbols =
-                SymbolMap.of(
-                        ResourceBundle.getBundle(
-                                "tech.units.indriya.format.messages", Locale.ROOT));
-        var degree = Units.RADIAN.multiply(Math.PI / 180);
-        symbols.alias(degree, "deg");
-        symbols.alias(degree, "°");
-        symbols.alias(Units.KILOGRAM.multiply(1000), "t");
-        symbols.alias(Units.LITRE, "L");
-        symbols.alias(Units.OHM, "ohm");
-        return symbols;
-    }
-
-    /** One code point for each of the look-alikes: micro sign and mu, ohm sign and omega, dots. */
-    private static String normalise(String text) {
-        return text.strip().replace('μ', 'µ').replace('\u2126', 'Ω').replace('⋅', '·');
-    }
-
-    private static void checkForm(String text, String symbol) {
-        if (symbol.isEmpty()) {
-            throw refuse(text, "it is empty; a plain number has the unit 1");
+    private Unit parse() {
+        if (text.isEmpty()) {
+            throw refuse("it is empty; a plain number has the unit 1");
         }
-        if (symbol.length() > MAX_LENGTH) {
+        if (text.length() > MAX_LENGTH) {
+            throw new IllegalArgumentException(
+                    "unit `"
+                            + text.substring(0, 64)
+                            + "…`: it is longer than "
+                            + MAX_LENGTH
+                            + " characters");
+        }
+        Quantity quantity = product(0);
+        if (at < text.length()) {
             throw refuse(
-                    text.substring(0, MAX_LENGTH) + "…",
-                    "it is longer than " + MAX_LENGTH + " characters");
+                    isDigit(peek())
+                            ? "the number at column "
+                                    + (at + 1)
+                                    + " is no exponent; write m^2 for square metres"
+                            : found() + ", expected *, /, ^ or the end" + EXAMPLE);
         }
-        if (!ALLOWED.matcher(symbol).matches()) {
-            throw refuse(text, "only names, * · / ^ ( ) and whole exponents make a unit");
+        // probably a typing error, not a scale
+        if (text.chars().allMatch(c -> c < 'A' && c != '%')) {
+            throw refuse("it is a number; a plain number has the unit 1");
         }
-        Matcher number = NUMBER.matcher(symbol);
-        long power = 1;
-        while (number.find()) {
-            boolean exponent = number.group(1) != null;
-            String digits = number.group().replaceAll("\\D", "");
-            if (exponent) {
-                power *= digits.length() > 3 ? MAX_POWER + 1 : Integer.parseInt(digits);
+        double scale = quantity.numerator / quantity.denominator;
+        if (!(scale > 0) || !Double.isFinite(scale)) {
+            throw refuse("its scale is out of range");
+        }
+        byte[] exponents = new byte[BASES];
+        for (int i = 0; i < BASES; i++) {
+            exponents[i] = (byte) quantity.exponents[i];
+        }
+        return new Unit(exponents, scale, text);
+    }
+
+    private Quantity product(int depth) {
+        Quantity product = power(depth);
+        while (true) {
+            char sign = peek();
+            boolean times = sign == '*' || sign == '·' || sign == '⋅';
+            if (!times && sign != '/') {
+                return product;
             }
-            if (power > MAX_POWER) {
-                throw refuse(text, "its exponents are too large");
-            }
-            boolean leadingOne = number.start() == 0 && symbol.startsWith("1/");
-            if (!exponent && !leadingOne) {
+            at++;
+            if (sign == '/' && endsWithExponent && isDigit(peek())) {
                 throw refuse(
-                        text,
-                        "the number "
-                                + number.group()
-                                + " is no exponent; write m^2 for square metres");
+                        "the number behind its exponent is ambiguous; exponents are whole, and a"
+                                + " half of m^2 is (m^2)/2");
+            }
+            multiply(product, power(depth), times ? 1 : -1);
+        }
+    }
+
+    private Quantity power(int depth) {
+        Quantity base = atom(depth);
+        endsWithExponent = peek() == '^';
+        int exponent;
+        if (endsWithExponent) {
+            at++;
+            exponent = exponent();
+        } else if (isRaised(peek())) {
+            exponent = raised();
+        } else {
+            return base;
+        }
+        var power = new Quantity();
+        multiply(power, base, exponent);
+        return power;
+    }
+
+    private int exponent() {
+        int sign = peek() == '-' ? -1 : 1;
+        at += sign < 0 ? 1 : 0;
+        int begin = at;
+        int exponent = 0;
+        while (at < text.length() && isDigit(text.charAt(at)) && exponent <= MAX_EXPONENT) {
+            exponent = 10 * exponent + text.charAt(at++) - '0';
+        }
+        return checked(exponent, begin, sign);
+    }
+
+    private int raised() {
+        int sign = text.charAt(at) == RAISED_MINUS ? -1 : 1;
+        at += sign < 0 ? 1 : 0;
+        int begin = at;
+        int exponent = 0;
+        while (at < text.length()
+                && RAISED.indexOf(text.charAt(at)) >= 0
+                && exponent <= MAX_EXPONENT) {
+            exponent = 10 * exponent + RAISED.indexOf(text.charAt(at++));
+        }
+        return checked(exponent, begin, sign);
+    }
+
+    private int checked(int exponent, int begin, int sign) {
+        if (at == begin) {
+            throw refuse(found() + ", expected a whole number as exponent" + EXAMPLE);
+        }
+        if (exponent > MAX_EXPONENT) {
+            throw refuse("its exponents are out of range, which is -127 to 127");
+        }
+        return sign * exponent;
+    }
+
+    private Quantity atom(int depth) {
+        char next = peek();
+        if (next == '(') {
+            return parenthesis(depth);
+        }
+        if (isDigit(next)) {
+            return number();
+        }
+        if (isSymbolic(next)) {
+            return symbol();
+        }
+        throw refuse(found() + ", expected a unit such as m, a number or (" + EXAMPLE);
+    }
+
+    private Quantity parenthesis(int depth) {
+        if (depth == MAX_DEPTH) {
+            throw refuse("its parentheses are nested too deep");
+        }
+        at++;
+        Quantity inner = product(depth + 1);
+        if (peek() != ')') {
+            throw refuse(found() + ", expected *, /, ^ or )" + EXAMPLE);
+        }
+        at++;
+        endsWithExponent = false;
+        return inner;
+    }
+
+    /** Reads a number above 0 such as 9.80665 or 1e3. */
+    private Quantity number() {
+        int begin = at;
+        digits();
+        if (at < text.length() && text.charAt(at) == '.') {
+            at++;
+            digits();
+        }
+        if (at < text.length() && (text.charAt(at) == 'e' || text.charAt(at) == 'E')) {
+            int sign = at + 1 < text.length() && "+-".indexOf(text.charAt(at + 1)) >= 0 ? 1 : 0;
+            if (at + 1 + sign < text.length() && isDigit(text.charAt(at + 1 + sign))) {
+                at += 1 + sign;
+                digits();
             }
         }
+        var quantity = new Quantity();
+        quantity.numerator = Double.parseDouble(text.substring(begin, at));
+        if (!(quantity.numerator > 0) || !Double.isFinite(quantity.numerator)) {
+            throw refuse("a number in it must be above 0 and in range");
+        }
+        return quantity;
     }
 
-    private static AbstractUnit<?> parseWithLibrary(String text, String symbol) {
-        try {
-            return (AbstractUnit<?>) FORMAT.parse(symbol);
-        } catch (RuntimeException | TokenMgrError notAUnit) {
-            Matcher name = NAME.matcher(symbol);
-            while (name.find()) {
-                if (!known(name.group())) {
-                    throw refuse(text, "`" + name.group() + "` is not a unit that is known here");
-                }
+    private void digits() {
+        while (at < text.length() && isDigit(text.charAt(at))) {
+            at++;
+        }
+    }
+
+    private Quantity symbol() {
+        int begin = at;
+        while (at < text.length() && isSymbolic(text.charAt(at))) {
+            at++;
+        }
+        String name = text.substring(begin, at);
+        UnitTable.Symbol known = UnitTable.find(name);
+        if (known == null) {
+            boolean isCelsius = name.equals("°C") || name.equals("℃") || name.equals("Celsius");
+            throw refuse(
+                    isCelsius
+                            ? "it is not a plain multiple of SI units (for temperatures use K)"
+                            : "`" + name + "` is not a unit that is known here");
+        }
+        var quantity = new Quantity();
+        System.arraycopy(known.exponents(), 0, quantity.exponents, 0, BASES);
+        quantity.numerator = known.scale().numerator();
+        quantity.denominator = known.scale().denominator();
+        return quantity;
+    }
+
+    /** Computes product *= factor^power. */
+    private void multiply(Quantity product, Quantity factor, int power) {
+        for (int i = 0; i < BASES; i++) {
+            product.exponents[i] += factor.exponents[i] * power;
+            if (Math.abs(product.exponents[i]) > MAX_EXPONENT) {
+                throw refuse("its exponents are out of range, which is -127 to 127");
             }
-            throw refuse(text, "it is not well formed; write it like kg*m^2/s^2 or N/m");
         }
+        int times = Math.abs(power);
+        double above = power > 0 ? factor.numerator : factor.denominator;
+        double below = power > 0 ? factor.denominator : factor.numerator;
+        product.numerator *= StrictMath.pow(above, times);
+        product.denominator *= StrictMath.pow(below, times);
     }
 
-    private static double scale(String text, AbstractUnit<?> unit) {
-        try {
-            UnitConverter toSi = unit.getSystemConverter();
-            double scale = toSi.convert(1.0);
-            if (toSi.isLinear() && Double.isFinite(scale) && scale > 0) {
-                return scale;
-            }
-        } catch (UnsupportedOperationException offsetWithinProduct) {
-            // refused below, like an offset unit on its own
+    /** Returns the next non-blank character; 0 at the end. */
+    private char peek() {
+        while (at < text.length() && text.charAt(at) == ' ') {
+            at++;
         }
-        throw refuse(text, "it is not a plain multiple of SI units (for temperatures use K)");
+        return at < text.length() ? text.charAt(at) : 0;
     }
 
-    private static boolean known(String name) {
-        try {
-            FORMAT.parse(name);
-            return true;
-        } catch (RuntimeException | TokenMgrError unknown) {
-            return false;
-        }
+    private String found() {
+        return at < text.length()
+                ? "column "
+                        + (at + 1)
+                        + ": found `"
+                        + Character.toString(text.codePointAt(at))
+                        + "`"
+                : "found the end";
     }
 
-    private static byte[] exponents(String text, Dimension dimension) {
-        byte[] exponents = new byte[SiBase.values().length];
-        var factors = dimension.getBaseDimensions();
-        if (factors == null) { // a base dimension itself
-            factors = Map.of(dimension, 1);
-        }
-        factors.forEach(
-                (factor, exponent) -> {
-                    SiBase base = BASES.get(factor);
-                    if (base == null || exponent != exponent.byteValue()) {
-                        throw refuse(text, "its dimension " + dimension + " is out of range");
-                    }
-                    exponents[base.ordinal()] = exponent.byteValue();
-                });
-        return exponents;
+    private static boolean isDigit(char c) {
+        return c >= '0' && c <= '9';
     }
 
-    private static IllegalArgumentException refuse(String text, String why) {
+    private static boolean isRaised(char c) {
+        return c != 0 && (c == RAISED_MINUS || RAISED.indexOf(c) >= 0);
+    }
+
+    private static boolean isSymbolic(char c) {
+        return c >= 'a' && c <= 'z'
+                || c >= 'A' && c <= 'Z'
+                || c == '%'
+                || c >= 0x80 && c != '·' && c != '⋅' && !isRaised(c);
+    }
+
+    private IllegalArgumentException refuse(String why) {
         return new IllegalArgumentException("unit `" + text + "`: " + why);
     }
 }

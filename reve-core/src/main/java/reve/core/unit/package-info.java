@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/** Physical units: what a number in a world file, a property or an action's argument means. */
+/** Physical units of numbers in world files, properties and arguments of actions. */
 @NullMarked
 package reve.core.unit;
 

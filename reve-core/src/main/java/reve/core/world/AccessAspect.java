@@ -16,6 +16,7 @@ public final class AccessAspect {
         this.item = item;
     }
 
+    /** All actions, in the order of their definition. */
     public List<Action> actions() {
         item.checkedRow();
         return item.symbols().actions();
@@ -27,6 +28,7 @@ public final class AccessAspect {
         return item.symbols().capabilities();
     }
 
+    /** The action of that name. */
     public Optional<Action> find(String name) {
         for (Action action : actions()) {
             if (action.name().equals(name)) {
@@ -58,10 +60,7 @@ public final class AccessAspect {
         } else {
             changed.remove(from);
         }
-        item.world()
-                .setSymbols(
-                        item,
-                        item.symbols().with(item.symbols().likeness().with(List.copyOf(changed))));
+        item.change(item.symbols().with(item.symbols().likeness().with(List.copyOf(changed))));
         item.world()
                 .note(new WorldChange.Edited(item.id(), WorldChange.Aspect.ACCESS, name, from, to));
     }

@@ -3,7 +3,10 @@ package reve.core.world;
 
 import java.util.List;
 
-/** Something that can be done to an item. Implementations are immutable and shared by items. */
+/**
+ * Something that can be done to an item: what agents know of it. {@link PerformableAction} does it.
+ * Implementations are immutable and shared by items.
+ */
 public interface Action {
     /** Unique within an item: {@code push}. */
     String name();
@@ -18,11 +21,4 @@ public interface Action {
     default List<String> needs() {
         return List.of();
     }
-
-    /**
-     * Does it, in the phase ACT on the world's thread. Either all of it happens or none.
-     *
-     * @throws ActionRefused if it cannot be done now; nothing has happened then
-     */
-    void perform(ActionCall call) throws ActionRefused;
 }

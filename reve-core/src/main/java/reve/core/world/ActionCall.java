@@ -5,7 +5,7 @@ import java.util.List;
 import java.util.Optional;
 
 /**
- * One use of an action. Valid during {@link Action#perform}, on the world's thread.
+ * One use of an action. Valid during {@link PerformableAction#perform}, on the world's thread.
  *
  * @param frame the frame in which it happens
  * @param target the item whose action it is
@@ -37,5 +37,24 @@ public record ActionCall(
                 actor.map(item -> item.access().capabilities()).orElse(List.of()),
                 ItemQuota.NONE,
                 EventBudget.unlimited());
+    }
+
+    /**
+     * Performs an action of the target.
+     *
+     * @throws ActionRefused if it cannot be done now; nothing has happened then
+     */
+    public void perform(Action action) throws ActionRefused {
+        if (!(action instanceof PerformableAction performable)) {
+            throw new IllegalStateException(
+                    "action "
+                            + action.name()
+                            + " of "
+                            + target
+                            + " is a "
+                            + action.getClass().getName()
+                            + ", expected a PerformableAction");
+        }
+        performable.perform(this);
     }
 }

@@ -10,8 +10,10 @@ import org.jspecify.annotations.Nullable;
 public final class ActionRefused extends Exception {
     private static final long serialVersionUID = 1L;
 
+    /** What clients recognise the reason by. */
     private final String code;
 
+    /** With the code of the protocol and a message for people. */
     public ActionRefused(String code, String message) {
         this(code, message, null);
     }

@@ -74,6 +74,7 @@ public final class Arguments {
         return get(name, String.class);
     }
 
+    /** A truth value. */
     public boolean truth(String name) {
         return get(name, Boolean.class);
     }

@@ -32,18 +32,20 @@ public final class Arrests {
     /** Magnitudes above this are extreme, in SI units; no body of a world that works has them. */
     private static final double EXTREME = 1e15;
 
-    private final World world;
+    private final Items items;
+    private final WorldGuard guard;
 
     /** Of which actions or edits changed physics or place. */
     private final TreeSet<ItemId> changed = new TreeSet<>();
 
-    Arrests(World world) {
-        this.world = world;
+    Arrests(Items items, WorldGuard guard) {
+        this.items = items;
+        this.guard = guard;
     }
 
     /** An action or an edit changes the physics or the place of an item. */
     public void suspect(ItemId item) {
-        world.guard().requireEditable();
+        guard.requireEditable();
         changed.add(item);
     }
 
@@ -55,16 +57,13 @@ public final class Arrests {
      *     that were changed may have pushed it; it is the last then
      */
     public List<Item> suspects(Optional<Item> failed) {
-        world.guard().checkOwner();
+        guard.checkOwner();
         if (changed.isEmpty()) {
             return List.of();
         }
         var suspects = new ArrayList<Item>();
-        changed.removeIf(id -> world.findItem(id) == null);
-        changed.stream()
-                .flatMap(id -> world.find(id).stream())
-                .filter(item -> excess(item) > 0)
-                .forEach(suspects::add);
+        changed.removeIf(id -> items.find(id) == null);
+        items.of(changed).stream().filter(item -> excess(item) > 0).forEach(suspects::add);
         failed.filter(item -> excess(item) > EXTREME && !suspects.contains(item))
                 .ifPresent(suspects::add);
         return suspects;
@@ -80,7 +79,7 @@ public final class Arrests {
             for (int i = 0; i < column.components(); i++) {
                 double value = Math.abs(column.getDouble(item.checkedRow(), i));
                 most = Math.max(most, value);
-                if (value > 0 && column.name().equals(PhysicsAspect.MASS)) {
+                if (value > 0 && column.name().equals(WorldPrototype.MASS)) {
                     most = Math.max(most, 1 / value);
                 }
             }
@@ -96,7 +95,7 @@ public final class Arrests {
      * @return puts the numbers back as they were; in the same frame only
      */
     public Runnable arrest(Item item) {
-        world.guard().requireEditable();
+        guard.requireEditable();
         var before = new ArrayList<Runnable>();
         for (Column column : columns(item)) {
             before.add(replace(column, item.checkedRow(), 0));

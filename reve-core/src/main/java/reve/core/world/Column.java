@@ -6,27 +6,39 @@ import java.lang.foreign.MemorySegment;
 /** A live column. World's thread only. Values are not checked here; the aspects check them. */
 public final class Column extends ColumnView {
 
-    private final Table table;
+    private final Rows rows;
     private final WorldGuard guard;
+    private final FrameRecord record;
     private MemorySegment memory;
     private MemorySegment used;
     private long version;
-    private boolean editNoted;
+
+    /** The period of the record in which the last direct edit was noted. */
+    private long editNotedIn;
 
     /**
+     * @param rows of the table
+     * @param guard asked before each change
+     * @param record gets to know of direct edits
      * @param memory zeroed
      */
-    Column(Table table, PropertyDescriptor descriptor, MemorySegment memory) {
+    Column(
+            PropertyDescriptor descriptor,
+            Rows rows,
+            WorldGuard guard,
+            FrameRecord record,
+            MemorySegment memory) {
         super(descriptor);
-        this.table = table;
-        this.guard = table.world().guard();
+        this.rows = rows;
+        this.guard = guard;
+        this.record = record;
         this.memory = memory;
         this.used = memory.asSlice(0, 0);
     }
 
     @Override
     public int rowCount() {
-        return table.rowCount();
+        return rows.count();
     }
 
     @Override
@@ -107,17 +119,12 @@ public final class Column extends ColumnView {
         version++;
     }
 
-    /** Tells the world of direct edits, the first time in a frame. */
+    /** Notes direct edits, the first time in a frame. */
     private void noteEdit() {
-        if (!editNoted) {
-            editNoted = true;
-            table.world().noteEdited(this);
+        if (editNotedIn != record.period()) {
+            editNotedIn = record.period();
+            record.note(new WorldChange.ColumnEdited(descriptor().kind(), name()));
         }
-    }
-
-    /** From now on edits belong to another frame. */
-    void forgetEdit() {
-        editNoted = false;
     }
 
     /** References are set by the world only, which counts them. */

@@ -27,26 +27,32 @@ public abstract sealed class ColumnView permits Column, ColumnSnapshot {
         this.descriptor = descriptor;
     }
 
+    /** The property that this column holds. */
     public final PropertyDescriptor descriptor() {
         return descriptor;
     }
 
+    /** Name of the property. */
     public final String name() {
         return descriptor.name();
     }
 
+    /** Element type. */
     public final ScalarType type() {
         return descriptor.type();
     }
 
+    /** Numbers per row. */
     public final int components() {
         return descriptor.components();
     }
 
+    /** Unit of every number. */
     public final Unit unit() {
         return descriptor.unit();
     }
 
+    /** Used rows. */
     public abstract int rowCount();
 
     /** Exactly the used rows. Ask again whenever {@link World#layoutVersion()} changed. */

@@ -14,7 +14,8 @@ import java.util.Set;
  */
 final class DefinitionCheck {
 
-    private final World world;
+    private final WorldData world;
+    private final Items items;
     private final List<ItemDefinition> definitions;
     private final Map<String, ItemDefinition> batch = new HashMap<>();
     private Map<String, Object> checkedSymbols = Map.of();
@@ -22,8 +23,9 @@ final class DefinitionCheck {
     /** Names whose chain of parents is known to end. */
     private final Set<String> rooted = new HashSet<>();
 
-    DefinitionCheck(World world, List<ItemDefinition> definitions) {
+    DefinitionCheck(WorldData world, Items items, List<ItemDefinition> definitions) {
         this.world = world;
+        this.items = items;
         this.definitions = definitions;
     }
 
@@ -49,7 +51,7 @@ final class DefinitionCheck {
                     .forEach(
                             (symbol, value) ->
                                     Values.requireSymbol(
-                                            world.prototype(), definition.name(), symbol, value));
+                                            world.prototype, definition.name(), symbol, value));
             checkedSymbols = definition.symbols();
         }
     }
@@ -64,37 +66,9 @@ final class DefinitionCheck {
         }
     }
 
-    static void requireTarget(
-            String where,
-            PropertyDescriptor property,
-            String target,
-            String kind,
-            boolean hasPhysics) {
-        String expected = property.refersTo().orElseThrow();
-        if (!kind.equals(expected)) {
-            throw new IllegalArgumentException(
-                    where
-                            + " refers to "
-                            + target
-                            + " of kind "
-                            + kind
-                            + ", expected kind "
-                            + expected);
-        }
-        if (!hasPhysics) {
-            throw new IllegalArgumentException(
-                    where
-                            + " refers to "
-                            + target
-                            + ", which is scenery: give it a physics property (mass 0 makes it"
-                            + " immovable)");
-        }
-    }
-
     private void checkName(ItemDefinition definition) {
         String name = definition.name();
-        requireFree(
-                name, world.findItem(name) != null || batch.putIfAbsent(name, definition) != null);
+        requireFree(name, items.find(name) != null || batch.putIfAbsent(name, definition) != null);
     }
 
     private void checkKind(ItemDefinition definition) {
@@ -113,7 +87,7 @@ final class DefinitionCheck {
                             + definition.kind()
                             + " has no place, shape or colour: only kind body has");
         }
-        ScalarType real = world.prototype().realType();
+        ScalarType real = world.prototype.realType();
         for (double metres : definition.sharedLocation()) {
             if (real == ScalarType.F32 && !Float.isFinite((float) metres)) {
                 throw new IllegalArgumentException(
@@ -185,7 +159,7 @@ final class DefinitionCheck {
         String parent = definition.parent().get();
         String where = "item " + definition.name() + " cannot be attached to " + parent + ": ";
         ItemDefinition fellow = batch.get(parent);
-        Item present = world.findItem(parent);
+        Item present = items.find(parent);
         if (fellow == null && present == null) {
             throw new IllegalArgumentException(where + "it does not exist");
         }
@@ -195,7 +169,7 @@ final class DefinitionCheck {
                 parent,
                 fellow != null ? fellow.kind() : Objects.requireNonNull(present).kind());
         definition
-                .physics(PhysicsAspect.MASS)
+                .physics(WorldPrototype.MASS)
                 .ifPresent(mass -> Hierarchy.requireNoMass(where, mass[0]));
         checkNoCircle(definition);
     }
@@ -219,11 +193,12 @@ final class DefinitionCheck {
 
     private void checkTarget(String where, PropertyDescriptor descriptor, String target) {
         ItemDefinition fellow = batch.get(target);
-        Item present = world.findItem(target);
+        Item present = items.find(target);
         if (fellow != null) {
-            requireTarget(where, descriptor, target, fellow.kind(), fellow.hasPhysics());
+            References.requireTarget(where, descriptor, target, fellow.kind(), fellow.hasPhysics());
         } else if (present != null) {
-            requireTarget(where, descriptor, target, present.kind(), !present.physics().isEmpty());
+            References.requireTarget(
+                    where, descriptor, target, present.kind(), !present.physics().isEmpty());
         } else {
             throw new IllegalArgumentException(
                     where + " refers to " + target + ", which does not exist");

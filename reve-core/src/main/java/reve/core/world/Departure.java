@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
-import java.util.Comparator;
 import java.util.HashSet;
 import java.util.LinkedHashMap;
 import java.util.List;
@@ -27,21 +26,20 @@ public record Departure(List<String> detached, List<String> removed) {
      * @throws IllegalStateException naming the phase if the structure is locked
      */
     public static Departure of(World world, ItemId id) {
-        Item leaving = world.item(id);
-        List<Item> referring = world.references().referring(leaving);
-        Set<Item> going = new HashSet<>(referring);
-        going.add(leaving);
-        List<Item> staying =
+        List<Item> referring = world.referring(id);
+        Set<ItemId> going = new HashSet<>(referring.stream().map(Item::id).toList());
+        going.add(id);
+        List<ItemId> staying =
                 going.stream()
-                        .flatMap(item -> item.children().stream())
+                        .flatMap(item -> world.item(item).children().stream())
                         .filter(child -> !going.contains(child))
-                        .sorted(Comparator.comparing(Item::id))
+                        .sorted()
                         .toList();
         var departure =
                 new Departure(
-                        staying.stream().map(Item::name).toList(),
+                        staying.stream().map(item -> world.item(item).name()).toList(),
                         referring.stream().map(Item::name).toList());
-        staying.forEach(item -> world.detach(item.id()));
+        staying.forEach(world::detach);
         world.removeCascade(id);
         return departure;
     }

@@ -16,31 +16,27 @@ public final class Forces {
 
     private static final String COLUMN = "appliedForce";
 
-    private final World world;
+    private final WorldGuard guard;
+    private final FrameRecord record;
+    private final Table bodies;
     private final Column column;
     private final List<Force> active = new ArrayList<>();
     private double[] before = {};
     private int framesPerSecond = 1;
 
     /**
-     * One force on one item.
-     *
-     * @param newtons in the world's frame (3) [N]
-     * @param frames how many frames it still acts
+     * @param guard asked before each change
+     * @param record gets to know of each new force
      */
-    public record Force(ItemId item, List<Double> newtons, long frames) {
-        public Force {
-            newtons = List.copyOf(newtons);
-        }
-    }
-
-    Forces(World world) {
-        this.world = world;
-        this.column = world.table(WorldPrototype.BODY).column(COLUMN);
+    Forces(Table bodies, WorldGuard guard, FrameRecord record) {
+        this.bodies = bodies;
+        this.guard = guard;
+        this.record = record;
+        this.column = bodies.column(COLUMN);
     }
 
     /** How fast the world's frames follow each other in its own time; said by who makes them. */
-    public void setFramesPerSecond(int newFramesPerSecond) {
+    void setFramesPerSecond(int newFramesPerSecond) {
         framesPerSecond = newFramesPerSecond;
     }
 
@@ -51,9 +47,9 @@ public final class Forces {
 
     /** Adds a force, from the next PHYSICS on. It ends early if the item goes. */
     public void add(Force force) {
-        world.guard().requireEditable();
+        guard.requireEditable();
         active.add(force);
-        world.note(new WorldChange.Pushed(force));
+        record.note(new WorldChange.Pushed(force));
     }
 
     /** Forces that have not ended, in the order added: what an image of the world has to keep. */
@@ -68,7 +64,7 @@ public final class Forces {
     }
 
     /** Before PHYSICS: adds the forces to the column, one after the other. */
-    public void apply() {
+    void apply() {
         if (before.length < 3 * active.size()) {
             before = new double[6 * active.size()];
         }
@@ -83,7 +79,7 @@ public final class Forces {
     }
 
     /** After PHYSICS: puts the column back, to the bit, and ends what has acted long enough. */
-    public void withdraw() {
+    void withdraw() {
         if (active.isEmpty()) {
             return;
         }
@@ -103,7 +99,6 @@ public final class Forces {
 
     /** Where the item is, -1 if it has gone or become scenery. */
     private int row(Force force) {
-        Item item = world.findItem(force.item());
-        return item == null || item.physics().isEmpty() ? -1 : item.row;
+        return bodies.hasPhysics(force.item()) ? bodies.rowOf(force.item()) : -1;
     }
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
-import java.util.ArrayList;
 import java.util.List;
 
 /** What happened to a world in the frame that is being made. World's thread. */
@@ -12,7 +11,7 @@ final class FrameRecord {
 
     private final FrameLog<WorldEvent> events = new FrameLog<>(Integer.MAX_VALUE);
     private final FrameLog<WorldChange> changes = new FrameLog<>(MAX_CHANGES);
-    private final List<Column> directlyEdited = new ArrayList<>();
+    private long period = 1;
 
     void raise(WorldEvent event) {
         events.add(event);
@@ -22,10 +21,9 @@ final class FrameRecord {
         changes.add(change);
     }
 
-    /** Told by a column once a frame, until it is told to forget it. */
-    void noteEdited(Column column) {
-        directlyEdited.add(column);
-        note(new WorldChange.ColumnEdited(column.descriptor().kind(), column.name()));
+    /** Returns a number, 1 or more, that rises when entries begin to belong to another frame. */
+    long period() {
+        return period;
     }
 
     /** In the order raised; a copy. */
@@ -47,20 +45,15 @@ final class FrameRecord {
     void fix() {
         events.fix();
         changes.fix();
-        forgetDirectEdits();
+        period++;
     }
 
     /** Forgets this frame, fixed or not. */
     void end() {
         if (!changes.isFixed()) {
-            forgetDirectEdits();
+            period++;
         }
         events.end();
         changes.end();
-    }
-
-    private void forgetDirectEdits() {
-        directlyEdited.forEach(Column::forgetEdit);
-        directlyEdited.clear();
     }
 }

@@ -1,59 +1,86 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
+import org.jspecify.annotations.Nullable;
+
 import java.util.ArrayList;
 import java.util.Collection;
-import java.util.Comparator;
+import java.util.HashMap;
 import java.util.HashSet;
 import java.util.List;
-import java.util.Objects;
+import java.util.Map;
+import java.util.NavigableMap;
 import java.util.Set;
+import java.util.TreeMap;
 import java.util.TreeSet;
 
 /**
- * Which bodies move with which, and where that puts them. An attached item's pose in its parent's
- * frame is part of its symbols; its rows of {@code position} and {@code orientation}, in the world
- * frame, follow from it.
+ * Attachments between bodies, and the places that follow from them. An attached item's pose in its
+ * parent's frame is also part of its symbols; its rows of {@code position} and {@code orientation},
+ * in the world frame, follow from it. World's thread only.
  */
 final class Hierarchy {
 
+    private final Table bodies;
     private final Column positions;
     private final Column orientations;
     private final boolean single;
+    private final Layout layout;
     private final Activity activity;
-    private final Set<Item> attached = new TreeSet<>(Comparator.comparing(Item::id));
+    private final NavigableMap<ItemId, Attachment> attachments = new TreeMap<>();
+
+    /** The items attached to each item; contains no empty set. */
+    private final Map<ItemId, TreeSet<ItemId>> children = new HashMap<>();
+
     private final double[] pose = new double[Pose.NUMBERS];
 
-    /** Attached items with parents before children, and their own poses; empty if to be redone. */
-    private final List<Item> order = new ArrayList<>();
+    /** Attached items, parents before children; out of date unless {@link #current}. */
+    private final List<ItemId> order = new ArrayList<>();
 
+    /** Poses of the attached items in their parents' frames, in that order. */
     private double[] relative = {};
+
+    /** The row of each attached item and that of its parent, in that order. */
+    private int[] rows = {};
+
     private boolean current = true;
+    private long rowsVersion = -1;
 
     /**
+     * @param layout says when rows have moved
      * @param activity counts a step for each level that is walked up
      */
-    Hierarchy(Table bodies, Activity activity) {
+    Hierarchy(Table bodies, Layout layout, Activity activity) {
+        this.bodies = bodies;
+        this.layout = layout;
         this.activity = activity;
         positions = bodies.column("position");
         orientations = bodies.column("orientation");
         single = positions.type() == ScalarType.F32;
     }
 
+    /** Returns the items that are attached to an item, in the order of their ids; a copy. */
+    List<ItemId> children(ItemId item) {
+        TreeSet<ItemId> attached = children.get(item);
+        return attached == null ? List.of() : List.copyOf(attached);
+    }
+
     /**
      * @throws IllegalArgumentException if the two cannot move together
      */
-    void requireAttachable(Item child, Item parent) {
-        String where = child + " cannot be attached to " + parent + ": ";
+    void requireAttachable(ItemSymbols child, ItemSymbols parent) {
+        String where = child.label() + " cannot be attached to " + parent.label() + ": ";
         requireBody(where, child.name(), child.kind());
         requireBody(where, parent.name(), parent.kind());
-        requireNoMass(
-                where, child.physics().isEmpty() ? 0 : child.physics().scalar(PhysicsAspect.MASS));
-        for (Item above = parent; above != null; above = above.parent) {
-            if (above == child) {
+        if (bodies.hasPhysics(child.id())) {
+            Column masses = bodies.physicsColumn(WorldPrototype.MASS);
+            requireNoMass(where, masses.getDouble(bodies.rowOf(child.id()), 0));
+        }
+        for (ItemId above = parent.id(); above != null; above = parentOf(above)) {
+            if (above.equals(child.id())) {
                 throw new IllegalArgumentException(
                         where
-                                + (parent == child
+                                + (parent.id().equals(child.id())
                                         ? "it is the same item"
                                         : parent.name() + " already moves with " + child.name()));
             }
@@ -82,81 +109,88 @@ final class Hierarchy {
         }
     }
 
-    /** Puts a child under a parent; its symbols say where. */
-    void link(Item child, Item parent) {
-        unlink(child);
-        parent.addChild(child);
-        attached.add(child);
+    /** Attaches a child to a parent, or changes its pose in its parent's frame. */
+    void attach(ItemId child, Attachment attachment) {
+        detach(child);
+        attachments.put(child, attachment);
+        children.computeIfAbsent(attachment.parent(), none -> new TreeSet<>()).add(child);
     }
 
-    void unlink(Item child) {
-        if (child.parent != null) {
-            child.parent.removeChild(child);
-            attached.remove(child);
+    /** Detaches a child from its parent, if it has one. */
+    void detach(ItemId child) {
+        Attachment former = attachments.remove(child);
+        if (former != null) {
+            children.computeIfPresent(
+                    former.parent(),
+                    (parent, attached) -> {
+                        attached.remove(child);
+                        return attached.isEmpty() ? null : attached;
+                    });
         }
         current = false;
     }
 
-    /** Links all items of a restored world as their symbols say. */
-    void restore(Collection<Item> items) {
-        attached.clear();
-        for (Item item : items) {
-            item.parent = null;
-            item.children = null;
-        }
-        for (Item item : items) {
-            Attachment attachment = item.symbols().attachment();
-            if (attachment != null) {
-                link(item, item.world().item(attachment.parent()));
+    /** Attaches all items of a restored world as their symbols say. */
+    void restore(Collection<ItemSymbols> items) {
+        attachments.clear();
+        children.clear();
+        for (ItemSymbols item : items) {
+            if (item.attachment() != null) {
+                attach(item.id(), item.attachment());
             }
         }
         current = false;
     }
 
-    /** An item's pose in its parent's frame was changed. */
-    void touch() {
-        current = false;
-    }
-
     /**
-     * Where an item is now, whatever was moved since the last {@link #place()}: the numbers of a
-     * pose in the world frame.
+     * Returns where an item is now, whatever was moved since the last {@link #place()}: the numbers
+     * of a pose in the world frame.
      */
-    double[] worldPose(Item item) {
-        List<Item> path = new ArrayList<>();
-        Item root = item;
-        for (; root.parent != null; root = root.parent) {
-            path.add(root);
+    double[] worldPose(ItemId item) {
+        List<Attachment> path = new ArrayList<>();
+        ItemId root = item;
+        for (Attachment next; (next = attachments.get(root)) != null; root = next.parent()) {
+            path.add(next);
         }
         activity.spend(path.size());
         double[] result = new double[Pose.NUMBERS];
-        read(root.row, result);
-        for (Item next : path.reversed()) {
-            Pose.compose(result, 0, next.attachment().pose().numbers(), 0, result, 0);
+        read(bodies.rowOf(root), result);
+        for (Attachment next : path.reversed()) {
+            Pose.compose(result, 0, next.pose().numbers(), 0, result, 0);
             round(result);
         }
         return result;
     }
 
     /** Writes where an attached item is now to its row. */
-    void settle(Item item) {
-        write(item, worldPose(item));
+    void settle(ItemId item) {
+        write(bodies.rowOf(item), worldPose(item));
     }
 
     /** Puts new attached items where their parents have them, in whatever order they come. */
-    void placeNew(List<Item> items) {
-        Set<Item> waiting = new HashSet<>();
-        for (Item item : items) {
-            if (item.parent != null) {
+    void placeNew(List<ItemId> items) {
+        Set<ItemId> waiting = new HashSet<>();
+        for (ItemId item : items) {
+            if (attachments.containsKey(item)) {
                 waiting.add(item);
             }
         }
-        List<Item> path = new ArrayList<>();
-        for (Item item : items) {
-            for (Item next = item; next != null && waiting.remove(next); next = next.parent) {
+        if (waiting.isEmpty()) {
+            return;
+        }
+        List<ItemId> path = new ArrayList<>();
+        for (ItemId item : items) {
+            for (ItemId next = item; next != null && waiting.remove(next); next = parentOf(next)) {
                 path.add(next);
             }
-            path.reversed().forEach(next -> place(next, next.attachment().pose().numbers(), 0));
+            for (ItemId next : path.reversed()) {
+                Attachment attachment = attachments.get(next);
+                place(
+                        bodies.rowOf(next),
+                        bodies.rowOf(attachment.parent()),
+                        attachment.pose().numbers(),
+                        0);
+            }
             path.clear();
         }
     }
@@ -166,52 +200,68 @@ final class Hierarchy {
         if (!current) {
             sort();
         }
+        if (rowsVersion != layout.version()) {
+            locate();
+        }
         for (int i = 0; i < order.size(); i++) {
-            place(order.get(i), relative, i * Pose.NUMBERS);
+            place(rows[2 * i], rows[2 * i + 1], relative, i * Pose.NUMBERS);
         }
     }
 
-    private void place(Item item, double[] own, int at) {
-        read(Objects.requireNonNull(item.parent).row, pose);
+    private void place(int row, int parentRow, double[] own, int at) {
+        read(parentRow, pose);
         Pose.compose(pose, 0, own, at, pose, 0);
-        write(item, pose);
+        write(row, pose);
     }
 
-    private void write(Item item, double[] numbers) {
-        boolean seenByLaws = item.row < item.table().physicsRowCount();
+    private void write(int row, double[] numbers) {
+        boolean seenByLaws = row < bodies.physicsRowCount();
         for (int i = 0; i < 3; i++) {
-            positions.derive(item.row, i, numbers[i], seenByLaws);
+            positions.derive(row, i, numbers[i], seenByLaws);
         }
         for (int i = 0; i < 4; i++) {
-            orientations.derive(item.row, i, numbers[3 + i], seenByLaws);
+            orientations.derive(row, i, numbers[3 + i], seenByLaws);
         }
     }
 
     private void sort() {
         order.clear();
-        for (Item item : attached) {
-            if (item.parent != null && item.parent.parent == null) {
-                order.add(item);
-            }
-        }
+        attachments.forEach(
+                (item, attachment) -> {
+                    if (!attachments.containsKey(attachment.parent())) {
+                        order.add(item);
+                    }
+                });
         for (int i = 0; i < order.size(); i++) {
-            Set<Item> children = order.get(i).children;
-            if (children != null) {
-                order.addAll(children);
+            TreeSet<ItemId> attached = children.get(order.get(i));
+            if (attached != null) {
+                order.addAll(attached);
             }
         }
-        if (relative.length < order.size() * Pose.NUMBERS) {
+        if (rows.length < 2 * order.size()) {
             relative = new double[2 * order.size() * Pose.NUMBERS];
+            rows = new int[4 * order.size()];
         }
         for (int i = 0; i < order.size(); i++) {
-            System.arraycopy(
-                    order.get(i).attachment().pose().numbers(),
-                    0,
-                    relative,
-                    i * Pose.NUMBERS,
-                    Pose.NUMBERS);
+            double[] own = attachments.get(order.get(i)).pose().numbers();
+            System.arraycopy(own, 0, relative, i * Pose.NUMBERS, Pose.NUMBERS);
         }
+        rowsVersion = -1;
         current = true;
+    }
+
+    private void locate() {
+        for (int i = 0; i < order.size(); i++) {
+            ItemId item = order.get(i);
+            rows[2 * i] = bodies.rowOf(item);
+            rows[2 * i + 1] = bodies.rowOf(attachments.get(item).parent());
+        }
+        rowsVersion = layout.version();
+    }
+
+    private @Nullable ItemId parentOf(ItemId item) {
+        Attachment attachment = attachments.get(item);
+        return attachment == null ? null : attachment.parent();
     }
 
     private void read(int row, double[] into) {
@@ -223,7 +273,7 @@ final class Hierarchy {
         }
     }
 
-    /** As the columns would keep it. */
+    /** Rounds numbers to the precision of the columns. */
     private void round(double[] numbers) {
         for (int i = 0; single && i < numbers.length; i++) {
             numbers[i] = (float) numbers[i];

@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
-import org.jspecify.annotations.Nullable;
-
-import java.util.Comparator;
 import java.util.List;
 import java.util.Optional;
-import java.util.TreeSet;
 
 /**
  * One thing in a world. It holds no numbers: its aspects are views of its row in the columns.
@@ -14,35 +10,34 @@ import java.util.TreeSet;
  */
 public final class Item {
 
-    static final int REMOVED = -1;
-
+    private final WorldData world;
     private final Table table;
     private ItemSymbols symbols;
 
-    /** Where the item is now; kept by its table. */
-    int row = REMOVED;
+    /**
+     * Where the item was when it was asked for its row last, and the version of the layout then.
+     */
+    private int row;
 
-    /** How many references of other items point here; kept by the world. */
-    int referrers;
+    private long layoutVersion = -1;
 
-    /** What the item moves with, and what moves with it; kept by the hierarchy. */
-    @Nullable Item parent;
-
-    @Nullable TreeSet<Item> children;
-
-    Item(Table table, ItemSymbols symbols) {
-        this.table = table;
+    Item(WorldData world, ItemSymbols symbols) {
+        this.world = world;
+        this.table = world.table(symbols.kind());
         this.symbols = symbols;
     }
 
+    /** Stays the same as long as the item is in the world, and in its images. */
     public ItemId id() {
         return symbols.id();
     }
 
+    /** Unique in the world. */
     public String name() {
         return symbols.name();
     }
 
+    /** The kind whose table its row is in. */
     public String kind() {
         return symbols.kind();
     }
@@ -77,53 +72,62 @@ public final class Item {
         return new PhysicsAspect(this);
     }
 
-    /** The item as it is now, to be written to a file or added to another world. */
+    /**
+     * The item as it is now, to be written to a file; added to another world of the same prototype,
+     * it is the same item to the bit. Properties of its physics aspect that are 0 are left out.
+     */
     public ItemDefinition definition() {
         checkedRow();
-        return ItemDefinition.of(this);
+        ItemDefinition.Builder now = ItemDefinition.kept(name()).kind(kind());
+        if (!physical().isEmpty()) {
+            now.placed = true;
+            now.shape = physical().shape();
+            now.material = physical().material();
+            now.colour = physical().colour();
+            now.location = physical().location();
+            now.orientation = physical().orientation();
+        }
+        Attachment attachment = symbols.attachment();
+        if (attachment != null) {
+            now.parent = world.symbols.name(attachment.parent());
+            now.location = attachment.pose().location();
+            now.orientation = attachment.pose().orientation();
+        }
+        now.symbols = symbols.given();
+        now.actions = symbols.actions();
+        now.capabilities = symbols.capabilities();
+        now.sensors = symbols.sensors();
+        for (String property : physics().properties()) {
+            if (table.physicsColumn(property).type() == ScalarType.REF) {
+                List<ItemId> targets = physics().references(property);
+                now.references =
+                        now.references.with(
+                                property, targets.stream().map(world.symbols::name).toList());
+            } else if (!Values.isZero(physics().vector(property))) {
+                now.numbers = now.numbers.with(property, physics().vector(property));
+            }
+        }
+        if (now.numbers.isEmpty() && now.references.isEmpty() && !physics().isEmpty()) {
+            String first = physics().properties().iterator().next();
+            now.numbers = now.numbers.with(first, physics().vector(first));
+        }
+        return now.build();
     }
 
     /** The item that this one moves with; see {@link World#attach}. */
-    public Optional<Item> parent() {
+    public Optional<ItemId> parent() {
         checkedRow();
-        return Optional.ofNullable(parent);
+        return Optional.ofNullable(symbols.attachment()).map(Attachment::parent);
     }
 
     /** Items that move with this one, in the order of their ids; a copy. */
-    public List<Item> children() {
+    public List<ItemId> children() {
         checkedRow();
-        return children == null ? List.of() : List.copyOf(children);
+        return world.hierarchy.children(id());
     }
 
-    void addChild(Item child) {
-        if (children == null) {
-            children = new TreeSet<>(Comparator.comparing(Item::id));
-        }
-        children.add(child);
-        child.parent = this;
-    }
-
-    void removeChild(Item child) {
-        if (children != null) {
-            children.remove(child);
-            children = children.isEmpty() ? null : children;
-        }
-        child.parent = null;
-    }
-
-    /**
-     * @throws IllegalStateException if the item is attached to nothing
-     */
-    Attachment attachment() {
-        Attachment attachment = symbols.attachment();
-        if (attachment == null) {
-            throw new IllegalStateException(this + " is attached to nothing");
-        }
-        return attachment;
-    }
-
-    World world() {
-        return table.world();
+    WorldData world() {
+        return world;
     }
 
     Table table() {
@@ -134,21 +138,32 @@ public final class Item {
         return symbols;
     }
 
-    void setSymbols(ItemSymbols newSymbols) {
-        symbols = newSymbols;
+    /** Changes what is symbolic about the item. */
+    void change(ItemSymbols changed) {
+        world.setSymbols(symbols, changed);
+        symbols = changed;
+    }
+
+    /** Takes over what is symbolic about the item in an image, as its world does. */
+    void restore(ItemSymbols restored) {
+        symbols = restored;
     }
 
     /** The current row, after checking thread and life. */
     int checkedRow() {
-        world().guard().checkOwner();
-        if (row == REMOVED) {
-            throw new IllegalStateException(this + " was removed from world " + world().name());
+        world.guard.checkOwner();
+        if (layoutVersion != world.layout.version()) {
+            layoutVersion = world.layout.version();
+            row = table.rowOf(id());
+        }
+        if (row < 0) {
+            throw new IllegalStateException(this + " was removed from world " + world.name);
         }
         return row;
     }
 
     @Override
     public String toString() {
-        return "item " + name() + " (" + kind() + " " + id() + ")";
+        return symbols.label();
     }
 }

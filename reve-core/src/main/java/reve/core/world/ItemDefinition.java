@@ -56,7 +56,8 @@ public final class ItemDefinition {
     /**
      * Begins a definition: kind body, no shape, at the origin, scenery.
      *
-     * @throws IllegalArgumentException if the name cannot be seen as it is, see {@link VisibleName}
+     * @throws IllegalArgumentException if the name cannot be seen as it is, see {@link
+     *     reve.core.text.VisibleName}
      */
     public static Builder named(String name) {
         return new Builder(Names.requireItemName("item name", name));
@@ -65,51 +66,6 @@ public final class ItemDefinition {
     /** As {@link #named}, of an item that a store kept, with whatever name it was kept. */
     public static Builder kept(String name) {
         return new Builder(name);
-    }
-
-    /**
-     * What an item is now; added to another world of the same prototype, it is the same item to the
-     * bit. Properties of its physics aspect that are 0 are left out.
-     */
-    static ItemDefinition of(Item item) {
-        Builder now = new Builder(item.name()).kind(item.kind());
-        if (!item.physical().isEmpty()) {
-            now.placed = true;
-            now.shape = item.physical().shape();
-            now.material = item.physical().material();
-            now.colour = item.physical().colour();
-            now.location = item.physical().location();
-            now.orientation = item.physical().orientation();
-        }
-        item.parent()
-                .ifPresent(
-                        parent -> {
-                            now.parent = parent.name();
-                            now.location = item.attachment().pose().location();
-                            now.orientation = item.attachment().pose().orientation();
-                        });
-        now.symbols = item.symbols().given();
-        now.actions = item.symbols().actions();
-        now.capabilities = item.symbols().capabilities();
-        now.sensors = item.symbols().sensors();
-        for (String name : item.physics().properties()) {
-            Column column = item.table().physicsColumn(name);
-            if (column.type() == ScalarType.REF) {
-                now.references =
-                        now.references.with(
-                                name,
-                                item.physics().references(name).stream()
-                                        .map(target -> item.world().item(target).name())
-                                        .toList());
-            } else if (!Values.isZero(item.physics().vector(name))) {
-                now.numbers = now.numbers.with(name, item.physics().vector(name));
-            }
-        }
-        if (now.numbers.isEmpty() && now.references.isEmpty() && !item.physics().isEmpty()) {
-            String first = item.physics().properties().iterator().next();
-            now.numbers = now.numbers.with(first, item.physics().vector(first));
-        }
-        return now.build();
     }
 
     /** The same item under another name, for templates. */
@@ -145,14 +101,17 @@ public final class ItemDefinition {
         return copy;
     }
 
+    /** The name of the item. */
     public String name() {
         return name;
     }
 
+    /** The kind of the item. */
     public String kind() {
         return kind;
     }
 
+    /** The shape of a body. */
     public Shape shape() {
         return shape;
     }
@@ -187,6 +146,7 @@ public final class ItemDefinition {
         return symbols;
     }
 
+    /** What agents can do with it. */
     public List<Action> actions() {
         return actions;
     }
@@ -250,37 +210,40 @@ public final class ItemDefinition {
 
         private final String name;
         private String kind = WorldPrototype.BODY;
-        private boolean placed;
-        private Shape shape = Shape.none();
-        private Optional<Material> material = Optional.empty();
-        private @Nullable Colour colour;
-        private double[] location = {0, 0, 0};
-        private double[] orientation = {0, 0, 0, 1};
-        private @Nullable String parent;
-        private PMap<String, Object> symbols = TreePMap.empty();
-        private List<Action> actions = List.of();
+        boolean placed;
+        Shape shape = Shape.none();
+        Optional<Material> material = Optional.empty();
+        @Nullable Colour colour;
+        double[] location = {0, 0, 0};
+        double[] orientation = {0, 0, 0, 1};
+        @Nullable String parent;
+        PMap<String, Object> symbols = TreePMap.empty();
+        List<Action> actions = List.of();
 
         /** Takes the place of the list as soon as there is one action more. */
         private @Nullable Map<String, Action> actionsByName;
 
-        private List<String> capabilities = List.of();
-        private List<Sensor> sensors = List.of();
-        private Named<double[]> numbers = Named.none();
-        private Named<List<String>> references = Named.none();
+        List<String> capabilities = List.of();
+        List<Sensor> sensors = List.of();
+        Named<double[]> numbers = Named.none();
+        Named<List<String>> references = Named.none();
 
         private Builder(String name) {
             this.name = Names.require("item name", name);
         }
 
+        /** The name of the item. */
         public String name() {
             return name;
         }
 
+        /** Sets the kind, {@code body} unless said otherwise. */
         public Builder kind(String newKind) {
             kind = newKind;
             return this;
         }
 
+        /** Sets the shape of a body. */
         public Builder shape(Shape newShape) {
             placed = true;
             shape = newShape;
@@ -419,6 +382,7 @@ public final class ItemDefinition {
             return this;
         }
 
+        /** The definition as it is now. */
         public ItemDefinition build() {
             return new ItemDefinition(this);
         }

@@ -7,6 +7,7 @@ package reve.core.world;
  */
 public record ItemId(long value) implements Comparable<ItemId> {
 
+    /** Checks that the number is positive. */
     public ItemId {
         if (value <= 0) {
             throw new IllegalArgumentException("item id " + value + ": expected a positive number");

@@ -89,12 +89,8 @@ final class ItemIndex<K> {
         return slot;
     }
 
-    /** Similar keys come to lie far apart: the last steps of MurmurHash3 (A. Appleby, 2011). */
     private int start(K key) {
-        int hash = key.hashCode();
-        hash = (hash ^ hash >>> 16) * 0x85EBCA6B;
-        hash = (hash ^ hash >>> 13) * 0xC2B2AE35;
-        return (hash ^ hash >>> 16) & (slots.length - 1);
+        return Hash.spread(key.hashCode()) & (slots.length - 1);
     }
 
     private int after(int slot) {

@@ -9,7 +9,6 @@ import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
-import java.util.Set;
 
 /**
  * What is symbolic about an item. Immutable, so that snapshots share it; a change makes a new one.
@@ -31,16 +30,6 @@ public record ItemSymbols(
 
     private static final PMap<String, Object> NO_SYMBOLS = TreePMap.empty();
 
-    static final String NAME = "name";
-    static final String CLASS = "class";
-    static final String DIMENSIONS = "dimensions";
-
-    static final String LOCATION = "location";
-
-    /** Standard symbols that cannot be set. */
-    public static final Set<String> DERIVED =
-            Set.of(NAME, DIMENSIONS, LOCATION, "near", "on", "inside", "touching");
-
     /** What is symbolic in a definition; attached to nothing, whatever it says. */
     public ItemSymbols(ItemId id, ItemDefinition definition) {
         this(id, definition, Likeness.of(definition), null);
@@ -51,10 +40,17 @@ public record ItemSymbols(
         this(id, definition.name(), likeness, definition.symbols(), NO_SYMBOLS, null, maker);
     }
 
+    /** The kind of the item. */
     public String kind() {
         return likeness.kind();
     }
 
+    /** The item for a person: {@code item ball (body #3)}. */
+    String label() {
+        return "item " + name + " (" + likeness.kind() + " " + id + ")";
+    }
+
+    /** The shape of a body. */
     public Shape shape() {
         return likeness.shape();
     }
@@ -82,10 +78,11 @@ public record ItemSymbols(
     /** A designer's symbol, or a standard one: see {@link #symbols()}. */
     public Optional<Object> get(String symbol) {
         return switch (symbol) {
-            case NAME -> Optional.of(name);
-            case DIMENSIONS ->
+            case StandardSymbols.NAME -> Optional.of(name);
+            case StandardSymbols.DIMENSIONS ->
                     shape() == Shape.none() ? Optional.empty() : Optional.of(dimensions());
-            case CLASS -> Optional.of(given.getOrDefault(CLASS, kind()));
+            case StandardSymbols.CLASS ->
+                    Optional.of(given.getOrDefault(StandardSymbols.CLASS, kind()));
             default -> Optional.ofNullable(given.getOrDefault(symbol, derived.get(symbol)));
         };
     }
@@ -98,10 +95,10 @@ public record ItemSymbols(
      */
     public Map<String, Object> symbols() {
         var all = new LinkedHashMap<String, Object>();
-        all.put(NAME, name);
-        all.put(CLASS, kind());
+        all.put(StandardSymbols.NAME, name);
+        all.put(StandardSymbols.CLASS, kind());
         if (shape() != Shape.none()) {
-            all.put(DIMENSIONS, dimensions());
+            all.put(StandardSymbols.DIMENSIONS, dimensions());
         }
         all.putAll(given);
         derived.forEach(all::putIfAbsent);

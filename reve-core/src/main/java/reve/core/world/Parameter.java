@@ -22,6 +22,7 @@ public record Parameter(
     /** Most numbers in one argument. */
     public static final int MAX_COMPONENTS = 16;
 
+    /** Checks name, components and bounds. */
     public Parameter {
         if (name.isBlank()) {
             throw new IllegalArgumentException("an action's parameter has no name");

@@ -21,6 +21,7 @@ public final class PhysicalAspect {
         this.item = item;
     }
 
+    /** True if the item is no body. */
     public boolean isEmpty() {
         return !item.kind().equals(WorldPrototype.BODY);
     }
@@ -28,9 +29,9 @@ public final class PhysicalAspect {
     /** Place of the origin in the world frame (3) [m]; see {@link World#attach}. */
     public double[] location() {
         requirePlace();
-        return item.parent == null
+        return item.symbols().attachment() == null
                 ? read("position")
-                : Arrays.copyOf(item.world().hierarchy().worldPose(item), 3);
+                : Arrays.copyOf(item.world().hierarchy.worldPose(item.id()), 3);
     }
 
     /**
@@ -49,9 +50,9 @@ public final class PhysicalAspect {
     /** Rotation as a unit quaternion xyzw (4). */
     public double[] orientation() {
         requirePlace();
-        return item.parent == null
+        return item.symbols().attachment() == null
                 ? read("orientation")
-                : Arrays.copyOfRange(item.world().hierarchy().worldPose(item), 3, Pose.NUMBERS);
+                : Arrays.copyOfRange(item.world().hierarchy.worldPose(item.id()), 3, Pose.NUMBERS);
     }
 
     /** Any quaternion but 0; it is normalised. What is attached turns in its parent's frame. */
@@ -68,14 +69,16 @@ public final class PhysicalAspect {
         return read("size");
     }
 
+    /** The shape; its numbers are in metres. */
     public Shape shape() {
         requirePlace();
         return item.symbols().shape();
     }
 
+    /** Gives the body another shape. */
     public void setShape(Shape shape) {
         Shape from = shape();
-        item.world().setSymbols(item, item.symbols().with(item.symbols().likeness().with(shape)));
+        item.change(item.symbols().with(item.symbols().likeness().with(shape)));
         writeShape(shape);
         note("shape", from, shape);
     }
@@ -91,16 +94,17 @@ public final class PhysicalAspect {
      */
     public void setMaterial(Optional<Material> material) {
         Optional<Material> from = material();
-        item.world()
-                .setSymbols(item, item.symbols().with(item.symbols().likeness().with(material)));
+        item.change(item.symbols().with(item.symbols().likeness().with(material)));
         note("material", from.orElse(null), material.orElse(null));
     }
 
+    /** The colour of the whole body. */
     public Colour colour() {
         int row = requirePlace();
         return new Colour(item.table().column("colour").getInt(row, 0));
     }
 
+    /** Gives the body another colour. */
     public void setColour(Colour colour) {
         Colour from = colour();
         writeColour(colour);
@@ -120,20 +124,23 @@ public final class PhysicalAspect {
     /** Writes what a definition, checked before, says; there is no box until DERIVE. */
     void place(ItemDefinition definition) {
         Table table = item.table();
-        table.column("position").write(item.row, definition.sharedLocation());
-        table.column("orientation").write(item.row, definition.sharedOrientation());
+        int row = item.checkedRow();
+        table.column("position").write(row, definition.sharedLocation());
+        table.column("orientation").write(row, definition.sharedOrientation());
         writeColour(definition.colour());
         writeShape(definition.shape());
-        table.column("boundsMin").write(item.row, NO_CORNER);
-        table.column("boundsMax").write(item.row, NO_CORNER);
+        table.column("boundsMin").write(row, NO_CORNER);
+        table.column("boundsMax").write(row, NO_CORNER);
     }
 
     private void writeShape(Shape shape) {
+        int row = item.checkedRow();
         Column size = item.table().column("size");
         for (int axis = 0; axis < 3; axis++) {
-            size.write(item.checkedRow(), axis, shape.size(axis));
+            size.write(row, axis, shape.size(axis));
         }
-        item.table().column("shape").write(item.checkedRow(), 0, shape.code());
+        item.table().column("shape").write(row, 0, shape.code());
+        item.table().setShape(row, shape);
     }
 
     private void writeColour(Colour colour) {
@@ -141,16 +148,16 @@ public final class PhysicalAspect {
     }
 
     private void moveWithinParent(double[] location, double[] orientation) {
-        Item parent = item.parent;
-        if (parent == null) {
+        Attachment before = item.symbols().attachment();
+        if (before == null) {
             return;
         }
-        World world = item.world();
-        Pose pose =
-                Pose.of(location, orientation)
-                        .relativeTo(Pose.of(world.hierarchy().worldPose(parent)));
-        world.setSymbols(item, item.symbols().attached(new Attachment(parent.id(), pose)));
-        world.hierarchy().touch();
+        Hierarchy hierarchy = item.world().hierarchy;
+        Pose parent = Pose.of(hierarchy.worldPose(before.parent()));
+        var attachment =
+                new Attachment(before.parent(), Pose.of(location, orientation).relativeTo(parent));
+        item.change(item.symbols().attached(attachment));
+        hierarchy.attach(item.id(), attachment);
     }
 
     private void note(String property, @Nullable Object from, @Nullable Object to) {

@@ -16,14 +16,13 @@ import java.util.Set;
  */
 public final class PhysicsAspect {
 
-    static final String MASS = "mass";
-
     private final Item item;
 
     PhysicsAspect(Item item) {
         this.item = item;
     }
 
+    /** True if laws do not act on the item. */
     public boolean isEmpty() {
         return item.checkedRow() >= item.table().physicsRowCount();
     }
@@ -32,7 +31,7 @@ public final class PhysicsAspect {
     public Set<String> properties() {
         var names = new LinkedHashSet<String>();
         if (!isEmpty()) {
-            for (PropertyDescriptor property : item.world().prototype().properties()) {
+            for (PropertyDescriptor property : item.world().prototype.properties()) {
                 if (property.kind().equals(item.kind())) {
                     names.add(property.name());
                 }
@@ -64,9 +63,10 @@ public final class PhysicsAspect {
     /** All components of a numeric property [its unit]; throws as {@link #scalar}. */
     public double[] vector(String property) {
         Column column = existing(property);
+        int row = item.checkedRow();
         double[] values = new double[column.components()];
         for (int i = 0; i < values.length; i++) {
-            values[i] = column.getDouble(item.checkedRow(), i);
+            values[i] = column.getDouble(row, i);
         }
         return values;
     }
@@ -81,13 +81,14 @@ public final class PhysicsAspect {
     public void set(String property, double... values) {
         Column column = column(property);
         Values.requireFits(item.name(), column.descriptor(), values);
-        if (item.parent != null && property.equals(MASS)) {
-            Hierarchy.requireNoMass(
-                    item + " is attached to " + item.parent.name() + ": ", values[0]);
+        Attachment attachment = item.symbols().attachment();
+        if (attachment != null && property.equals(WorldPrototype.MASS)) {
+            String parent = item.world().symbols.name(attachment.parent());
+            Hierarchy.requireNoMass(item + " is attached to " + parent + ": ", values[0]);
         }
         boolean first = isEmpty();
         if (first) {
-            item.world().giveFirstPhysics(item);
+            item.world().giveFirstPhysics(item.symbols());
         }
         List<Double> from = first ? null : numbers(column);
         write(property, values);
@@ -111,15 +112,16 @@ public final class PhysicsAspect {
                     property,
                     column.type() == ScalarType.REF ? references(property) : numbers(column));
         }
-        item.world().takePhysics(item);
+        item.world().takePhysics(item.symbols());
         before.forEach((property, from) -> note(property, from, null));
     }
 
     /** Sets a numeric property of an item that has the aspect, unchecked and unnoted. */
     void write(String property, double... values) {
         Column column = column(property);
+        int row = item.checkedRow();
         for (int i = 0; i < values.length; i++) {
-            column.write(item.checkedRow(), i, values[i]);
+            column.write(row, i, values[i]);
         }
     }
 
@@ -141,9 +143,10 @@ public final class PhysicsAspect {
     /** The items that a reference property points at, in order; throws as {@link #scalar}. */
     public List<ItemId> references(String property) {
         Column column = existing(property);
+        int row = item.checkedRow();
         var ids = new ArrayList<ItemId>(column.components());
         for (int i = 0; i < column.components(); i++) {
-            ids.add(new ItemId(column.getReference(item.checkedRow(), i)));
+            ids.add(new ItemId(column.getReference(row, i)));
         }
         return ids;
     }
@@ -156,14 +159,15 @@ public final class PhysicsAspect {
      */
     public void setReferences(String property, ItemId... targets) {
         List<ItemId> from = references(property);
-        item.world().setReferences(item, existing(property), List.of(targets));
+        item.world().setReferences(item.symbols(), existing(property), List.of(targets));
         note(property, from, List.of(targets));
     }
 
     private List<Double> numbers(Column column) {
+        int row = item.checkedRow();
         List<Double> numbers = new ArrayList<>(column.components());
         for (int i = 0; i < column.components(); i++) {
-            numbers.add(column.getDouble(item.checkedRow(), i));
+            numbers.add(column.getDouble(row, i));
         }
         return List.copyOf(numbers);
     }

@@ -28,6 +28,7 @@ public record PropertyDescriptor(
     /** Most numbers one item may have in one property: a 4 by 4 matrix. */
     public static final int MAX_COMPONENTS = 16;
 
+    /** Checks names, components and bounds. */
     public PropertyDescriptor {
         Names.requireIdentifier("property name", name);
         Names.requireIdentifier("kind of property " + name, kind);

@@ -8,81 +8,77 @@ import java.util.List;
 import java.util.Set;
 import java.util.function.BiConsumer;
 
-/** Columns of references between items, and how many point at each. World's thread only. */
+/** The columns of references between items, and the number of references to each item. */
 final class References {
 
-    private static final int NAMED_IN_MESSAGES = 5;
-
     private final List<Table> tables;
-    private final Register register;
+    private final Hierarchy hierarchy;
 
-    References(List<Table> tables, Register register) {
+    /** Numbers of references to items; contains no 0. */
+    private final IdMap referrers = new IdMap();
+
+    References(List<Table> tables, Hierarchy hierarchy) {
         this.tables = tables;
-        this.register = register;
-    }
-
-    /** Points an added item, checked before, at those that its definition names. */
-    void resolve(Item item, ItemDefinition definition) {
-        if (!definition.hasReferences()) {
-            return;
-        }
-        World world = item.world();
-        definition
-                .references()
-                .forEach(
-                        (property, names) -> {
-                            Column column = item.table().physicsColumn(property);
-                            for (int i = 0; i < names.size(); i++) {
-                                point(item, column, i, world.find(names.get(i)).orElseThrow());
-                            }
-                        });
+        this.hierarchy = hierarchy;
     }
 
     /**
-     * @throws IllegalArgumentException naming item and property if a target does not fit
+     * @throws IllegalArgumentException if a reference property cannot point at an item
      */
-    void set(Item item, Column column, List<Item> targets) {
-        String where = item + ": " + column.name();
-        if (column.type() != ScalarType.REF || targets.size() != column.components()) {
+    static void requireTarget(
+            String where,
+            PropertyDescriptor property,
+            String target,
+            String kind,
+            boolean hasPhysics) {
+        String expected = property.refersTo().orElseThrow();
+        if (!kind.equals(expected)) {
             throw new IllegalArgumentException(
                     where
-                            + " takes "
-                            + column.components()
-                            + " "
-                            + column.type()
-                            + ", found "
-                            + targets.size()
-                            + " references");
+                            + " refers to "
+                            + target
+                            + " of kind "
+                            + kind
+                            + ", expected kind "
+                            + expected);
         }
-        for (Item target : targets) {
-            DefinitionCheck.requireTarget(
-                    where,
-                    column.descriptor(),
-                    target.name(),
-                    target.kind(),
-                    !target.physics().isEmpty());
-        }
-        for (int i = 0; i < targets.size(); i++) {
-            count(column.getReference(item.row, i), -1);
-            point(item, column, i, targets.get(i));
+        if (!hasPhysics) {
+            throw new IllegalArgumentException(
+                    where
+                            + " refers to "
+                            + target
+                            + ", which is scenery: give it a physics property (mass 0 makes it"
+                            + " immovable)");
         }
     }
 
-    /** An item refers to nothing any more, as it goes. */
-    void release(Item item) {
-        if (item.physics().isEmpty()) {
+    /** Returns true if references point at an item. */
+    boolean isReferredTo(ItemId item) {
+        return referrers.get(item.value(), 0) > 0;
+    }
+
+    /** Points a component of a column at another item, which was checked before. */
+    void set(Column column, int row, int component, ItemId target) {
+        count(column.getReference(row, component), -1);
+        column.setReference(row, component, target.value());
+        count(target.value(), 1);
+    }
+
+    /** Ends all references of an item that is removed or becomes scenery. */
+    void release(Table table, ItemId item) {
+        if (!table.hasPhysics(item)) {
             return;
         }
-        for (Column column : item.table().references()) {
+        for (Column column : table.references()) {
             for (int i = 0; i < column.components(); i++) {
-                count(column.getReference(item.row, i), -1);
+                count(column.getReference(table.rowOf(item), i), -1);
             }
         }
     }
 
-    /** Counts anew how many references point at each item. */
+    /** Counts all references again. */
     void countAll() {
-        register.items().forEach(item -> item.referrers = 0);
+        referrers.clear();
         for (Table table : tables) {
             for (Column column : table.references()) {
                 for (int row = 0; row < table.physicsRowCount(); row++) {
@@ -94,17 +90,38 @@ final class References {
         }
     }
 
-    /** Adds those that refer to any of the targets or are attached to one. */
-    private void addReferrers(Collection<Item> targets, Set<Item> into) {
-        for (Item target : targets) {
-            into.addAll(target.children());
+    /** Returns the items that refer to an item or are attached to it, in a reproducible order. */
+    Set<ItemId> referrers(ItemId item) {
+        Set<ItemId> referring = new LinkedHashSet<>();
+        addReferrers(Set.of(item), referring);
+        return referring;
+    }
+
+    /**
+     * Returns an item, then all items that refer to it or are attached to it, directly or not; in a
+     * reproducible order.
+     */
+    List<ItemId> withReferrers(ItemId item) {
+        return closure(item, this::addReferrers);
+    }
+
+    /** Returns the items that refer to an item, directly or not, in a reproducible order. */
+    List<ItemId> referring(ItemId item) {
+        List<ItemId> all = closure(item, this::addReferring);
+        return all.subList(1, all.size());
+    }
+
+    /** Adds the items that refer to any of the targets or are attached to one. */
+    private void addReferrers(Collection<ItemId> targets, Set<ItemId> into) {
+        for (ItemId target : targets) {
+            into.addAll(hierarchy.children(target));
         }
         addReferring(targets, into);
     }
 
-    private void addReferring(Collection<Item> targets, Set<Item> into) {
-        Set<Item> referredTo = new HashSet<>();
-        targets.stream().filter(target -> target.referrers > 0).forEach(referredTo::add);
+    private void addReferring(Collection<ItemId> targets, Set<ItemId> into) {
+        Set<Long> referredTo = new HashSet<>();
+        targets.stream().filter(this::isReferredTo).map(ItemId::value).forEach(referredTo::add);
         if (referredTo.isEmpty()) {
             return;
         }
@@ -112,9 +129,8 @@ final class References {
             for (Column column : table.references()) {
                 for (int row = 0; row < table.physicsRowCount(); row++) {
                     for (int i = 0; i < column.components(); i++) {
-                        var target = new ItemId(column.getReference(row, i));
-                        if (referredTo.contains(register.find(target))) {
-                            into.add(table.itemAt(row));
+                        if (referredTo.contains(column.getReference(row, i))) {
+                            into.add(table.idAt(row));
                         }
                     }
                 }
@@ -122,25 +138,11 @@ final class References {
         }
     }
 
-    /**
-     * An item, then all that refer to it or are attached to it, directly or not; in an order that
-     * equal worlds share.
-     */
-    List<Item> withReferrers(Item item) {
-        return closure(item, this::addReferrers);
-    }
-
-    /** All that refer to an item, directly or not, in the order of {@link #withReferrers}. */
-    List<Item> referring(Item item) {
-        List<Item> all = closure(item, this::addReferring);
-        return all.subList(1, all.size());
-    }
-
-    private static List<Item> closure(Item item, BiConsumer<Set<Item>, Set<Item>> add) {
-        Set<Item> all = new LinkedHashSet<>(List.of(item));
-        Set<Item> latest = all;
+    private static List<ItemId> closure(ItemId item, BiConsumer<Set<ItemId>, Set<ItemId>> add) {
+        Set<ItemId> all = new LinkedHashSet<>(List.of(item));
+        Set<ItemId> latest = all;
         while (!latest.isEmpty()) {
-            Set<Item> next = new LinkedHashSet<>();
+            Set<ItemId> next = new LinkedHashSet<>();
             add.accept(latest, next);
             next.removeAll(all);
             all.addAll(next);
@@ -149,25 +151,15 @@ final class References {
         return List.copyOf(all);
     }
 
-    /** Who refers to an item or is attached to it, for messages. */
-    String describeReferrers(Item item) {
-        Set<Item> referring = new LinkedHashSet<>();
-        addReferrers(Set.of(item), referring);
-        return String.join(
-                        ", ",
-                        referring.stream().map(Item::toString).limit(NAMED_IN_MESSAGES).toList())
-                + (referring.size() > NAMED_IN_MESSAGES ? ", ..." : "");
-    }
-
-    private void point(Item item, Column column, int component, Item target) {
-        column.setReference(item.row, component, target.id().value());
-        target.referrers++;
-    }
-
     private void count(long target, int change) {
-        Item item = register.find(new ItemId(target));
-        if (item != null) {
-            item.referrers += change;
+        if (target == 0) {
+            return; // refers to nothing yet
+        }
+        int now = referrers.get(target, 0) + change;
+        if (now == 0) {
+            referrers.remove(target);
+        } else {
+            referrers.put(target, now);
         }
     }
 }

@@ -2,6 +2,8 @@
 package reve.core.world;
 
 import reve.core.space.Box;
+import reve.core.space.Found;
+import reve.core.space.RelatedBoxes;
 
 import java.util.ArrayList;
 import java.util.Comparator;
@@ -32,13 +34,14 @@ public final class Relations {
     public static final Set<String> NAMES = Set.of("near", "on", "inside", "touching");
 
     /** Most items that are told for one item and relation. */
-    public static final int MAX_ITEMS = 32;
+    public static final int MAX_ITEMS = RelatedBoxes.MOST;
 
-    private static final double TOLERANCE = 0.01;
+    private static final double TOLERANCE = RelatedBoxes.TOLERANCE;
 
     private final TableView bodies;
     private final Space space;
     private final Function<ItemId, String> nameOf;
+    private final Found reached = new Found();
     private long compared;
 
     /**
@@ -165,9 +168,10 @@ public final class Relations {
         var pair = new Pair(bodies, row);
         List<Other> others = new ArrayList<>();
         int meeting = 0;
-        List<ItemId> reached = space.inBox(pair.reach(relation));
+        space.inBox(pair.reach(relation), reached);
         compared += reached.size();
-        for (ItemId id : reached) {
+        for (int i = 0; i < reached.size(); i++) {
+            var id = new ItemId(reached.key(i));
             int other = bodies.rowOf(id);
             if (other >= 0 && other != row && shapes.getInt(other, 0) != Shape.NONE) {
                 pair.with(other);

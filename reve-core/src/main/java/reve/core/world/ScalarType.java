@@ -5,9 +5,13 @@ import java.util.Optional;
 
 /** The type of one number in a column. */
 public enum ScalarType {
+    /** A real of 4 bytes. */
     F32(Float.BYTES),
+    /** A real of 8 bytes. */
     F64(Double.BYTES),
+    /** A signed whole number of 4 bytes. */
     I32(Integer.BYTES),
+    /** An unsigned whole number of 4 bytes. */
     U32(Integer.BYTES),
     /** The {@link ItemId} of another item; 0 means none. */
     REF(Long.BYTES);
@@ -15,7 +19,9 @@ public enum ScalarType {
     /** Bounds of magnitudes that files, actions and edits may set, in the unit of the property. */
     public static final double MAX_F64 = 1e100;
 
+    /** Least magnitude other than 0. */
     public static final double MIN_F64 = 1e-100;
+
     private static final double MAX_F32 = 1e30;
     private static final double MIN_F32 = 1e-35;
 

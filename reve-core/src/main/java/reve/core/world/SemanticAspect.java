@@ -25,7 +25,7 @@ public final class SemanticAspect {
      */
     public Optional<Object> get(String symbol) {
         item.checkedRow();
-        if (symbol.equals(ItemSymbols.LOCATION) && !item.physical().isEmpty()) {
+        if (symbol.equals(StandardSymbols.LOCATION) && !item.physical().isEmpty()) {
             double[] at = item.physical().location();
             return Optional.of(List.of(at[0], at[1], at[2]));
         }
@@ -37,7 +37,8 @@ public final class SemanticAspect {
 
     /** How bodies of the item's world are to each other, as of the last DERIVE. */
     public Relations relations() {
-        return item.world().relations();
+        item.world().guard.checkOwner();
+        return item.world().relations;
     }
 
     /**
@@ -49,7 +50,7 @@ public final class SemanticAspect {
      */
     public static Object requireSettable(
             WorldPrototype prototype, String item, String symbol, Object value) {
-        if (symbol.equals(ItemSymbols.CLASS) && !(value instanceof String)) {
+        if (symbol.equals(StandardSymbols.CLASS) && !(value instanceof String)) {
             throw new IllegalArgumentException(
                     "item " + item + ": class is " + value + ", expected a text such as \"toy\"");
         }
@@ -66,7 +67,7 @@ public final class SemanticAspect {
      */
     public void set(String symbol, Object value) {
         item.checkedRow();
-        Object checked = requireSettable(item.world().prototype(), item.name(), symbol, value);
+        Object checked = requireSettable(item.world().prototype, item.name(), symbol, value);
         change(symbol, checked, item.symbols().with(symbol, checked));
     }
 
@@ -92,16 +93,14 @@ public final class SemanticAspect {
         Object checked =
                 value == null
                         ? null
-                        : requireSettable(item.world().prototype(), item.name(), symbol, value);
+                        : requireSettable(item.world().prototype, item.name(), symbol, value);
         if (!Objects.equals(before.get(symbol), checked)) {
-            item.world()
-                    .setSymbols(
-                            item,
-                            item.symbols()
-                                    .withDerived(
-                                            checked == null
-                                                    ? before.minus(symbol)
-                                                    : before.plus(symbol, checked)));
+            item.change(
+                    item.symbols()
+                            .withDerived(
+                                    checked == null
+                                            ? before.minus(symbol)
+                                            : before.plus(symbol, checked)));
         }
     }
 
@@ -116,7 +115,7 @@ public final class SemanticAspect {
 
     private void change(String symbol, @Nullable Object to, ItemSymbols changed) {
         Object from = item.symbols().given().get(symbol);
-        item.world().setSymbols(item, changed);
+        item.change(changed);
         item.world()
                 .note(
                         new WorldChange.Edited(

@@ -72,6 +72,7 @@ public record Sensor(
             layers = EnumSet.copyOf(layers);
         }
 
+        /** A fresh copy. */
         @Override
         public Set<Layer> layers() {
             return EnumSet.copyOf(layers);
@@ -170,20 +171,24 @@ public record Sensor(
                 name, touch, metres, fieldOfView, lineOfSight, every, symbols, aspects, camera);
     }
 
+    /** The same with another full angle of its cone [rad]. */
     public Sensor withFieldOfView(double radians) {
         return new Sensor(
                 name, touch, range, radians, lineOfSight, every, symbols, aspects, camera);
     }
 
+    /** The same, from which other items hide what is behind them. */
     public Sensor withLineOfSight() {
         return new Sensor(name, touch, range, fieldOfView, true, every, symbols, aspects, camera);
     }
 
+    /** The same, which senses every so many frames. */
     public Sensor withEvery(int frames) {
         return new Sensor(
                 name, touch, range, fieldOfView, lineOfSight, frames, symbols, aspects, camera);
     }
 
+    /** The same, which perceives these symbols only. */
     public Sensor withSymbols(Set<String> names) {
         return new Sensor(
                 name,
@@ -197,6 +202,7 @@ public record Sensor(
                 camera);
     }
 
+    /** The same, which perceives these aspects. */
     public Sensor withAspects(Set<Aspect> some) {
         return new Sensor(
                 name, touch, range, fieldOfView, lineOfSight, every, symbols, some, camera);

@@ -4,10 +4,19 @@ package reve.core.world;
 /** The form of a body around its origin, in metres along its own axes. Immutable. */
 public sealed interface Shape permits Shape.None, Shape.Sphere, Shape.Box, Shape.Plane, Mesh {
 
+    /** Code of {@link None}. */
     int NONE = 0;
+
+    /** Code of {@link Sphere}. */
     int SPHERE = 1;
+
+    /** Code of {@link Box}. */
     int BOX = 2;
+
+    /** Code of {@link Plane}. */
     int PLANE = 3;
+
+    /** Code of {@link Mesh}. */
     int MESH = 4;
 
     /**
@@ -18,18 +27,22 @@ public sealed interface Shape permits Shape.None, Shape.Sphere, Shape.Box, Shape
     /** Extent along an own axis (0, 1, 2) [m]. */
     double size(int axis);
 
+    /** A place without a form. */
     static Shape none() {
         return None.INSTANCE;
     }
 
+    /** A ball of this radius [m]. */
     static Shape sphere(double radius) {
         return new Sphere(radius);
     }
 
+    /** A box with these edges [m]. */
     static Shape box(double x, double y, double z) {
         return new Box(x, y, z);
     }
 
+    /** A rectangle in x and z with these edges [m]. */
     static Shape plane(double x, double z) {
         return new Plane(x, z);
     }
@@ -41,6 +54,7 @@ public sealed interface Shape permits Shape.None, Shape.Sphere, Shape.Box, Shape
 
     /** A place without a form; nothing is drawn. */
     enum None implements Shape {
+        /** The only one. */
         INSTANCE;
 
         @Override
@@ -54,7 +68,9 @@ public sealed interface Shape permits Shape.None, Shape.Sphere, Shape.Box, Shape
         }
     }
 
+    /** A ball centred on the origin. @param radius [m] */
     record Sphere(double radius) implements Shape {
+        /** Checks the radius. */
         public Sphere {
             requireLength("radius of sphere", radius);
         }
@@ -72,6 +88,7 @@ public sealed interface Shape permits Shape.None, Shape.Sphere, Shape.Box, Shape
 
     /** A box centred on the origin. */
     record Box(double x, double y, double z) implements Shape {
+        /** Checks the edges. */
         public Box {
             requireLength("x size of box", x);
             requireLength("y size of box", y);
@@ -91,6 +108,7 @@ public sealed interface Shape permits Shape.None, Shape.Sphere, Shape.Box, Shape
 
     /** A flat rectangle centred on the origin that faces along its own +Y. */
     record Plane(double x, double z) implements Shape {
+        /** Checks the edges. */
         public Plane {
             requireLength("x size of plane", x);
             requireLength("z size of plane", z);

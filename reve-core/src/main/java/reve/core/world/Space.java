@@ -24,14 +24,17 @@ public final class Space {
     private final ColumnView lows;
     private final ColumnView highs;
     private final LongSupplier version;
+    private final LongSupplier removals;
     private final LongPredicate isThere;
     private final BoxIndex index = new BoxIndex();
     private final Found found = new Found();
     private long builtVersion = -1;
+    private long builtRemovals;
 
     /**
      * @param ids of the bodies in the rows
      * @param version raised when the boxes were worked out anew; 0 or more
+     * @param removals how many bodies were removed so far
      * @param isThere whether the body with an id is still there
      */
     Space(
@@ -39,11 +42,13 @@ public final class Space {
             ColumnView lows,
             ColumnView highs,
             LongSupplier version,
+            LongSupplier removals,
             LongPredicate isThere) {
         this.ids = ids;
         this.lows = lows;
         this.highs = highs;
         this.version = version;
+        this.removals = removals;
         this.isThere = isThere;
     }
 
@@ -57,7 +62,7 @@ public final class Space {
     public void inBox(Box box, Found into) {
         update();
         index.inBox(box, into);
-        into.keepIf(isThere);
+        keepPresent(into);
     }
 
     /** Bodies whose boxes meet a ball or touch it, in the order of their ids. */
@@ -67,7 +72,7 @@ public final class Space {
         }
         update();
         index.inSphere(x, y, z, radius, found);
-        found.keepIf(isThere);
+        keepPresent(found);
         return present(Integer.MAX_VALUE);
     }
 
@@ -95,7 +100,7 @@ public final class Space {
         while (true) {
             index.nearest(x, y, z, asked, found);
             boolean all = found.size() < asked;
-            found.keepIf(isThere);
+            keepPresent(found);
             if (all || found.size() >= most) {
                 return present(most);
             }
@@ -109,6 +114,13 @@ public final class Space {
             int rows = Math.min(ids.rowCount(), Math.min(lows.rowCount(), highs.rowCount()));
             index.build(ids.segment(), lows.segment(), highs.segment(), rows);
             builtVersion = now;
+            builtRemovals = removals.getAsLong();
+        }
+    }
+
+    private void keepPresent(Found bodies) {
+        if (removals.getAsLong() != builtRemovals) {
+            bodies.keepIf(isThere);
         }
     }
 

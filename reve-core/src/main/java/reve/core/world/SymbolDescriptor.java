@@ -12,9 +12,10 @@ public record SymbolDescriptor(String name, SymbolType type, Unit unit, String d
     /** Most elements of a list. */
     public static final int MAX_ELEMENTS = 64;
 
+    /** Checks name and unit. */
     public SymbolDescriptor {
         Names.require("symbol name", name);
-        if (ItemSymbols.DERIVED.contains(name)) {
+        if (StandardSymbols.DERIVED.contains(name)) {
             throw new IllegalArgumentException(
                     "symbol " + name + " is derived by the world; it cannot be declared");
         }

@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
-import org.jspecify.annotations.Nullable;
-
-import java.util.Comparator;
+import java.util.Collection;
 import java.util.HashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.TreeSet;
-import java.util.function.Supplier;
 
 /**
  * Which items have which value of a symbol. A symbol is indexed from the first time it is asked
@@ -16,23 +13,23 @@ import java.util.function.Supplier;
  */
 final class SymbolIndex {
 
-    private final Map<String, Map<Object, TreeSet<Item>>> byValue = new HashMap<>();
+    private final Map<String, Map<Object, TreeSet<ItemId>>> byValue = new HashMap<>();
 
     /**
      * Items that have the value, in the order of their ids; a copy.
      *
-     * @param all gives every item of the world, to look through for a symbol not yet indexed
+     * @param all every item of the world, to look through for a symbol not yet indexed
      */
-    List<Item> find(String symbol, Object value, Supplier<List<Item>> all) {
-        Map<Object, TreeSet<Item>> index = byValue.get(symbol);
+    List<ItemId> find(String symbol, Object value, Collection<ItemSymbols> all) {
+        Map<Object, TreeSet<ItemId>> index = byValue.get(symbol);
         if (index == null) {
             index = new HashMap<>();
             byValue.put(symbol, index);
-            for (Item item : all.get()) {
-                add(index, symbol, item, item.symbols());
+            for (ItemSymbols item : all) {
+                add(index, symbol, item);
             }
         }
-        TreeSet<Item> found = index.get(key(value));
+        TreeSet<ItemId> found = index.get(key(value));
         return found == null ? List.of() : List.copyOf(found);
     }
 
@@ -41,46 +38,31 @@ final class SymbolIndex {
         byValue.clear();
     }
 
-    /**
-     * Follows a change of an item.
-     *
-     * @param from null if the item is new
-     * @param to null if it is gone
-     */
-    void follow(Item item, @Nullable ItemSymbols from, @Nullable ItemSymbols to) {
-        byValue.forEach(
-                (symbol, index) -> {
-                    if (from != null) {
-                        remove(index, symbol, item, from);
-                    }
-                    if (to != null) {
-                        add(index, symbol, item, to);
-                    }
-                });
+    void add(ItemSymbols item) {
+        byValue.forEach((symbol, index) -> add(index, symbol, item));
     }
 
-    private static void add(
-            Map<Object, TreeSet<Item>> index, String symbol, Item item, ItemSymbols symbols) {
-        symbols.get(symbol)
+    void remove(ItemSymbols item) {
+        byValue.forEach((symbol, index) -> remove(index, symbol, item));
+    }
+
+    private static void add(Map<Object, TreeSet<ItemId>> index, String symbol, ItemSymbols item) {
+        item.get(symbol)
                 .ifPresent(
                         value ->
-                                index.computeIfAbsent(
-                                                key(value),
-                                                none ->
-                                                        new TreeSet<>(
-                                                                Comparator.comparing(Item::id)))
-                                        .add(item));
+                                index.computeIfAbsent(key(value), none -> new TreeSet<>())
+                                        .add(item.id()));
     }
 
     private static void remove(
-            Map<Object, TreeSet<Item>> index, String symbol, Item item, ItemSymbols symbols) {
-        symbols.get(symbol)
+            Map<Object, TreeSet<ItemId>> index, String symbol, ItemSymbols item) {
+        item.get(symbol)
                 .ifPresent(
                         value ->
                                 index.computeIfPresent(
                                         key(value),
                                         (same, items) -> {
-                                            items.remove(item);
+                                            items.remove(item.id());
                                             return items.isEmpty() ? null : items;
                                         }));
     }

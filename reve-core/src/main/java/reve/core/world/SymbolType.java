@@ -3,6 +3,7 @@ package reve.core.world;
 
 /** What a semantic symbol holds. */
 public enum SymbolType {
+    /** A text. */
     TEXT,
     /** One finite number. */
     NUMBER,

@@ -8,8 +8,9 @@ import java.util.Arrays;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
+import java.util.Objects;
 import java.util.Optional;
-import java.util.function.LongFunction;
+import java.util.function.Function;
 import java.util.stream.Stream;
 
 /**
@@ -20,24 +21,37 @@ public final class Table implements TableView {
 
     private static final int INITIAL_CAPACITY = 64;
 
-    private final World world;
     private final String kind;
     private final Layout layout;
+    private final WorldGuard guard;
+    private final FrameRecord record;
+    private final Rows rows = new Rows();
     private final Column ids;
     private final List<Column> columns;
     private final List<Column> allColumns;
     private final List<Column> references;
     private final Map<String, Column> byName = new LinkedHashMap<>();
     private final Map<String, Column> physicsByName = new LinkedHashMap<>();
-    private Item[] items;
-    private int rowCount;
-    private int physicsRowCount;
 
-    Table(World world, String kind, Layout layout) {
-        this.world = world;
+    /** The form of the item in each row; as many as there is memory for. */
+    private Shape[] shapes;
+
+    /**
+     * @param guard asked before each change
+     * @param record gets to know of direct edits of columns
+     */
+    Table(
+            String kind,
+            WorldPrototype prototype,
+            Layout layout,
+            WorldGuard guard,
+            FrameRecord record) {
         this.kind = kind;
         this.layout = layout;
-        items = new Item[kind.equals(WorldPrototype.WORLD) ? 1 : INITIAL_CAPACITY];
+        this.guard = guard;
+        this.record = record;
+        shapes = new Shape[kind.equals(WorldPrototype.WORLD) ? 1 : INITIAL_CAPACITY];
+        Arrays.fill(shapes, Shape.none());
         ids =
                 create(
                         new PropertyDescriptor(
@@ -48,12 +62,12 @@ public final class Table implements TableView {
                                 Unit.parse("1"),
                                 Optional.of(kind),
                                 "The item in each row."));
-        for (PropertyDescriptor property : world.prototype().physicalProperties()) {
+        for (PropertyDescriptor property : prototype.physicalProperties()) {
             if (property.kind().equals(kind)) {
                 byName.put(property.name(), create(property));
             }
         }
-        for (PropertyDescriptor property : world.prototype().properties()) {
+        for (PropertyDescriptor property : prototype.properties()) {
             if (property.kind().equals(kind)) {
                 physicsByName.put(property.name(), create(property));
             }
@@ -71,12 +85,12 @@ public final class Table implements TableView {
 
     @Override
     public int rowCount() {
-        return rowCount;
+        return rows.count();
     }
 
     @Override
     public int physicsRowCount() {
-        return physicsRowCount;
+        return rows.physicsCount();
     }
 
     @Override
@@ -86,8 +100,17 @@ public final class Table implements TableView {
 
     @Override
     public int rowOf(ItemId id) {
-        Item item = world.findItem(id);
-        return item != null && item.table() == this ? item.row : -1;
+        return rows.rowOf(id.value());
+    }
+
+    int rowOf(long id) {
+        return rows.rowOf(id);
+    }
+
+    /** True if the item is in this table and takes part in physics. */
+    boolean hasPhysics(ItemId id) {
+        int row = rowOf(id);
+        return row >= 0 && row < rows.physicsCount();
     }
 
     @Override
@@ -102,7 +125,11 @@ public final class Table implements TableView {
 
     /** The form of the item in a row. */
     public Shape shapeAt(int row) {
-        return items[row].symbols().shape();
+        return shapes[Objects.checkIndex(row, rows.count())];
+    }
+
+    void setShape(int row, Shape shape) {
+        shapes[row] = shape;
     }
 
     /** The ids of the items, then {@link #columns()}. */
@@ -114,10 +141,6 @@ public final class Table implements TableView {
         return ids;
     }
 
-    World world() {
-        return world;
-    }
-
     Column physicsColumn(String name) {
         return required(physicsByName, "physics property", name);
     }
@@ -127,102 +150,83 @@ public final class Table implements TableView {
         return references;
     }
 
-    /** The item in a row. */
-    public Item itemAt(int row) {
-        return items[row];
-    }
-
     /** Gives an item a zeroed row at the end of its part. */
-    void insert(Item item, boolean physics) {
-        makeRoom(rowCount + 1);
-        int row = rowCount++;
-        if (physics) {
-            if (physicsRowCount < row) {
-                move(physicsRowCount, row);
-                clear(physicsRowCount, 1);
-            }
-            row = physicsRowCount++;
+    int insert(ItemId id, boolean physics) {
+        makeRoom(rowCount() + 1);
+        int row = rowCount();
+        int end = physicsRowCount();
+        rows.setCounts(row + 1, physics ? end + 1 : end);
+        if (physics && end < row) {
+            move(end, row);
+            clear(end, 1);
+            row = end;
         }
-        items[row] = item;
-        item.row = row;
-        ids.setReference(row, 0, item.id().value());
+        ids.setReference(row, 0, id.value());
+        rows.put(id.value(), row);
         layout.rowsMoved();
+        return row;
     }
 
     /** Takes an item's row away; the last row of each part moves into the gap. */
-    void remove(Item item) {
-        int gap = item.row;
-        if (gap < physicsRowCount) {
-            move(--physicsRowCount, gap);
-            gap = physicsRowCount;
+    void remove(ItemId id) {
+        int gap = rowOf(id);
+        int last = rowCount() - 1;
+        int end = physicsRowCount();
+        rows.remove(id.value());
+        if (gap < end) {
+            end--;
+            move(end, gap);
+            gap = end;
         }
-        move(--rowCount, gap);
-        items[rowCount] = null;
-        item.row = Item.REMOVED;
-        clear(rowCount, 1);
+        move(last, gap);
+        rows.setCounts(last, end);
+        clear(last, 1);
         layout.rowsMoved();
     }
 
     /** Moves a scenery row to the end of the physics part, values included. */
-    void promote(Item item) {
-        makeRoom(rowCount + 1);
-        int from = item.row;
-        int to = physicsRowCount++;
-        if (from != to) {
-            int spare = rowCount;
-            copy(to, spare);
-            Item displaced = items[to];
-            move(from, to);
-            copy(spare, from);
-            items[from] = displaced;
-            displaced.row = from;
-            clear(spare, 1);
-        }
+    void promote(ItemId id) {
+        makeRoom(rowCount() + 1);
+        int to = physicsRowCount();
+        swap(rowOf(id), to);
+        rows.setCounts(rowCount(), to + 1);
         layout.rowsMoved();
     }
 
     /** Moves a physics row to the scenery part and zeroes its physics properties. */
-    void demote(Item item) {
-        makeRoom(rowCount + 1);
-        int from = item.row;
-        int to = --physicsRowCount;
-        if (from != to) {
-            int spare = rowCount;
-            copy(from, spare);
-            move(to, from);
-            copy(spare, to);
-            items[to] = item;
-            item.row = to;
-            clear(spare, 1);
-        }
+    void demote(ItemId id) {
+        makeRoom(rowCount() + 1);
+        int to = physicsRowCount() - 1;
+        swap(rowOf(id), to);
+        rows.setCounts(rowCount(), to);
         physicsByName.values().forEach(column -> column.clearRows(to, 1));
         layout.rowsMoved();
     }
 
     /** Makes room for that many rows, at least doubling when more memory is needed. */
-    void makeRoom(int rows) {
-        if (rows <= items.length) {
+    void makeRoom(int wanted) {
+        if (wanted <= shapes.length) {
             return;
         }
-        int capacity = Math.max(rows, Math.multiplyExact(items.length, 2));
-        grow(ids, capacity);
-        columns.forEach(column -> grow(column, capacity));
-        items = Arrays.copyOf(items, capacity);
+        int before = shapes.length;
+        int capacity = Math.max(wanted, Math.multiplyExact(before, 2));
+        allColumns.forEach(column -> grow(column, capacity));
+        shapes = Arrays.copyOf(shapes, capacity);
+        Arrays.fill(shapes, before, capacity, Shape.none());
     }
 
-    /** Takes over all rows of a copy; the items are told where they are. */
-    void restore(TableCopy copy, LongFunction<Item> itemById) {
+    /** Takes over all rows of a copy. */
+    void restore(TableCopy copy, Function<ItemId, Shape> shapeOf) {
         makeRoom(copy.rowCount());
-        clear(copy.rowCount(), Math.max(0, rowCount - copy.rowCount()));
-        rowCount = copy.rowCount();
-        physicsRowCount = copy.physicsRowCount();
+        clear(copy.rowCount(), Math.max(0, rowCount() - copy.rowCount()));
+        rows.setCounts(copy.rowCount(), copy.physicsRowCount());
         for (int i = 0; i < allColumns.size(); i++) {
             allColumns.get(i).restore(copy.column(i));
         }
-        Arrays.fill(items, null);
-        for (int row = 0; row < rowCount; row++) {
-            items[row] = itemById.apply(ids.getReference(row, 0));
-            items[row].row = row;
+        rows.clear();
+        for (int row = 0; row < rowCount(); row++) {
+            settle(row);
+            shapes[row] = shapeOf.apply(idAt(row));
         }
         layout.rowsMoved();
     }
@@ -232,25 +236,42 @@ public final class Table implements TableView {
     }
 
     private void move(int from, int to) {
-        if (from == to || items[from] == null) {
-            return;
+        if (from != to) {
+            copy(from, to);
+            settle(to);
         }
-        copy(from, to);
-        items[to] = items[from];
-        items[to].row = to;
+    }
+
+    /** Swaps two rows by way of the first unused one. */
+    private void swap(int one, int other) {
+        if (one != other) {
+            int spare = rowCount();
+            copy(one, spare);
+            copy(other, one);
+            copy(spare, other);
+            settle(one);
+            settle(other);
+            clear(spare, 1);
+        }
     }
 
     private void copy(int from, int to) {
-        ids.copyRow(from, to);
-        for (Column column : columns) {
+        for (Column column : allColumns) {
             column.copyRow(from, to);
         }
+        shapes[to] = shapes[from];
+    }
+
+    /** Notes where the item of a row is now. */
+    private void settle(int row) {
+        rows.put(ids.getReference(row, 0), row);
     }
 
     private void clear(int first, int count) {
         for (Column column : allColumns) {
             column.clearRows(first, count);
         }
+        Arrays.fill(shapes, first, first + count, Shape.none());
     }
 
     private Column required(Map<String, Column> among, String what, String name) {
@@ -263,7 +284,7 @@ public final class Table implements TableView {
     }
 
     private Column create(PropertyDescriptor property) {
-        return new Column(this, property, reserve(property, items.length));
+        return new Column(property, rows, guard, record, reserve(property, shapes.length));
     }
 
     private MemorySegment reserve(PropertyDescriptor property, int rows) {

@@ -27,10 +27,12 @@ public final class TableCopy {
         Arrays.fill(memories, MemorySegment.NULL);
     }
 
+    /** The kind whose rows these are. */
     public String kind() {
         return kind;
     }
 
+    /** Rows of the table. */
     public int rowCount() {
         return rowCount;
     }

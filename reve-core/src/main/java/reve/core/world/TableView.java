@@ -10,10 +10,13 @@ import java.util.List;
  */
 public sealed interface TableView permits Table, TableSnapshot {
 
+    /** The kind whose items these are. */
     String kind();
 
+    /** All items of the kind. */
     int rowCount();
 
+    /** Items with a physics aspect, which come first. */
     int physicsRowCount();
 
     /** The item in a row. */

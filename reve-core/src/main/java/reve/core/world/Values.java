@@ -120,7 +120,7 @@ final class Values {
     /** As {@link #requireSymbol(WorldPrototype, String, String, Object)}, of any type. */
     static Object requireSymbol(String item, String symbol, Object value) {
         Names.require("symbol name of item " + item, symbol);
-        if (ItemSymbols.DERIVED.contains(symbol)) {
+        if (StandardSymbols.DERIVED.contains(symbol)) {
             throw new IllegalArgumentException(
                     at(item, symbol) + "is a symbol that the world derives; it cannot be set");
         }

@@ -5,9 +5,7 @@ import org.jspecify.annotations.Nullable;
 import org.pcollections.PMap;
 
 import java.util.ArrayList;
-import java.util.HashMap;
 import java.util.List;
-import java.util.Map;
 import java.util.Objects;
 import java.util.Optional;
 
@@ -22,23 +20,11 @@ import java.util.Optional;
  */
 public final class World {
 
-    private final String name;
-    private final WorldPrototype prototype;
-    private final WorldGuard guard;
-    private final Activity activity = new Activity();
-    private final Layout layout;
-    private final Map<String, Table> tableByKind = new HashMap<>();
-    private final List<Table> tables;
-    private final Register register = new Register();
-    private final FrameRecord record = new FrameRecord();
-    private final Hierarchy hierarchy;
-    private final References references;
+    private final WorldData data;
+    private final Items items = new Items();
     private final Forces forces;
     private final Arrests arrests;
-    private final Relations relations;
-    private final Space space;
-    private long boundsVersion;
-    private long age;
+    private final FrameControl frameControl;
 
     /**
      * An empty world but for the item {@code world}, whose physics aspect holds the world's
@@ -50,58 +36,46 @@ public final class World {
      *     it
      */
     public World(String name, WorldPrototype prototype, ColumnArena arena) {
-        this.name = Names.requireWorldName(name);
-        this.prototype = prototype;
-        guard = new WorldGuard(name);
-        layout = new Layout(arena);
-        tables = prototype.kinds().stream().map(kind -> new Table(this, kind, layout)).toList();
-        tables.forEach(table -> tableByKind.put(table.kind(), table));
-        hierarchy = new Hierarchy(table(WorldPrototype.BODY), activity);
-        references = new References(tables, register);
-        forces = new Forces(this);
-        arrests = new Arrests(this);
-        space = spaceOf(table(WorldPrototype.BODY));
-        relations = new Relations(table(WorldPrototype.BODY), space, id -> item(id).name());
+        data = new WorldData(Names.requireWorldName(name), prototype, arena);
+        forces = new Forces(table(WorldPrototype.BODY), data.guard, data.record);
+        arrests = new Arrests(items, data.guard);
+        frameControl = new FrameControl(data, forces);
         var constants = ItemDefinition.named(WorldPrototype.WORLD).kind(WorldPrototype.WORLD);
-        register.addAll(List.of(insert(constants.build(), true, null)));
+        register(List.of(insert(constants.build(), true, null)));
     }
 
+    /** Name of the world, for messages and clients. */
     public String name() {
-        return name;
+        return data.name;
     }
 
+    /** Which properties its items have. */
     public WorldPrototype prototype() {
-        return prototype;
+        return data.prototype;
     }
 
     /** Which thread owns the world, and what it may change now. */
     public WorldGuard guard() {
-        return guard;
+        return data.guard;
     }
 
     /** What the world's thread does now; any thread may ask. */
     public Activity activity() {
-        return activity;
+        return data.activity;
     }
 
     /**
      * Frames of simulated time that the world has behind it; with an older image they come back.
      */
     public long age() {
-        guard.checkOwner();
-        return age;
+        data.guard.checkOwner();
+        return data.age;
     }
 
     /** How old the world is when it begins; for whoever builds it. */
     public void setAge(long frames) {
-        guard.checkOwner();
-        age = frames;
-    }
-
-    /** Time goes on by a frame; told by who makes frames. */
-    public void beginFrame() {
-        guard.checkOwner();
-        age++;
+        data.guard.checkOwner();
+        data.age = frames;
     }
 
     /** Adds one item; see {@link #addAll}. */
@@ -128,20 +102,20 @@ public final class World {
      * @param maker the agent whose action creates them, null for none; see {@link #made}
      */
     public List<Item> addAll(List<ItemDefinition> definitions, @Nullable String maker) {
-        guard.requireUnlocked("add items");
-        new DefinitionCheck(this, definitions).run();
+        data.guard.requireUnlocked("add items");
+        new DefinitionCheck(data, items, definitions).run();
         makeRoom(definitions);
         var added = new ArrayList<Item>(definitions.size());
         for (ItemDefinition definition : definitions) {
             added.add(insert(definition, definition.hasPhysics(), maker));
         }
-        register.addAll(added);
+        register(added);
         for (int i = 0; i < added.size(); i++) {
             link(added.get(i), definitions.get(i));
         }
-        hierarchy.placeNew(added);
+        data.hierarchy.placeNew(added.stream().map(Item::id).toList());
         if (!added.isEmpty()) {
-            record.note(
+            data.note(
                     new WorldChange.Added(added.getFirst().id(), List.copyOf(definitions), maker));
         }
         return List.copyOf(added);
@@ -149,7 +123,7 @@ public final class World {
 
     /** Throws as {@link #addAll} would now, and adds nothing. */
     public void requireAddable(List<ItemDefinition> definitions) {
-        new DefinitionCheck(this, definitions).run();
+        new DefinitionCheck(data, items, definitions).run();
     }
 
     /**
@@ -162,18 +136,18 @@ public final class World {
         Item item = removable(id);
         requireRemovable(id);
         delete(item);
-        record.note(new WorldChange.Removed(id, item.name(), List.of()));
+        data.note(new WorldChange.Removed(id, item.name(), List.of()));
     }
 
     /** Throws as {@link #remove} would now for the item's sake, and removes nothing. */
     public void requireRemovable(ItemId id) {
         Item item = item(id);
-        requireNotConstants(item, "it stays");
-        if (item.referrers > 0 || item.children != null) {
+        WorldData.requireNotConstants(item.symbols(), "it stays");
+        if (data.references.isReferredTo(id) || !data.hierarchy.children(id).isEmpty()) {
             throw new IllegalArgumentException(
                     item
                             + " cannot be removed: "
-                            + references.describeReferrers(item)
+                            + data.describeReferrers(id)
                             + " refers to it or is attached to it; "
                             + "remove that first, or remove in cascade");
         }
@@ -185,10 +159,10 @@ public final class World {
      */
     public void removeCascade(ItemId id) {
         Item item = removable(id);
-        List<Item> order = references.withReferrers(item).reversed();
-        order.forEach(this::delete);
-        List<ItemId> cascade = order.stream().filter(other -> other != item).map(Item::id).toList();
-        record.note(new WorldChange.Removed(id, item.name(), cascade));
+        List<ItemId> order = data.references.withReferrers(id).reversed();
+        order.forEach(other -> delete(item(other)));
+        List<ItemId> cascade = order.stream().filter(other -> !other.equals(id)).toList();
+        data.note(new WorldChange.Removed(id, item.name(), cascade));
     }
 
     /**
@@ -207,27 +181,27 @@ public final class World {
 
     /** As {@link #rename}, with whatever name a store kept. */
     public void restoreName(ItemId id, String newName) {
-        guard.requireUnlocked("rename items");
+        data.guard.requireUnlocked("rename items");
         Item item = item(id);
         String oldName = item.name();
         if (newName.equals(oldName)) {
             return;
         }
-        requireNotConstants(item, "its name is fixed");
+        WorldData.requireNotConstants(item.symbols(), "its name is fixed");
         DefinitionCheck.requireFree(
-                Names.require("new name of " + item, newName), register.find(newName) != null);
-        setSymbols(item, item.symbols().renamed(newName));
-        record.note(new WorldChange.Renamed(id, oldName, newName));
+                Names.require("new name of " + item, newName), items.find(newName) != null);
+        items.rename(item, item.symbols().renamed(newName));
+        data.note(new WorldChange.Renamed(id, oldName, newName));
     }
 
     /** Throws as {@link #attach} would now for the items' sake, and attaches nothing. */
     public void requireAttachable(ItemId child, ItemId parent) {
-        hierarchy.requireAttachable(item(child), item(parent));
+        data.hierarchy.requireAttachable(item(child).symbols(), item(parent).symbols());
     }
 
     /** As {@link #attach(ItemId, ItemId, Pose)}; the child stays where it is now. */
     public void attach(ItemId child, ItemId parent) {
-        hierarchy.requireAttachable(item(child), item(parent));
+        requireAttachable(child, parent);
         attach(child, parent, pose(child).relativeTo(pose(parent)));
     }
 
@@ -244,13 +218,14 @@ public final class World {
      * @throws IllegalStateException naming the phase if the structure is locked
      */
     public void attach(ItemId child, ItemId parent, Pose pose) {
-        guard.requireUnlocked("attach items");
+        data.guard.requireUnlocked("attach items");
+        requireAttachable(child, parent);
         Item item = item(child);
-        hierarchy.requireAttachable(item, item(parent));
         Attachment before = item.symbols().attachment();
-        setAttachment(item, item(parent), pose);
-        hierarchy.settle(item);
-        record.note(new WorldChange.Attached(child, before, item.attachment()));
+        var attachment = new Attachment(parent, pose);
+        attach(item, attachment);
+        data.hierarchy.settle(child);
+        data.note(new WorldChange.Attached(child, before, attachment));
     }
 
     /**
@@ -260,52 +235,28 @@ public final class World {
      * @throws IllegalStateException naming the phase if the structure is locked
      */
     public void detach(ItemId child) {
-        guard.requireUnlocked("detach items");
+        data.guard.requireUnlocked("detach items");
         Item item = item(child);
-        if (item.parent == null) {
+        Attachment before = item.symbols().attachment();
+        if (before == null) {
             throw new IllegalArgumentException(item + " is not attached to anything");
         }
-        Attachment before = item.attachment();
-        hierarchy.settle(item);
-        hierarchy.unlink(item);
-        setSymbols(item, item.symbols().attached(null));
-        record.note(new WorldChange.Detached(child, before));
+        data.hierarchy.settle(child);
+        data.hierarchy.detach(child);
+        item.change(item.symbols().attached(null));
+        data.note(new WorldChange.Detached(child, before));
     }
 
     /** Which bodies are where, as of the last DERIVE. */
     public Space space() {
-        guard.checkOwner();
-        return space;
+        data.guard.checkOwner();
+        return data.space;
     }
 
     /** How bodies are to each other, as of the last DERIVE. */
     public Relations relations() {
-        guard.checkOwner();
-        return relations;
-    }
-
-    /** The boxes around bodies were worked out anew; told in DERIVE. */
-    public void boundsDerived() {
-        guard.checkOwner();
-        boundsVersion++;
-    }
-
-    private Space spaceOf(Table bodies) {
-        return new Space(
-                bodies.ids(),
-                bodies.column("boundsMin"),
-                bodies.column("boundsMax"),
-                () -> {
-                    guard.checkOwner();
-                    return boundsVersion;
-                },
-                id -> register.find(new ItemId(id)) != null);
-    }
-
-    /** Puts what is attached where its parents are; in DERIVE, before anything looks. */
-    public void placeAttached() {
-        guard.checkOwner();
-        hierarchy.place();
+        data.guard.checkOwner();
+        return data.relations;
     }
 
     /**
@@ -317,41 +268,45 @@ public final class World {
      * @throws IllegalStateException naming the phase if the structure is locked
      */
     public void restore(WorldImage image) {
-        guard.requireUnlocked("restore an image");
-        for (int i = 0; i < tables.size(); i++) {
-            image.tables().get(i).requireOf(tables.get(i));
+        data.guard.requireUnlocked("restore an image");
+        for (int i = 0; i < data.tables.size(); i++) {
+            image.tables().get(i).requireOf(data.tables.get(i));
         }
-        register.restore(image, this::table);
+        data.symbols.restore(image.symbols(), image.lastId());
+        items.restore(image.symbols().values(), symbols -> new Item(data, symbols));
         forces.restore(image.forces());
-        for (int i = 0; i < tables.size(); i++) {
-            tables.get(i).restore(image.tables().get(i), id -> item(new ItemId(id)));
+        for (int i = 0; i < data.tables.size(); i++) {
+            data.tables
+                    .get(i)
+                    .restore(image.tables().get(i), id -> image.symbols().get(id).shape());
         }
-        references.countAll();
-        hierarchy.restore(register.items());
-        boundsVersion++;
-        age = image.age();
-        record.note(new WorldChange.Restored(image.frame()));
+        data.references.countAll();
+        data.hierarchy.restore(image.symbols().values());
+        data.boundsChanged();
+        data.age = image.age();
+        data.note(new WorldChange.Restored(image.frame()));
     }
 
+    /** The item of that name. World's thread only. */
     public Optional<Item> find(String itemName) {
-        guard.checkOwner();
-        return Optional.ofNullable(register.find(itemName));
+        data.guard.checkOwner();
+        return Optional.ofNullable(items.find(itemName));
     }
 
     /** The item of that id, as long as it is there. */
     public Optional<Item> find(ItemId id) {
-        guard.checkOwner();
-        return Optional.ofNullable(register.find(id));
+        data.guard.checkOwner();
+        return Optional.ofNullable(items.find(id));
     }
 
     /**
      * @throws IllegalArgumentException if there is no such item (any more)
      */
     public Item item(ItemId id) {
-        guard.checkOwner();
-        Item item = register.find(id);
+        data.guard.checkOwner();
+        Item item = items.find(id);
         if (item == null) {
-            throw new IllegalArgumentException("world " + name + " has no item " + id);
+            throw new IllegalArgumentException("world " + data.name + " has no item " + id);
         }
         return item;
     }
@@ -364,31 +319,26 @@ public final class World {
      * @param value text, truth or a number
      */
     public List<Item> withSymbol(String symbol, Object value) {
-        guard.checkOwner();
-        return register.withSymbol(symbol, value);
+        data.guard.checkOwner();
+        return items.of(data.symbols.with(symbol, value));
     }
 
     /** All items in the order of their ids, the item {@code world} first; a copy. */
     public List<Item> items() {
-        guard.checkOwner();
-        return register.items();
+        data.guard.checkOwner();
+        return items.of(data.symbols.all().keySet());
     }
 
     /**
      * @throws IllegalArgumentException if the prototype has no such kind
      */
     public Table table(String kind) {
-        Table table = tableByKind.get(kind);
-        if (table == null) {
-            throw new IllegalArgumentException(
-                    "kind \"" + kind + "\" does not exist; kinds are " + prototype.kinds());
-        }
-        return table;
+        return data.table(kind);
     }
 
     /** In the order of {@link WorldPrototype#kinds()}. */
     public List<Table> tables() {
-        return tables;
+        return data.tables;
     }
 
     /**
@@ -396,13 +346,13 @@ public final class World {
      * memory stays readable until the next PHYSICS is over.
      */
     public long layoutVersion() {
-        return layout.version();
+        return data.layout.version();
     }
 
     /** What is symbolic about all items, in the order of their ids: one immutable version. */
     public PMap<ItemId, ItemSymbols> symbols() {
-        guard.checkOwner();
-        return register.symbols();
+        data.guard.checkOwner();
+        return data.symbols.all();
     }
 
     /**
@@ -410,8 +360,8 @@ public final class World {
      * frames.
      */
     public void raise(WorldEvent event) {
-        guard.requireEditable();
-        record.raise(event);
+        data.guard.requireEditable();
+        data.record.raise(event);
     }
 
     /**
@@ -420,8 +370,8 @@ public final class World {
      * and between frames belong to the next frame, those made before the first to frame 0.
      */
     public List<WorldChange> changes() {
-        guard.checkOwner();
-        return record.changes();
+        data.guard.checkOwner();
+        return data.record.changes();
     }
 
     /**
@@ -429,8 +379,8 @@ public final class World {
      * changes then has to look at all of it.
      */
     public long changesLost() {
-        guard.checkOwner();
-        return record.changesLost();
+        data.guard.checkOwner();
+        return data.record.changesLost();
     }
 
     /**
@@ -438,8 +388,8 @@ public final class World {
      * same to all who ask.
      */
     public List<WorldEvent> events() {
-        guard.checkOwner();
-        return record.events();
+        data.guard.checkOwner();
+        return data.record.events();
     }
 
     /** Forces on bodies that last for some frames. */
@@ -452,109 +402,40 @@ public final class World {
         return arrests;
     }
 
-    /**
-     * Frees column memory that was replaced; called when PHYSICS is over, as all have rebound by
-     * then.
-     */
-    public void releaseReplacedMemory() {
-        guard.checkOwner();
-        layout.releaseReplaced();
+    FrameControl frameControl() {
+        return frameControl;
     }
 
-    /** Begins PUBLISH: what is raised or changed from now on belongs to the next frame. */
-    public void fixEvents() {
-        guard.checkOwner();
-        record.fix();
-    }
-
-    /** Ends a frame: forgets its events and changes, fixed or not, and unlocks the structure. */
-    public void endFrame() {
-        guard.checkOwner();
-        record.end();
-        guard.unlockStructure();
-    }
-
-    void note(WorldChange change) {
-        record.note(change);
-    }
-
-    void noteEdited(Column column) {
-        record.noteEdited(column);
-    }
-
-    Hierarchy hierarchy() {
-        return hierarchy;
-    }
-
-    References references() {
-        return references;
+    /** Items that refer to an item, directly or not, in an order that equal worlds share. */
+    List<Item> referring(ItemId id) {
+        return items.of(data.references.referring(id));
     }
 
     /** How many items there are that actions of an agent created. */
     public int made(String agent) {
-        guard.checkOwner();
-        return register.made(agent);
+        data.guard.checkOwner();
+        return data.symbols.made(agent);
     }
 
     /** How many items there are that actions of agents created. */
     public int made() {
-        guard.checkOwner();
-        return register.made();
+        data.guard.checkOwner();
+        return data.symbols.made();
     }
 
     /** The highest id that was ever given to an item. */
     public long lastId() {
-        return register.lastId();
+        return data.symbols.lastId();
     }
 
-    @Nullable Item findItem(ItemId id) {
-        return register.find(id);
-    }
-
-    @Nullable Item findItem(String itemName) {
-        return register.find(itemName);
-    }
-
-    void setSymbols(Item item, ItemSymbols changed) {
-        guard.requireEditable();
-        register.setSymbols(item, changed);
-    }
-
-    void giveFirstPhysics(Item item) {
-        guard.requireUnlocked("give " + item + " its first physics property");
-        List<Column> needed = item.table().references();
-        if (!needed.isEmpty()) {
-            throw new IllegalArgumentException(
-                    item
-                            + " is scenery without "
-                            + needed.getFirst().name()
-                            + ": add it with its references instead");
-        }
-        item.table().promote(item);
-    }
-
-    void takePhysics(Item item) {
-        guard.requireUnlocked("take " + item + " out of physics");
-        requireNotConstants(item, "laws need them");
-        if (item.referrers > 0) {
-            throw new IllegalArgumentException(
-                    item
-                            + " cannot become scenery: "
-                            + references.describeReferrers(item)
-                            + " refers to it");
-        }
-        references.release(item);
-        item.table().demote(item);
-    }
-
-    void setReferences(Item item, Column column, List<ItemId> targets) {
-        guard.requireUnlocked("change " + column.name() + " of " + item);
-        references.set(item, column, targets.stream().map(this::item).toList());
+    private void register(List<Item> added) {
+        added.forEach(item -> data.symbols.add(item.symbols()));
+        items.addAll(added);
     }
 
     /** Reserves memory before anything is added, because only that can still fail. */
     private void makeRoom(List<ItemDefinition> definitions) {
-        for (Table table : tables) {
+        for (Table table : data.tables) {
             int more = 0;
             for (ItemDefinition definition : definitions) {
                 more += definition.kind().equals(table.kind()) ? 1 : 0;
@@ -565,59 +446,60 @@ public final class World {
 
     private Item insert(ItemDefinition definition, boolean physics, @Nullable String maker) {
         Table table = table(definition.kind());
-        Item item = new Item(table, register.symbolsOf(definition, maker));
-        table.insert(item, physics);
+        ItemSymbols symbols = data.symbols.create(definition, maker);
+        int row = table.insert(symbols.id(), physics);
+        Item item = new Item(data, symbols);
         if (!item.physical().isEmpty()) {
             item.physical().place(definition);
         }
         List<String> properties = definition.physicsProperties();
         for (int i = 0; i < properties.size(); i++) {
-            table.physicsColumn(properties.get(i))
-                    .write(item.row, definition.physicsValues().get(i));
+            table.physicsColumn(properties.get(i)).write(row, definition.physicsValues().get(i));
         }
         return item;
     }
 
     /** Points an added item at those it refers to and moves with, which may be added with it. */
     private void link(Item item, ItemDefinition definition) {
-        references.resolve(item, definition);
-        definition
-                .parent()
-                .ifPresent(
-                        parent ->
-                                setAttachment(
-                                        item,
-                                        Objects.requireNonNull(register.find(parent)),
-                                        Pose.exactly(
-                                                definition.location(), definition.orientation())));
-    }
-
-    private void setAttachment(Item child, Item parent, Pose pose) {
-        hierarchy.link(child, parent);
-        setSymbols(child, child.symbols().attached(new Attachment(parent.id(), pose)));
-    }
-
-    private Pose pose(ItemId id) {
-        return Pose.of(hierarchy.worldPose(item(id)));
-    }
-
-    private Item removable(ItemId id) {
-        guard.requireUnlocked("remove items");
-        Item item = item(id);
-        requireNotConstants(item, "it stays");
-        return item;
-    }
-
-    private static void requireNotConstants(Item item, String therefore) {
-        if (item.kind().equals(WorldPrototype.WORLD)) {
-            throw new IllegalArgumentException(item + " holds the world's constants; " + therefore);
+        if (definition.hasReferences()) {
+            definition.references().forEach((property, names) -> refer(item, property, names));
+        }
+        if (definition.parent().isPresent()) {
+            Item parent = Objects.requireNonNull(items.find(definition.parent().get()));
+            Pose pose = Pose.exactly(definition.location(), definition.orientation());
+            attach(item, new Attachment(parent.id(), pose));
         }
     }
 
+    private void refer(Item item, String property, List<String> targets) {
+        Column column = item.table().physicsColumn(property);
+        for (int i = 0; i < targets.size(); i++) {
+            Item target = Objects.requireNonNull(items.find(targets.get(i)));
+            data.references.set(column, item.checkedRow(), i, target.id());
+        }
+    }
+
+    private void attach(Item child, Attachment attachment) {
+        data.hierarchy.attach(child.id(), attachment);
+        child.change(child.symbols().attached(attachment));
+    }
+
+    private Pose pose(ItemId id) {
+        return Pose.of(data.hierarchy.worldPose(item(id).id()));
+    }
+
+    private Item removable(ItemId id) {
+        data.guard.requireUnlocked("remove items");
+        Item item = item(id);
+        WorldData.requireNotConstants(item.symbols(), "it stays");
+        return item;
+    }
+
     private void delete(Item item) {
-        references.release(item);
-        hierarchy.unlink(item);
-        item.table().remove(item);
-        register.remove(item);
+        data.references.release(item.table(), item.id());
+        data.hierarchy.detach(item.id());
+        item.table().remove(item.id());
+        items.remove(item);
+        data.symbols.remove(item.symbols());
     }
 }

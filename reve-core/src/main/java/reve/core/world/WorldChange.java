@@ -14,9 +14,13 @@ public sealed interface WorldChange {
 
     /** The part of an item that an edit changed. */
     enum Aspect {
+        /** Where a body is and what it looks like. */
         PHYSICAL,
+        /** Its symbols. */
         SEMANTIC,
+        /** What agents can do with it. */
         ACCESS,
+        /** Its properties in laws. */
         PHYSICS
     }
 
@@ -71,7 +75,7 @@ public sealed interface WorldChange {
             implements WorldChange {}
 
     /** A force acts on an item from now on, for some frames. */
-    record Pushed(Forces.Force force) implements WorldChange {}
+    record Pushed(Force force) implements WorldChange {}
 
     /**
      * Numbers of any rows were written to a column directly, through {@link Column}. Told once a

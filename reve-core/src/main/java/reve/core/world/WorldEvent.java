@@ -14,6 +14,7 @@ import java.util.Map;
  */
 public record WorldEvent(long frame, String type, Map<String, Object> fields) {
 
+    /** Checks the type and copies the fields, in their order. */
     public WorldEvent {
         Names.require("event type", type);
         fields = Collections.unmodifiableMap(new LinkedHashMap<>(fields));

@@ -21,6 +21,7 @@ public final class WorldGuard {
 
     /** What is done by somebody who changes nothing. */
     public interface Inspection<T, E extends Exception> {
+        /** Looks, and returns what was found. */
         T look() throws E;
     }
 
@@ -39,12 +40,12 @@ public final class WorldGuard {
     /**
      * Refuses structural changes until {@link #unlockStructure()}; the phase appears in messages.
      */
-    public void lockStructure(String phase) {
+    void lockStructure(String phase) {
         checkOwner();
         lockedBy = phase;
     }
 
-    public void unlockStructure() {
+    void unlockStructure() {
         checkOwner();
         lockedBy = null;
     }

@@ -21,7 +21,7 @@ public final class WorldImage implements AutoCloseable {
     private final Arena arena = Arena.ofShared();
     private final List<TableCopy> tables;
     private PMap<ItemId, ItemSymbols> symbols = TreePMap.empty();
-    private List<Forces.Force> forces = List.of();
+    private List<Force> forces = List.of();
     private long frame;
     private long age;
     private long lastId;
@@ -56,12 +56,12 @@ public final class WorldImage implements AutoCloseable {
     }
 
     /** Forces that have not ended; for whoever fills the tables from elsewhere. */
-    public void setForces(List<Forces.Force> active) {
+    public void setForces(List<Force> active) {
         forces = List.copyOf(active);
     }
 
     /** Forces that have not ended, in the order in which they were added. */
-    public List<Forces.Force> forces() {
+    public List<Force> forces() {
         return forces;
     }
 

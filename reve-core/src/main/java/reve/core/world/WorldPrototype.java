@@ -25,12 +25,20 @@ import java.util.Optional;
  */
 public final class WorldPrototype {
 
+    /** The kind of what has a place. */
     public static final String BODY = "body";
+
+    /** The kind of what connects two bodies. */
     public static final String SPRING = "spring";
+
+    /** The kind of triangles with bodies for corners. */
     public static final String SURFACE = "surface";
 
     /** The kind with exactly one row, for constants of the world. */
     public static final String WORLD = "world";
+
+    /** The property that says whether laws can move a body. */
+    static final String MASS = "mass";
 
     private final String name;
     private final ScalarType realType;
@@ -131,6 +139,7 @@ public final class WorldPrototype {
         return new WorldPrototype(name, realType, properties, all);
     }
 
+    /** Name of the prototype, for example {@code si-f64}. */
     public String name() {
         return name;
     }

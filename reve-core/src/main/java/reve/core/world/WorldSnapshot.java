@@ -41,6 +41,7 @@ public final class WorldSnapshot implements AutoCloseable {
         this.events = events;
     }
 
+    /** The frame at whose end the world was like this. */
     public long frame() {
         return frame;
     }
@@ -87,6 +88,7 @@ public final class WorldSnapshot implements AutoCloseable {
                             bodies.ids(),
                             bodies.column("boundsMin"),
                             bodies.column("boundsMax"),
+                            () -> 0,
                             () -> 0,
                             id -> true);
         }

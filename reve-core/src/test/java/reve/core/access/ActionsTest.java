@@ -21,6 +21,7 @@ import reve.core.world.Action;
 import reve.core.world.ActionCall;
 import reve.core.world.ActionRefused;
 import reve.core.world.Arguments;
+import reve.core.world.FrameControl;
 import reve.core.world.Item;
 import reve.core.world.OffHeapArena;
 import reve.core.world.World;
@@ -117,13 +118,8 @@ class ActionsTest {
     private void act(String actor, String item, String action, Map<String, ?> arguments)
             throws ActionRefused {
         Action found = item(item).access().find(action).orElseThrow();
-        found.perform(
-                new ActionCall(
-                        world,
-                        1,
-                        item(item),
-                        world.find(actor),
-                        Arguments.check(found, arguments)));
+        new ActionCall(world, 1, item(item), world.find(actor), Arguments.check(found, arguments))
+                .perform(found);
     }
 
     /** The refusal, of which the world must be as before. */
@@ -275,13 +271,13 @@ class ActionsTest {
     @Test
     void itemsAreTakenPutAndDropped() throws Exception {
         act("cook", "cup", "take", Map.of());
-        assertThat(item("cup").parent()).contains(item("cook"));
+        assertThat(item("cup").parent()).contains(item("cook").id());
         item("cook").physical().setLocation(0, 0, 5);
-        world.placeAttached();
+        FrameControl.of(world).placeAttached();
         assertThat(item("cup").physical().location()).containsExactly(0, 3, 5);
 
         act("mouse", "cup", "put", Map.of("to", "tray"));
-        assertThat(item("cup").parent()).contains(item("tray"));
+        assertThat(item("cup").parent()).contains(item("tray").id());
         assertThat(refusal("mouse", "cup", "trash", Map.of("what", "tray")).code())
                 .isEqualTo("cannot-remove");
         assertThat(refusal("mouse", "cup", "put", Map.of("to", "world")).code())

@@ -83,9 +83,8 @@ class ActivityTest {
         Item pot = world.find("pot").orElseThrow();
         try {
             Action of = pot.access().find(action).orElseThrow();
-            of.perform(
-                    new ActionCall(
-                            world, 1, pot, Optional.empty(), Arguments.check(of, arguments)));
+            new ActionCall(world, 1, pot, Optional.empty(), Arguments.check(of, arguments))
+                    .perform(of);
         } catch (Exception refused) {
             throw new IllegalStateException(refused);
         }

@@ -13,7 +13,7 @@ import reve.core.world.ActionCall;
 import reve.core.world.ActionRefused;
 import reve.core.world.Arguments;
 import reve.core.world.Colour;
-import reve.core.world.Forces;
+import reve.core.world.Force;
 import reve.core.world.Item;
 import reve.core.world.ItemDefinition;
 import reve.core.world.OffHeapArena;
@@ -187,7 +187,7 @@ class ChangesModelTest {
                 double[] n = ((Operand.Numbers) force.force()).values();
                 model.forces()
                         .add(
-                                new Forces.Force(
+                                new Force(
                                         item.id(),
                                         List.of(n[0], n[1], n[2]),
                                         Math.max(1, Math.round(force.seconds()))));

@@ -9,6 +9,7 @@ import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.api.Test;
 
 import reve.core.Seed;
+import reve.core.agent.protocol.AgentLimits;
 import reve.core.world.ItemDefinition;
 
 import tools.jackson.databind.JsonNode;

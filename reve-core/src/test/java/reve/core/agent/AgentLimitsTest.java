@@ -9,6 +9,8 @@ import org.junit.jupiter.params.provider.EnumSource;
 import org.junit.jupiter.params.provider.MethodSource;
 
 import reve.core.Seed;
+import reve.core.agent.protocol.AgentLimits;
+import reve.core.agent.protocol.Vectors;
 import reve.core.frame.FramePhase;
 import reve.core.world.ItemDefinition;
 import reve.core.world.WorldEvent;

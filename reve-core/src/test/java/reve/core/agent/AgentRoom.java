@@ -4,6 +4,12 @@ package reve.core.agent;
 import reve.core.access.DeclaredAction;
 import reve.core.access.Effect;
 import reve.core.access.Operand;
+import reve.core.agent.auth.AgentSecurity;
+import reve.core.agent.net.Connections;
+import reve.core.agent.port.Cameras;
+import reve.core.agent.port.WorldPort;
+import reve.core.agent.protocol.AgentLimits;
+import reve.core.agent.protocol.AgentTimeouts;
 import reve.core.derive.DerivedColumns;
 import reve.core.file.AgentPolicy;
 import reve.core.frame.CommandQueue;
@@ -36,40 +42,41 @@ import java.util.function.BooleanSupplier;
  * The world of the protocol's example session, stepped by hand, with a real server on an ephemeral
  * port.
  */
-final class AgentRoom implements AutoCloseable {
+public final class AgentRoom implements AutoCloseable {
 
-    static final AgentServerConfig CONFIG =
+    public static final AgentServerConfig CONFIG =
             AgentServerConfig.onPort(0).withDeadline(Duration.ofSeconds(10));
 
     private static final Parameter IMPULSE =
             Parameter.number("impulse", 3, Unit.parse("N*s"), "How hard.");
 
-    final World world = new World("pond", WorldPrototype.standard("si-f64"), new OffHeapArena());
-    final FrameBus bus = new FrameBus();
+    public final World world =
+            new World("pond", WorldPrototype.standard("si-f64"), new OffHeapArena());
+    public final FrameBus bus = new FrameBus();
     final CommandQueue commands;
-    final FrameLoop loop;
-    final AgentServer server;
+    public final FrameLoop loop;
+    public final AgentServer server;
 
     /** Of the server's files. Any thread. */
-    final Queue<String> problems = new ConcurrentLinkedQueue<>();
+    public final Queue<String> problems = new ConcurrentLinkedQueue<>();
 
     /** Any thread. */
     volatile Cameras cameras = Cameras.none();
 
-    AgentRoom() throws IOException {
+    public AgentRoom() throws IOException {
         this(CONFIG);
     }
 
-    AgentRoom(AgentServerConfig config) throws IOException {
+    public AgentRoom(AgentServerConfig config) throws IOException {
         this(config, making(), 4096);
     }
 
-    AgentRoom(AgentServerConfig config, AgentPolicy policy, int commandCapacity)
+    public AgentRoom(AgentServerConfig config, AgentPolicy policy, int commandCapacity)
             throws IOException {
         this(config, policy, commandCapacity, List.of(duck()));
     }
 
-    AgentRoom(
+    public AgentRoom(
             AgentServerConfig config,
             AgentPolicy policy,
             int commandCapacity,
@@ -107,13 +114,13 @@ final class AgentRoom implements AutoCloseable {
         return new AgentPolicy(List.of(bodies), Optional.empty());
     }
 
-    static AgentPolicy making() {
+    public static AgentPolicy making() {
         ItemDefinition body =
                 ItemDefinition.named("body").shape(Shape.box(0.5, 1, 0.5)).at(0, 0.5, 0).build();
         return new AgentPolicy(List.of(), Optional.of(body));
     }
 
-    static ItemDefinition duck() {
+    public static ItemDefinition duck() {
         return ItemDefinition.named("duck")
                 .shape(Shape.sphere(0.25))
                 .at(1, 0, -2.5)
@@ -136,7 +143,8 @@ final class AgentRoom implements AutoCloseable {
     }
 
     /** Limits of milliseconds, for tests that wait until one is reached. */
-    static AgentServerConfig config(Duration hello, Duration line, Duration idle, Duration write) {
+    public static AgentServerConfig config(
+            Duration hello, Duration line, Duration idle, Duration write) {
         var limits = new AgentLimits(1024, 8192, 4096, 10_000_000, 4, 64, 64 * 1024, 8, 16, 8);
         var timeouts =
                 new AgentTimeouts(
@@ -154,7 +162,7 @@ final class AgentRoom implements AutoCloseable {
     }
 
     /** The room's usual limits, for tests that resume a session again and again. */
-    static AgentServerConfig resumedOften() {
+    public static AgentServerConfig resumedOften() {
         AgentLimits l = CONFIG.limits();
         var limits =
                 new AgentLimits(
@@ -173,19 +181,19 @@ final class AgentRoom implements AutoCloseable {
     }
 
     /** One frame. */
-    void step() {
+    public void step() {
         loop.step();
     }
 
     /** Frames until something that other threads bring about is so. */
-    void stepUntil(String what, BooleanSupplier isSo) {
+    public void stepUntil(String what, BooleanSupplier isSo) {
         stepUntil(what, Duration.ofSeconds(20), isSo);
     }
 
     /**
      * @param patience after which it is taken never to be so
      */
-    void stepUntil(String what, Duration patience, BooleanSupplier isSo) {
+    public void stepUntil(String what, Duration patience, BooleanSupplier isSo) {
         long deadline = System.nanoTime() + patience.toNanos();
         while (!isSo.getAsBoolean()) {
             if (System.nanoTime() > deadline) {
@@ -195,26 +203,31 @@ final class AgentRoom implements AutoCloseable {
         }
     }
 
-    Item item(String name) {
+    public Item item(String name) {
         return world.find(name).orElseThrow(() -> new AssertionError("no item " + name));
     }
 
-    boolean has(String name) {
+    public boolean has(String name) {
         return world.find(name).isPresent();
     }
 
-    TestClient connect() throws IOException {
+    public TestClient connect() throws IOException {
         return new TestClient(server.address());
     }
 
     /** An agent that has been welcomed; takes one frame. */
-    TestClient join(String name) throws IOException {
+    public TestClient join(String name) throws IOException {
         TestClient client =
                 connect().say("{'t':'hello','protocol':1,'name':'" + name + "'}").sync();
         step();
         client.expect("welcome");
         client.expect("event");
         return client;
+    }
+
+    /** The server's connections, for tests of its sockets. */
+    public Connections connections() {
+        return server.connections();
     }
 
     @Override

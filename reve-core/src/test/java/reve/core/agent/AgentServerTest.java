@@ -12,6 +12,7 @@ import org.junit.jupiter.params.ParameterizedTest;
 import org.junit.jupiter.params.provider.CsvSource;
 import org.junit.jupiter.params.provider.ValueSource;
 
+import reve.core.agent.protocol.Vectors;
 import reve.core.file.AgentPolicy;
 import reve.core.world.ItemDefinition;
 import reve.core.world.Shape;
@@ -89,12 +90,12 @@ class AgentServerTest {
     void everyCodeThatTheServerUsesIsOnTheProtocolsPage() throws IOException {
         var givesCode =
                 Pattern.compile(
-                        "(?:Ending\\.\\w+|BadMessage|Refused|refuse)\\([^\"]*\"([a-z0-9-]+)\"");
+                        "(?:CloseReason\\.\\w+|BadMessage|Refused|refuse)\\([^\"]*\"([a-z0-9-]+)\"");
         Set<String> codes = new TreeSet<>();
         Path sources =
                 Path.of(System.getProperty("reve.root"), "reve-core/src/main/java/reve/core/agent");
-        try (Stream<Path> files = Files.list(sources)) {
-            for (Path file : files.toList()) {
+        try (Stream<Path> files = Files.walk(sources)) {
+            for (Path file : files.filter(Files::isRegularFile).toList()) {
                 givesCode
                         .matcher(Files.readString(file))
                         .results()

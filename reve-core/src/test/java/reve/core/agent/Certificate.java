@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
+import reve.core.agent.auth.ServerTls;
+
 import java.io.FileInputStream;
 import java.io.IOException;
 import java.nio.charset.StandardCharsets;
@@ -17,7 +19,7 @@ import javax.net.ssl.TrustManagerFactory;
  * A certificate for this machine that vouches for itself, made by the command that the documents
  * give.
  */
-record Certificate(Path certificate, Path key) {
+public record Certificate(Path certificate, Path key) {
 
     static Certificate make(Path folder, String name) throws IOException, InterruptedException {
         return make(folder, name, "ec", "-pkeyopt", "ec_paramgen_curve:P-256");

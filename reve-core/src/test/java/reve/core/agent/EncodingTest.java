@@ -8,6 +8,11 @@ import org.junit.jupiter.api.BeforeEach;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 
+import reve.core.agent.audit.AuditPlan;
+import reve.core.agent.protocol.Encoding;
+import reve.core.agent.protocol.MessagePackReader;
+import reve.core.agent.protocol.MessageWriter;
+
 import tools.jackson.databind.JsonNode;
 
 import java.io.DataInputStream;

@@ -8,6 +8,7 @@ import org.junit.jupiter.api.BeforeEach;
 import org.junit.jupiter.api.Test;
 
 import reve.core.Seed;
+import reve.core.agent.publish.Publisher;
 import reve.core.frame.FramePhase;
 import reve.core.world.World;
 

@@ -6,6 +6,11 @@ import static org.assertj.core.api.Assertions.assertThat;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 
+import reve.core.agent.auth.AgentSecurity;
+import reve.core.agent.protocol.Bytes;
+import reve.core.agent.protocol.Encoding;
+import reve.core.agent.protocol.Json;
+import reve.core.agent.protocol.MessagePackReader;
 import reve.core.file.AgentPolicy;
 import reve.core.world.ItemDefinition;
 import reve.core.world.Sensor;

@@ -8,6 +8,8 @@ import org.junit.jupiter.api.BeforeEach;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 
+import reve.core.agent.audit.AuditPlan;
+import reve.core.agent.port.Cameras;
 import reve.core.file.AgentPolicy;
 import reve.core.world.ItemDefinition;
 import reve.core.world.Sensor;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.agent;
 
+import reve.core.agent.port.WorldControl;
 import reve.core.frame.FrameLoop;
 import reve.core.world.ActionRefused;
 import reve.core.world.ItemId;
@@ -13,7 +14,7 @@ import java.util.Map;
 import java.util.function.Consumer;
 
 /** Keeps images of a world without physics, and can do nothing else. */
-record RoomControl(World world, FrameLoop loop, Image beginning) implements WorldControl {
+public record RoomControl(World world, FrameLoop loop, Image beginning) implements WorldControl {
 
     RoomControl(World world, FrameLoop loop) {
         this(world, loop, new Kept(world, loop));

@@ -7,6 +7,8 @@ import org.junit.jupiter.api.AfterEach;
 import org.junit.jupiter.api.BeforeEach;
 import org.junit.jupiter.api.Test;
 
+import reve.core.agent.port.Cameras;
+import reve.core.agent.port.WorldPort;
 import reve.core.derive.DerivedColumns;
 import reve.core.frame.CommandQueue;
 import reve.core.frame.FrameBus;

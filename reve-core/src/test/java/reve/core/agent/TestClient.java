@@ -19,32 +19,32 @@ import java.util.ArrayDeque;
 import java.util.Deque;
 
 /** A client by hand: raw lines over a real socket. */
-final class TestClient implements AutoCloseable {
+public final class TestClient implements AutoCloseable {
 
     private static final int PATIENCE_MILLIS = 20_000;
     private static final JsonMapper JSON = new JsonMapper();
 
-    final Socket socket;
+    public final Socket socket;
     private final OutputStream out;
     private final BufferedReader in;
     private final Deque<JsonNode> early = new ArrayDeque<>();
     private int syncs;
 
-    TestClient(InetSocketAddress address) throws IOException {
+    public TestClient(InetSocketAddress address) throws IOException {
         this(address, 0);
     }
 
     /**
      * @param receiveBytes size of the receive buffer, 0 for the system's
      */
-    TestClient(InetSocketAddress address, int receiveBytes) throws IOException {
+    public TestClient(InetSocketAddress address, int receiveBytes) throws IOException {
         this(connected(address, receiveBytes));
     }
 
     /**
      * @param socket connected, and closed by the client
      */
-    TestClient(Socket socket) throws IOException {
+    public TestClient(Socket socket) throws IOException {
         this.socket = socket;
         socket.setTcpNoDelay(true);
         socket.setSoTimeout(PATIENCE_MILLIS);
@@ -64,12 +64,12 @@ final class TestClient implements AutoCloseable {
         return socket;
     }
 
-    static JsonNode json(String text) {
+    public static JsonNode json(String text) {
         return JSON.readTree(text.replace('\'', '"'));
     }
 
     /** Sends a line; ' stands for ". */
-    TestClient say(String line) throws IOException {
+    public TestClient say(String line) throws IOException {
         return send((line.replace('\'', '"') + "\n").getBytes(StandardCharsets.UTF_8));
     }
 
@@ -80,7 +80,7 @@ final class TestClient implements AutoCloseable {
     }
 
     /** Returns when the server has taken everything said so far. */
-    TestClient sync() throws IOException {
+    public TestClient sync() throws IOException {
         int id = 1_000_000 + syncs++;
         say("{'t':'ping','id':" + id + "}");
         for (JsonNode message = read(); !isPong(message, id); message = read()) {
@@ -90,7 +90,7 @@ final class TestClient implements AutoCloseable {
     }
 
     /** Whether something has come that was not read yet. */
-    boolean hasNews() {
+    public boolean hasNews() {
         try {
             return !early.isEmpty() || in.ready();
         } catch (IOException e) {
@@ -99,12 +99,12 @@ final class TestClient implements AutoCloseable {
     }
 
     /** The next message, in the order sent. */
-    JsonNode next() throws IOException {
+    public JsonNode next() throws IOException {
         return early.isEmpty() ? read() : early.removeFirst();
     }
 
     /** The next message, which must be of that type. */
-    JsonNode expect(String type) throws IOException {
+    public JsonNode expect(String type) throws IOException {
         JsonNode message = next();
         assertThat(message.get("t").stringValue()).as("%s", message).isEqualTo(type);
         return message;
@@ -114,27 +114,27 @@ final class TestClient implements AutoCloseable {
      * The next message must be of that type and have that code; then the other fields are told by
      * the caller.
      */
-    JsonNode expect(String type, String code) throws IOException {
+    public JsonNode expect(String type, String code) throws IOException {
         JsonNode message = expect(type);
         assertThat(message.path("code").asString("")).as("%s", message).isEqualTo(code);
         return message;
     }
 
     /** The connection ends with that reason, and nothing follows. */
-    JsonNode expectBye(String code) throws IOException {
+    public JsonNode expectBye(String code) throws IOException {
         JsonNode bye = expect("bye", code);
         assertThat(in.readLine()).as("after the bye").isNull();
         return bye;
     }
 
     /** Reads until the connection ends; the last message must be a bye with that code. */
-    void skipToBye(String code) throws IOException {
+    public void skipToBye(String code) throws IOException {
         JsonNode message = skipTo("bye");
         assertThat(message.get("code").stringValue()).as("%s", message).isEqualTo(code);
     }
 
     /** Reads up to the next message of that type. */
-    JsonNode skipTo(String type) throws IOException {
+    public JsonNode skipTo(String type) throws IOException {
         JsonNode message = next();
         while (!message.get("t").stringValue().equals(type)) {
             message = next();

@@ -14,6 +14,8 @@ import org.junit.jupiter.params.ParameterizedTest;
 import org.junit.jupiter.params.provider.ValueSource;
 
 import reve.core.Seed;
+import reve.core.agent.auth.AgentSecurity;
+import reve.core.agent.auth.ServerTls;
 import reve.core.world.ItemDefinition;
 
 import tools.jackson.databind.JsonNode;

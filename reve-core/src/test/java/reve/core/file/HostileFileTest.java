@@ -163,7 +163,7 @@ class HostileFileTest {
                         START + "constants: {softening: 1 " + "(".repeat(900) + "}\n",
                         "3:24: softening: unit `"
                                 + "(".repeat(64)
-                                + "…`: it is longer than 64 characters"));
+                                + "…`: it is longer than 255 characters"));
     }
 
     private static Arguments attack(String name, String text, String message) {

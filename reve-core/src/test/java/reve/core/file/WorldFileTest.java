@@ -448,14 +448,14 @@ class WorldFileTest {
                             Parameter.number("by", 3, Unit.parse("kN*s"), "In the world's axes."),
                             Parameter.text("why", ""));
 
-            kick.perform(
-                    new ActionCall(
+            new ActionCall(
                             world,
                             1,
                             item,
                             Optional.empty(),
                             Arguments.check(
-                                    kick, Map.of("by", List.of(0.001, 0.002, 0), "why", "fun"))));
+                                    kick, Map.of("by", List.of(0.001, 0.002, 0), "why", "fun")))
+                    .perform(kick);
 
             assertThat(item.physics().vector("velocity")).containsExactly(0.5, 1, 0);
             assertThat(item.physics().scalar("charge")).isEqualTo(0.003);

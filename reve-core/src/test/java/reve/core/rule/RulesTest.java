@@ -14,6 +14,7 @@ import reve.core.frame.FrameLoop;
 import reve.core.frame.Pacing;
 import reve.core.frame.Timing;
 import reve.core.unit.Unit;
+import reve.core.world.FrameControl;
 import reve.core.world.Item;
 import reve.core.world.ItemDefinition;
 import reve.core.world.OffHeapArena;
@@ -280,7 +281,7 @@ class RulesTest {
                                             "disabled",
                                             "loop over less");
                         });
-        world.endFrame();
+        FrameControl.of(world).end();
         rules.update(2);
         assertThat(all(items, "dear")).containsOnly("none");
         assertThat(all(items, "last")).containsOnly("x");

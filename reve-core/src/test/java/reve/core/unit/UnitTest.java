@@ -8,6 +8,8 @@ import static org.assertj.core.api.Assertions.within;
 
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.aggregator.ArgumentsAccessor;
+import org.junit.jupiter.params.provider.CsvFileSource;
 import org.junit.jupiter.params.provider.CsvSource;
 
 import reve.core.Seed;
@@ -102,20 +104,20 @@ class UnitTest {
                     degC     | `degC` is not a unit that is known here
                     °C       | not a plain multiple of SI units (for temperatures use K)
                     °C/m     | not a plain multiple of SI units
-                    ln(m)    | not a plain multiple of SI units
-                    ((m      | not well formed
-                    m*       | not well formed
-                    /s       | not well formed
-                    1//s     | not well formed
-                    m^       | not well formed
-                    m^^2     | not well formed
-                    kg m     | only names
-                    m^0.5    | only names
-                    m+1      | only names
-                    m2       | the number 2 is no exponent
-                    m^1/2    | the number 2 is no exponent
-                    2*m      | the number 2 is no exponent
-                    m**2     | the number 2 is no exponent
+                    ln(m)    | `ln` is not a unit that is known here
+                    ((m      | found the end, expected *, /, ^ or )
+                    m*       | found the end, expected a unit such as m
+                    /s       | column 1: found `/`, expected a unit
+                    1//s     | column 3: found `/`, expected a unit
+                    m^       | found the end, expected a whole number as exponent
+                    m^^2     | column 3: found `^`, expected a whole number as exponent
+                    kg m     | column 4: found `m`, expected *, /, ^ or the end
+                    m^0.5    | column 4: found `.`, expected *, /, ^ or the end
+                    m+1      | column 2: found `+`, expected *, /, ^ or the end
+                    m2       | the number at column 2 is no exponent; write m^2
+                    m^1/2    | exponents are whole
+                    0*m      | a number in it must be above 0
+                    m**2     | column 3: found `*`, expected a unit
                     m^200    | out of range
                     """)
     void refusesWithTheTextAndTheReason(String text, String reason) {
@@ -125,11 +127,28 @@ class UnitTest {
                 .hasMessageContaining(reason);
     }
 
+    @ParameterizedTest(name = "{0}")
+    @CsvFileSource(resources = "vectors.csv", numLinesToSkip = 1)
+    void meansWhatItMeansToTheEngine(ArgumentsAccessor vector) {
+        String text = vector.getString(0) == null ? "" : vector.getString(0);
+        if (vector.getString(1).equals("refused")) {
+            assertThatThrownBy(() -> Unit.parse(text))
+                    .isInstanceOf(IllegalArgumentException.class)
+                    .hasMessageStartingWith("unit `" + text + "`: ");
+            return;
+        }
+        Unit unit = Unit.parse(text);
+        assertThat(unit.scale()).isEqualTo(vector.getDouble(1));
+        for (SiBase base : SiBase.values()) {
+            assertThat(unit.exponent(base)).isEqualTo(vector.getInteger(2 + base.ordinal()));
+        }
+    }
+
     @Test
     void refusesHostileLengthAndNesting() {
         assertThatThrownBy(() -> Unit.parse("(".repeat(1_000_000)))
                 .isInstanceOf(IllegalArgumentException.class)
-                .hasMessageContaining("longer than 64 characters");
+                .hasMessageContaining("longer than 255 characters");
     }
 
     @Test

@@ -117,7 +117,7 @@ class AspectsTest {
                                                 .physics(property, -1e-300)
                                                 .build()))
                 .withMessageStartingWith("item hole: " + property + " is -1.0E-300");
-        assertThat(world.findItem("hole")).isNull();
+        assertThat(world.find("hole")).isEmpty();
     }
 
     @Test

@@ -51,7 +51,7 @@ class HierarchyModelTest {
         for (int step = 0; step < 800; step++) {
             change();
             if (step % 5 == 0) {
-                world.placeAttached();
+                FrameControl.of(world).placeAttached();
                 check("seed " + seed + " step " + step, tolerance);
             }
         }
@@ -151,7 +151,7 @@ class HierarchyModelTest {
                     .containsExactly(expected, within(tolerance));
             assertThat(node.item.physical().location()).as(when).containsExactly(at);
             assertThat(node.item.physical().orientation()).as(when).containsExactly(q);
-            assertThat(node.item.parent().map(Item::id))
+            assertThat(node.item.parent())
                     .as(when)
                     .isEqualTo(Optional.ofNullable(node.parent).map(parent -> parent.item.id()));
         }

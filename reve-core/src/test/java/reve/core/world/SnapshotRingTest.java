@@ -51,7 +51,7 @@ class SnapshotRingTest {
         red.physical().setLocation(9, 9, 9);
         red.semantic().set("lit", false);
         ball("late");
-        world.endFrame();
+        FrameControl.of(world).end();
 
         try (WorldSnapshot snapshot = ring.acquireLatest().orElseThrow()) {
             TableSnapshot body = snapshot.table("body");
@@ -286,7 +286,7 @@ class SnapshotRingTest {
             for (int frame = 1; frame <= 3000; frame++) {
                 writeFrame(frame);
                 ring.publish(frame, frame);
-                world.releaseReplacedMemory();
+                FrameControl.of(world).endPhysics();
             }
             done.set(true);
             for (Future<Integer> count : counts) {

@@ -4,7 +4,7 @@ package reve.core.world;
 import java.util.List;
 
 /** An action in Java, as a designer may write one. */
-public record TestAction(String name, String doc, Deed deed) implements Action {
+public record TestAction(String name, String doc, Deed deed) implements PerformableAction {
 
     private static final Deed NOTHING = call -> {};
 

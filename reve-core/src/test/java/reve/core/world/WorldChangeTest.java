@@ -21,7 +21,7 @@ class WorldChangeTest {
 
     @BeforeEach
     void beginFrame() {
-        world.endFrame();
+        FrameControl.of(world).end();
     }
 
     @Test
@@ -64,7 +64,7 @@ class WorldChangeTest {
 
     @Test
     void tellsForces() {
-        var force = new Forces.Force(ball.id(), List.of(1.0, 2.0, 3.0), 4);
+        var force = new Force(ball.id(), List.of(1.0, 2.0, 3.0), 4);
         world.forces().add(force);
         assertThat(world.changes()).containsExactly(new WorldChange.Pushed(force));
     }
@@ -113,7 +113,7 @@ class WorldChangeTest {
                                 .reference("end2", "ball")
                                 .build());
         Item other = world.add(ItemDefinition.named("other").physics("mass", 1).build());
-        world.endFrame();
+        FrameControl.of(world).end();
         spring.physics().setReferences("end2", other.id());
         assertThat(world.changes())
                 .containsExactly(
@@ -142,12 +142,12 @@ class WorldChangeTest {
         mass.setDouble(0, 0, 4);
         mass.touch();
         assertThat(world.changes()).containsExactly(told);
-        world.fixEvents();
+        FrameControl.of(world).publish();
         mass.setDouble(0, 0, 5);
         assertThat(world.changes()).containsExactly(told);
-        world.endFrame();
+        FrameControl.of(world).end();
         assertThat(world.changes()).containsExactly(told);
-        world.endFrame();
+        FrameControl.of(world).end();
         mass.touch();
         assertThat(world.changes()).containsExactly(told);
     }

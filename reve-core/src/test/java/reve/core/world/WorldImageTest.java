@@ -113,7 +113,7 @@ class WorldImageTest {
         for (int i = 0; i < times; i++) {
             List<Item> items = world.items();
             Item any = items.get(random.nextInt(items.size()));
-            world.placeAttached();
+            FrameControl.of(world).placeAttached();
             switch (random.nextInt(9)) {
                 case 0, 1 -> add(world, random);
                 case 2 -> addSpring(world, random);
@@ -197,7 +197,7 @@ class WorldImageTest {
             all.put(table.kind(), table.physicsRowCount());
             List<String> named = new ArrayList<>();
             for (int row = 0; row < table.rowCount(); row++) {
-                named.add(table.itemAt(row).name());
+                named.add(world.item(table.idAt(row)).name());
             }
             all.put(table.kind() + " rows", named);
             table.allColumns()

@@ -94,7 +94,7 @@ class WorldMirrorTest {
                             assertThat(mirrored.physics).as(what).isEqualTo(physics(item));
                             assertThat(Optional.ofNullable(mirrored.parent))
                                     .as(what)
-                                    .isEqualTo(item.parent().map(Item::id));
+                                    .isEqualTo(item.parent());
                             if (!item.physical().isEmpty()) {
                                 checkPlaceAndLook(mirror, mirrored, item, tolerance, what);
                             }
@@ -200,7 +200,7 @@ class WorldMirrorTest {
     private void attach(Item child, Item parent) {
         for (Optional<Item> above = Optional.of(parent);
                 above.isPresent();
-                above = above.get().parent()) {
+                above = above.get().parent().map(world::item)) {
             if (above.get() == child) {
                 return;
             }
@@ -264,7 +264,7 @@ class WorldMirrorTest {
     }
 
     private static void clear(Item item) {
-        if (item.referrers == 0) {
+        if (!item.world().references.isReferredTo(item.id())) {
             item.physics().clear();
         }
     }

@@ -50,7 +50,7 @@ class WorldModelTest {
         for (int step = 0; step < 1500; step++) {
             change();
             if (step % 50 == 0) {
-                world.releaseReplacedMemory();
+                FrameControl.of(world).endPhysics();
             }
             if (step % 7 == 0) {
                 check("seed " + seed + " step " + step);

@@ -209,7 +209,7 @@ class WorldStructureTest {
     void structureIsLockedByPhaseButValuesAreNot() {
         Item a = ball("a");
         Item lamp = world.add(ItemDefinition.named("lamp").build());
-        world.guard().lockStructure("PHYSICS");
+        FrameControl.of(world).lock("PHYSICS");
         for (Runnable change :
                 List.<Runnable>of(
                         () -> ball("b"),
@@ -223,7 +223,7 @@ class WorldStructureTest {
         }
         a.physics().set("mass", 2);
         lamp.physical().setLocation(1, 2, 3);
-        world.guard().unlockStructure();
+        FrameControl.of(world).unlock();
         lamp.physics().set("mass", 1);
         assertThat(world.table("body").physicsRowCount()).isEqualTo(2);
     }
@@ -239,7 +239,7 @@ class WorldStructureTest {
         assertThat(after.address()).isNotEqualTo(before.address());
         assertThat(before.get(ColumnView.DOUBLE, 0)).isEqualTo(42);
         assertThat(after.get(ColumnView.DOUBLE, 0)).isEqualTo(42);
-        world.releaseReplacedMemory();
+        FrameControl.of(world).endPhysics();
         assertThat(before.scope().isAlive()).isFalse();
         assertThat(after.scope().isAlive()).isTrue();
     }
@@ -266,7 +266,7 @@ class WorldStructureTest {
         for (int i = 0; i < 5000; i++) {
             big.add(ItemDefinition.named("b" + i).physics("mass", 1).build());
         }
-        big.releaseReplacedMemory();
+        FrameControl.of(big).endPhysics();
         long capacity = 8192;
         assertThat((counting.bytes - empty) / capacity).isLessThan(512);
     }

@@ -2,13 +2,13 @@
 package reve.pe.adapter;
 
 /**
- * Where the adapter's time went so far, wall clock; for people, never for the world.
+ * The adapter's wall-clock times so far; for reports only.
  *
  * @param frames advanced
- * @param redoneFrames times a frame was done over because a law failed
- * @param bindNanoseconds telling the engine what changed in the world
- * @param copyNanoseconds keeping the columns that laws may write
- * @param advanceNanoseconds inside the engine, redone frames included
+ * @param redoneFrames number of repetitions of frames because a law failed
+ * @param bindNanoseconds time for passing changes of the world to the engine [ns]
+ * @param copyNanoseconds time for copying the columns that laws may write [ns]
+ * @param advanceNanoseconds time inside the engine, including repeated frames [ns]
  */
 public record AdapterProfile(
         long frames,

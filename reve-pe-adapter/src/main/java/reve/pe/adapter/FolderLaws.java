@@ -22,26 +22,26 @@ import java.util.concurrent.ConcurrentLinkedQueue;
 import java.util.stream.Collectors;
 
 /**
- * Which file of a {@link LawFolder} is active as which library. Changes come as commands on the
- * world's thread; tracking works on any thread.
+ * The active libraries of a {@link LawFolder}, by file. Changes are commands on the world's thread;
+ * tracking works on any thread.
  */
 final class FolderLaws implements AutoCloseable {
     private final Laws laws;
     private final Map<String, ActiveFile> byName = new HashMap<>();
 
-    /** Everything prepared, so that what no engine took is dropped at the end. */
+    /** All prepared libraries; those that no engine took are freed at the end. */
     private final Set<PreparedLibrary> tracked = new HashSet<>();
 
     private final Queue<SpareWanted> wanted = new ConcurrentLinkedQueue<>();
 
-    /** A change to the folder's laws, made in ACT of a frame. */
+    /** A change of the folder's laws, executed in ACT of a frame. */
     interface Change {
         void make(long frame);
     }
 
     /**
-     * @param spare the same library once more: what to go back to if a successor is refused; null
-     *     once it was used, until the folder has made another from the bytes
+     * @param spare a second copy of the library, to restore it if its successor is refused; null
+     *     after it was used, until the folder has prepared another from the bytes
      */
     private record ActiveFile(
             int libraryId, String sha256, @Nullable PreparedLibrary spare, byte[] bytes) {}
@@ -49,7 +49,7 @@ final class FolderLaws implements AutoCloseable {
     /** An active file whose spare was used. */
     record SpareWanted(String name, byte[] bytes) {}
 
-    /** A change on its way through the command queue. */
+    /** A change in the command queue. */
     record Entry(long sequence, Change change) implements Command {
         @Override
         public String origin() {
@@ -71,7 +71,7 @@ final class FolderLaws implements AutoCloseable {
         return prepared;
     }
 
-    /** Takes one of the spares that are wanted, if any. */
+    /** Returns one of the requested spares, if there is any. */
     @Nullable SpareWanted nextWanted() {
         return wanted.poll();
     }
@@ -80,7 +80,7 @@ final class FolderLaws implements AutoCloseable {
         wanted.add(spare);
     }
 
-    /** Keeps a spare that was wanted, if its file is still active without one. */
+    /** Stores a requested spare, if its file is still active without one. */
     void giveSpare(String name, PreparedLibrary spare) {
         ActiveFile file = byName.get(name);
         if (file != null && file.spare == null && file.sha256.equals(spare.sha256())) {
@@ -90,7 +90,7 @@ final class FolderLaws implements AutoCloseable {
         }
     }
 
-    /** Activates a file's library in place of what the file held before. */
+    /** Activates the library of a file in place of the file's previous one. */
     void put(long frame, Path file, PreparedLibrary library, PreparedLibrary spare) {
         String name = file.getFileName().toString();
         ActiveFile old = byName.get(name);
@@ -123,7 +123,10 @@ final class FolderLaws implements AutoCloseable {
         }
     }
 
-    /** Takes charge of the same library where it acts already: resumed, or named by the world. */
+    /**
+     * Adopts the same library if it is already active: restored from a store, or named by the
+     * world.
+     */
     private boolean adopted(String name, PreparedLibrary library, PreparedLibrary spare) {
         Set<Integer> owned =
                 byName.values().stream().map(ActiveFile::libraryId).collect(Collectors.toSet());
@@ -139,7 +142,7 @@ final class FolderLaws implements AutoCloseable {
         return free.isPresent();
     }
 
-    /** Unloads what a removed file held. */
+    /** Unloads the library of a removed file. */
     void remove(long frame, String name) {
         ActiveFile old = byName.remove(name);
         if (old != null) {
@@ -150,7 +153,7 @@ final class FolderLaws implements AutoCloseable {
         }
     }
 
-    /** Tells that a file does not act, and why. */
+    /** Reports that a file's library is not active, and why. */
     void refuse(long frame, String name, PhysicsException refusal) {
         Map<String, Object> fields = new LinkedHashMap<>();
         fields.put("source", LawFolder.ORIGIN);
@@ -165,8 +168,8 @@ final class FolderLaws implements AutoCloseable {
     }
 
     /**
-     * The two may not be loaded together (same name, same property integrated), so the old one goes
-     * first, and comes back if the new one is refused.
+     * Replaces a library. Both must not be loaded together (same name, same integrated property),
+     * so the old one is unloaded first, and restored if the new one is refused.
      */
     private int replace(long frame, Path file, ActiveFile old, PreparedLibrary library) {
         String name = file.getFileName().toString();
@@ -186,7 +189,7 @@ final class FolderLaws implements AutoCloseable {
         }
     }
 
-    /** A failure to do so is told behind the refusal that led here. */
+    /** Restores the old library. A failure is reported after the refusal that caused it. */
     private void goBack(
             long frame,
             String name,
@@ -203,7 +206,7 @@ final class FolderLaws implements AutoCloseable {
         }
     }
 
-    /** Closes what no engine took. */
+    /** Frees a library that no engine took. */
     void drop(@Nullable PreparedLibrary prepared) {
         if (prepared != null) {
             prepared.close();

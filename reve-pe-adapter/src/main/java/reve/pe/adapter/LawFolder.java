@@ -27,22 +27,23 @@ import java.util.concurrent.TimeUnit;
 import java.util.stream.Stream;
 
 /**
- * A folder of law libraries that a running world follows: a file dropped acts from the next frame
- * on, a file removed stops acting, a file replaced is exchanged between two frames. Looks at the
- * folder and checks libraries on a thread of its own; the world's thread only activates what is
- * ready, as commands of origin {@value #ORIGIN}. What is refused becomes one "fault" event.
+ * A watched folder of law libraries. An added file acts from the next frame on, a removed file is
+ * unloaded, and a replaced file is exchanged between two frames. A separate thread scans the folder
+ * and checks libraries; the world's thread only activates prepared ones, as commands of origin
+ * {@value #ORIGIN}. Each refusal becomes one "fault" event.
  *
- * <p>Files whose name ends in ".so" count, once two looks saw the same size and time. A file that
- * cannot be loaded is told only if it stays the same for some looks more: it may still be arriving.
+ * <p>Files whose name ends in ".so" count, once two scans found the same size and time. A file that
+ * cannot be loaded is reported only if it is unchanged for some further scans, because it may still
+ * be incomplete.
  */
 public final class LawFolder implements AutoCloseable {
-    /** Origin of this folder's commands; with its space, no agent can be called that. */
+    /** Origin of this folder's commands; agents' names cannot contain its space. */
     public static final String ORIGIN = "laws folder";
 
-    /** Most libraries of one folder that are active at a time. */
+    /** Maximum number of active libraries of one folder. */
     public static final int MAX_LIBRARIES = 64;
 
-    /** Time between two looks of the folder's own thread. */
+    /** Interval between two scans of the folder. */
     public static final Duration INTERVAL = Duration.ofMillis(200);
 
     private static final Logger LOG = LoggerFactory.getLogger(LawFolder.class);
@@ -58,18 +59,18 @@ public final class LawFolder implements AutoCloseable {
     private @Nullable Thread thread;
     private @Nullable String lastWarning;
 
-    /** What one content of a file is known by without reading it. */
+    /** The identity of a file's content, without reading it. */
     private record Stamp(@Nullable Object key, long size, long modifiedNanoseconds) {}
 
-    /** A file as the last looks found it. */
+    /** A file as the last scans found it. */
     private static final class WatchedFile {
         @Nullable Stamp stamp;
         int equalLooks;
 
-        /** Nothing is left to do until the file changes, but perhaps to tell the refusal. */
+        /** Whether no work is left until the file changes, except perhaps to report the refusal. */
         boolean settled;
 
-        /** Was handed to the world at least once. */
+        /** Whether the file was passed to the world at least once. */
         boolean accepted;
 
         @Nullable PhysicsException refusal;
@@ -84,10 +85,10 @@ public final class LawFolder implements AutoCloseable {
     }
 
     /**
-     * Follows a folder from the first look on.
+     * Creates a watcher; {@link #start} or {@link #look} begin to scan.
      *
-     * @param engine prepares libraries; closed after this
-     * @throws IllegalArgumentException if the path is no folder, or everybody may write to it
+     * @param engine prepares libraries; closed after this object
+     * @throws IllegalArgumentException if the path is not a folder, or is world-writable
      */
     public LawFolder(Path folder, PhysicsEngine engine, Laws laws, CommandQueue commands) {
         this.folder = require(folder);
@@ -96,7 +97,7 @@ public final class LawFolder implements AutoCloseable {
         this.active = new FolderLaws(laws);
     }
 
-    /** Begins to look every {@link #INTERVAL} on a thread of its own. Once. */
+    /** Starts a thread that scans every {@link #INTERVAL}. Called once. */
     public void start() {
         if (thread != null) {
             throw new IllegalStateException(folder + " is followed already");
@@ -104,7 +105,7 @@ public final class LawFolder implements AutoCloseable {
         thread = Thread.ofPlatform().daemon().name(ORIGIN).start(this::followUntilInterrupted);
     }
 
-    /** One look at the folder. For whoever does without {@link #start}; not together with it. */
+    /** Scans the folder once. For callers that do not use {@link #start}. */
     public void look() {
         try {
             Map<String, Path> present = list();
@@ -126,7 +127,7 @@ public final class LawFolder implements AutoCloseable {
     }
 
     /**
-     * Ends following; active laws stay active. Call it after the world's last frame and before the
+     * Ends the scans; active laws stay active. Called after the world's last frame and before the
      * engine is closed.
      */
     @Override
@@ -160,7 +161,7 @@ public final class LawFolder implements AutoCloseable {
                 Thread.sleep(INTERVAL);
             }
         } catch (InterruptedException e) {
-            // close() asks for the end this way
+            // close() interrupts the thread
         }
     }
 
@@ -201,7 +202,7 @@ public final class LawFolder implements AutoCloseable {
             }
             tellRefusal(name, file);
         } catch (NoSuchFileException e) {
-            // gone since it was listed: the next look misses it
+            // removed since it was listed: the next scan handles it
         } catch (IOException e) {
             warnOnce(path + " cannot be read: " + e.getMessage());
         }
@@ -243,7 +244,7 @@ public final class LawFolder implements AutoCloseable {
         }
     }
 
-    /** Prepares it twice: the second is what to go back to if a successor is refused. */
+    /** Prepares the library twice; the second copy restores it if a successor is refused. */
     private void prepareAndOffer(String name, Path path, WatchedFile file) {
         PreparedLibrary library = active.track(engine.prepare(path));
         PreparedLibrary spare;
@@ -264,7 +265,7 @@ public final class LawFolder implements AutoCloseable {
         }
     }
 
-    /** Prepares used spares anew: their files hold something else by now. */
+    /** Prepares used spares again from their bytes, because their files have other content now. */
     private void makeSpares() {
         for (var wanted = active.nextWanted(); wanted != null; wanted = active.nextWanted()) {
             String name = wanted.name();
@@ -285,7 +286,7 @@ public final class LawFolder implements AutoCloseable {
         return files.values().stream().filter(file -> file.accepted).count();
     }
 
-    /** Reports a refusal when it is time, and the same one only once. */
+    /** Reports a refusal when it is due, and the same refusal only once. */
     private void tellRefusal(String name, WatchedFile file) {
         PhysicsException refusal = file.refusal;
         if (refusal == null || file.equalLooks < file.looksUntilTold) {
@@ -310,9 +311,9 @@ public final class LawFolder implements AutoCloseable {
     }
 
     /**
-     * Requires that law libraries may be taken from a folder, and returns its absolute path.
+     * Checks that law libraries may be loaded from a folder, and returns its absolute path.
      *
-     * @throws IllegalArgumentException if the path is no folder, or everybody may write to it
+     * @throws IllegalArgumentException if the path is not a folder, or is world-writable
      */
     public static Path require(Path folder) {
         if (!Files.isDirectory(folder)) {

@@ -8,12 +8,12 @@ import java.util.LinkedHashMap;
 import java.util.Map;
 
 /**
- * A law library as it was loaded: what it takes to load the very same again.
+ * A loaded law library, with the data to load the same one again.
  *
- * @param name that the library gives itself
+ * @param name the library's own name
  * @param sha256 of its bytes, 64 lower-case hexadecimal digits
- * @param parameters by {@code parameter} or {@code law.parameter}; the rest have their default
- * @param bytes of the file; nobody changes them
+ * @param parameters by {@code parameter} or {@code law.parameter}; the others have their default
+ * @param bytes of the file; must not be changed
  */
 public record LawLibrary(String name, String sha256, Map<String, Double> parameters, byte[] bytes) {
     /** Copies the parameters. */
@@ -25,7 +25,7 @@ public record LawLibrary(String name, String sha256, Map<String, Double> paramet
         return new LawLibrary(prepared.name(), prepared.sha256(), parameters, prepared.bytes());
     }
 
-    /** Whether both act alike: the same bytes with the same parameters. */
+    /** Returns whether both have the same bytes and the same parameters. */
     boolean isSame(LawLibrary other) {
         return sha256.equals(other.sha256) && parameters.equals(other.parameters);
     }

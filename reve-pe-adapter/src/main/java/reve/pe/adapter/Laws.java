@@ -21,16 +21,16 @@ import java.util.function.Consumer;
 import java.util.stream.Collectors;
 
 /**
- * The laws of a world: what is loaded, and what is quarantined. Each change is told as a {@code
- * law-loaded}, {@code law-unloaded} or {@code fault} event; the last two carry the calls and
- * milliseconds (wall clock, for people) of all laws of the library. World's thread only.
+ * The loaded and the quarantined laws of a world. Each change raises a {@code law-loaded}, {@code
+ * law-unloaded} or {@code fault} event. The last two contain the calls and the wall-clock
+ * milliseconds of all laws of the library. World's thread only.
  */
 public final class Laws {
     private final World world;
     private final PhysicsEngine engine;
     private final Map<Integer, LawLibrary> loaded = new LinkedHashMap<>();
 
-    /** Libraries that a laws folder takes charge of if it has their bytes. */
+    /** Libraries that a laws folder adopts if it has their bytes. */
     private final Set<Integer> forFolder = new HashSet<>();
 
     private final Map<String, Quarantined> quarantined = new LinkedHashMap<>();
@@ -46,19 +46,19 @@ public final class Laws {
     /**
      * Activates a library outside PHYSICS; its laws act from the next step on.
      *
-     * @param frame the frame that is being made, 0 before the first
+     * @param frame the frame in progress, 0 before the first
      * @param parameters by {@code parameter} or {@code law.parameter}
      * @return id of the library, for {@link #unload}
      * @throws PhysicsException if the engine refuses it, or these bytes are quarantined; then
-     *     nothing changed and the library is still the caller's
+     *     nothing changed and the caller still owns the library
      */
     public int load(long frame, PreparedLibrary prepared, Map<String, Double> parameters) {
         return load(frame, prepared, parameters, name -> {});
     }
 
     /**
-     * As the other one, of a library that was read from a file: what is responsible for names may
-     * refuse it for its own name, or that of one of its laws.
+     * Activates a library that was read from a file. The name guard may refuse its own name, or
+     * that of one of its laws.
      */
     public int load(
             long frame, PreparedLibrary prepared, Map<String, Double> parameters, Path file) {
@@ -66,15 +66,15 @@ public final class Laws {
         return load(frame, prepared, parameters, name -> guard.check(name, file, bytes));
     }
 
-    /** Lets somebody refuse names of libraries, and of laws in them. */
+    /** Sets the guard that may refuse names of libraries and of their laws. */
     public void guardNames(NameGuard newGuard) {
         guard = newGuard;
     }
 
-    /** Refuses libraries by names. */
+    /** A check that refuses libraries by name. */
     public interface NameGuard {
         /**
-         * Takes notice of the name of a library, or of a law in it.
+         * Checks the name of a library or of one of its laws.
          *
          * @throws PhysicsException if the library may not use it
          */
@@ -125,7 +125,10 @@ public final class Laws {
         return id;
     }
 
-    /** Prepares and activates in one call, which takes milliseconds: for the start of a world. */
+    /**
+     * Prepares and activates a library in one call, which takes milliseconds; for the start of a
+     * world.
+     */
     public int load(long frame, String library, Map<String, Double> parameters) {
         try (PreparedLibrary prepared = engine.prepare(library)) {
             return load(frame, prepared, parameters);
@@ -149,40 +152,40 @@ public final class Laws {
         world.raise(new WorldEvent(frame, "law-unloaded", fields));
     }
 
-    /** False once the library was unloaded or quarantined. */
+    /** Returns false after the library was unloaded or quarantined. */
     public boolean isLoaded(int libraryId) {
         return loaded.containsKey(libraryId);
     }
 
-    /** The loaded laws with what they cost so far, in the order of loading. */
+    /** Returns the loaded laws with their cost so far, in the order of loading. */
     public List<PhysicsLaw> loaded() {
         return engine.laws();
     }
 
-    /** What failed and stays out, in the order of failing. */
+    /** Returns the quarantined libraries, in the order of their failures. */
     public List<Quarantined> quarantined() {
         return List.copyOf(quarantined.values());
     }
 
-    /** Lets a library's bytes be loaded again; false if they were not quarantined. */
+    /** Permits a quarantined library's bytes again. Returns false if they were not quarantined. */
     public boolean release(String sha256) {
         return quarantined.remove(sha256) != null;
     }
 
-    /** What is loaded, in the order of loading. */
+    /** Returns the loaded libraries, in the order of loading. */
     public List<LawLibrary> libraries() {
         return List.copyOf(loaded.values());
     }
 
     /**
-     * Lets a laws folder take charge of a loaded library whose bytes it has: its file is not loaded
-     * once more, and the library is unloaded when the file goes.
+     * Lets a laws folder adopt a loaded library whose bytes it has: its file is not loaded again,
+     * and the library is unloaded when the file is removed.
      */
     public void leaveToFolder(int libraryId) {
         forFolder.add(libraryId);
     }
 
-    /** Ids of the loaded libraries with these bytes that a laws folder may take charge of. */
+    /** Returns the ids of the loaded libraries with these bytes that a laws folder may adopt. */
     List<Integer> forFolder(String sha256) {
         return loaded.entrySet().stream()
                 .filter(library -> library.getValue().sha256().equals(sha256))
@@ -191,12 +194,12 @@ public final class Laws {
                 .toList();
     }
 
-    /** Tells a listener of every change from now on. */
+    /** Adds a listener for all later changes. */
     public void addListener(Consumer<LawChange> listener) {
         listeners.add(listener);
     }
 
-    /** Tells it no more. */
+    /** Removes a listener. */
     public void removeListener(Consumer<LawChange> listener) {
         listeners.remove(listener);
     }
@@ -206,11 +209,11 @@ public final class Laws {
     }
 
     /**
-     * Makes a change that another world with the same laws went through. A library that failed
-     * there is taken out without having failed here.
+     * Applies a change that occurred in another world with the same laws. A library that failed
+     * there is removed without a failure here.
      *
      * @throws PhysicsException if the engine refuses a library
-     * @throws IllegalArgumentException if there is no library in the place
+     * @throws IllegalArgumentException if there is no library at the index
      */
     public void apply(long frame, LawChange change) {
         switch (change) {
@@ -263,16 +266,16 @@ public final class Laws {
         return List.copyOf(loaded.keySet()).get(place);
     }
 
-    /** Raised whenever a library was loaded or unloaded. */
+    /** Returns a counter that increases whenever a library is loaded or unloaded. */
     long version() {
         return version;
     }
 
     /**
-     * Unloads the library that a failed step blames, and keeps it out.
+     * Unloads and quarantines the library that caused a step's failure.
      *
      * @param item whose row failed, if one did
-     * @throws PhysicsException the failure itself, if no loaded library is to blame
+     * @throws PhysicsException the failure itself, if no loaded library caused it
      */
     void quarantine(long frame, PhysicsException failure, Optional<Item> item) {
         LawLibrary library = loaded.get(failure.libraryId());
@@ -295,7 +298,7 @@ public final class Laws {
         reportFault(frame, fields, failure);
     }
 
-    /** Tells that an item was arrested because a law failed; the law stays. */
+    /** Reports that an item was arrested because a law failed; the law stays loaded. */
     void arrested(long frame, Item item, PhysicsException failure) {
         tell(new LawChange.Arrested(item.id()));
         LawLibrary library = loaded.get(failure.libraryId());
@@ -312,14 +315,14 @@ public final class Laws {
         failure.row().ifPresent(row -> fields.put("row", row));
     }
 
-    /** Tells that the engine refused something or a law failed. */
+    /** Reports that the engine refused a call or a law failed. */
     void reportFault(long frame, Map<String, Object> fields, PhysicsException failure) {
         fields.put("status", failure.status().name());
         fields.put("message", String.valueOf(failure.getMessage()));
         world.raise(new WorldEvent(frame, "fault", fields));
     }
 
-    /** Gives the place that the library had in the order of loading. */
+    /** Removes a library, and returns the index that it had in the order of loading. */
     private int drop(int libraryId) {
         engine.unloadPhysicsLaw(libraryId);
         int place = List.copyOf(loaded.keySet()).indexOf(libraryId);
@@ -329,7 +332,7 @@ public final class Laws {
         return place;
     }
 
-    /** Adds what a library's laws did while they were loaded: the last chance to tell it. */
+    /** Adds the calls and times of a library's laws, which are lost after it is unloaded. */
     private void addCost(Map<String, Object> fields, int libraryId) {
         long calls = 0;
         long nanoseconds = 0;

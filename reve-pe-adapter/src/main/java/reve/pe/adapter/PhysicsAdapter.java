@@ -24,28 +24,32 @@ import java.util.Set;
 import java.util.stream.Collectors;
 
 /**
- * Moves a world by the laws of a physics engine: the listener of phase PHYSICS. The engine works in
- * place on the world's columns, and a frame is one native call.
+ * The listener of phase PHYSICS, which moves a world by the laws of a physics engine. The engine
+ * uses the world's columns in place, and a frame is one native call.
  *
- * <p>A law that fails costs one redone frame: the columns are put back, the law's library is
- * quarantined and told as a "fault" event, and the frame is done over without it. From that frame
- * on the world is, to the bit, one that runs without that law. A failure that no loaded law is to
- * blame for is thrown after the columns were put back: that frame has no physics.
+ * <p>A failing law costs one repeated frame: the columns are restored, the law's library is
+ * quarantined and reported as a "fault" event, and the frame is repeated without it. From that
+ * frame on the world is, to the bit, one that runs without that law. A failure that no loaded law
+ * caused is thrown after the columns were restored; that frame has no physics.
  *
- * <p>Before a law is blamed, items are that actions and edits changed: the one at which the law
- * failed, else the one with the most extreme numbers, then all of them. Where the frame succeeds
- * without them they stay arrested, which is told as a "fault" event; else they are as they were.
+ * <p>Before a law is quarantined, items that actions or edits changed are arrested: the one at
+ * which the law failed, otherwise the one with the most extreme numbers, then all of them. If the
+ * frame succeeds without them they stay arrested, which is reported as a "fault" event; otherwise
+ * they are restored.
  *
- * <p>World's thread only. The engine and the arena belong to the caller, outlive the adapter, and
- * the engine is used for nothing else meanwhile.
+ * <p>World's thread only. The caller owns the engine and the arena, which must outlive the adapter,
+ * and must not use the engine otherwise meanwhile.
  */
 public final class PhysicsAdapter implements FrameListener, AutoCloseable {
-    /** Bounds how often a frame is redone. */
+    /**
+     * Maximum number of items arrested one at a time before all are; limits the repetitions of a
+     * frame.
+     */
     private static final int MOST_ARRESTS_ONE_BY_ONE = 2;
 
     private final World world;
     private final PhysicsEngine engine;
-    private final LentWorld lent;
+    private final BoundWorld bound;
     private final Laws laws;
     private final RollbackCopy rollback = new RollbackCopy();
     private final Set<String> accumulators = new HashSet<>();
@@ -53,7 +57,7 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
     private long keptLayout = -1;
     private long keptLaws = -1;
 
-    /** What the world's thread does in the engine, for people. */
+    /** The activity of the world's thread in the engine, for reports. */
     private String advancing = "";
 
     private long frames;
@@ -62,31 +66,31 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
     private long copyNanoseconds;
     private long advanceNanoseconds;
 
-    /** An item without which the frame is tried. */
+    /** An item without which the frame is repeated. */
     private record Arrested(Item item, PhysicsException failure, Runnable release) {}
 
     /**
-     * Lends the world's columns to the engine.
+     * Binds the world's columns to the engine.
      *
-     * @param engine made for {@link PropertyNames#prototype} of the world's prototype
-     * @param arena gives the memory of the index columns
-     * @throws IllegalStateException naming item and property if a reference leads nowhere
+     * @param engine created for {@link PropertyNames#prototype} of the world's prototype
+     * @param arena allocates the memory of the index columns
+     * @throws IllegalStateException naming item and property if a reference is invalid
      * @throws PhysicsException if the engine refuses a column
      */
     public PhysicsAdapter(World world, PhysicsEngine engine, ColumnArena arena) {
         this.world = world;
         this.engine = engine;
-        this.lent = new LentWorld(world, engine, arena);
+        this.bound = new BoundWorld(world, engine, arena);
         this.laws = new Laws(world, engine);
         for (PropertyDescriptor property : engine.prototype().properties()) {
             if (property.lawAccess().contains(Access.ACCUMULATE)) {
                 accumulators.add(property.name());
             }
         }
-        lent.update();
+        bound.update();
     }
 
-    /** The laws of this world. */
+    /** Returns the laws of this world. */
     public Laws laws() {
         return laws;
     }
@@ -94,7 +98,7 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
     @Override
     public void onFrame(FrameEvent frame) {
         long start = System.nanoTime();
-        lent.update();
+        bound.update();
         keepWhatLawsMayWrite();
         long bound = System.nanoTime();
         rollback.save();
@@ -112,28 +116,30 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
         frames++;
     }
 
-    /** Hash of the engine's step count and of all columns lent to it. Between frames. */
+    /** Returns a hash of the engine's step count and of all bound columns. Between frames. */
     public long stateHash() {
-        lent.update();
+        bound.update();
         return engine.stateHash();
     }
 
-    /** What it takes, with an image of the world, to go on to the bit. Between frames. */
+    /**
+     * Returns the physics part of an image, which with the world's image continues the run to the
+     * bit. Between frames.
+     */
     public PhysicsImage save() {
-        lent.update();
+        bound.update();
         return new PhysicsImage(laws.libraries(), laws.quarantined(), engine.saveState());
     }
 
     /**
-     * Goes on as the adapter did whose image this is; the world was restored before. Between
-     * frames.
+     * Restores the physics part of an image, after the world was restored. Between frames.
      *
-     * @param frame the frame that the world is in now
+     * @param frame the world's current frame
      * @throws PhysicsException if the engine refuses a library or the state
      */
     public void restore(long frame, PhysicsImage image) {
         laws.restore(frame, image.libraries(), image.quarantined());
-        lent.update();
+        bound.update();
         engine.loadState(image.engineState());
     }
 
@@ -142,19 +148,22 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
         engine.setLedger(on);
     }
 
-    /** The engine's open ledger; what no law did is the client's. Between frames. */
+    /**
+     * Returns the engine's open ledger; changes not made by laws belong to the client. Between
+     * frames.
+     */
     public List<LedgerLine> ledger() {
-        lent.update();
+        bound.update();
         return engine.ledger();
     }
 
-    /** Where the time went. */
+    /** Returns the adapter's times. */
     public AdapterProfile profile() {
         return new AdapterProfile(
                 frames, redoneFrames, bindNanoseconds, copyNanoseconds, advanceNanoseconds);
     }
 
-    /** Frees the rollback copy; the engine still borrows the columns until it is closed. */
+    /** Frees the rollback copy; the engine still uses the columns until it is closed. */
     @Override
     public void close() {
         rollback.close();
@@ -181,9 +190,10 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
     }
 
     /**
-     * Arrests those that were arrested before and one more, or all that may be to blame.
+     * Arrests the items that were arrested before and one more, or all items that may have caused
+     * the failure.
      *
-     * @return false if none is left, or no law is to blame
+     * @return false if none is left, or no law caused the failure
      */
     private boolean arrestFor(PhysicsException failure, List<Arrested> tried) {
         Optional<Item> failed = itemOf(failure);
@@ -214,10 +224,13 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
     private Optional<Item> itemOf(PhysicsException failure) {
         return failure.row().isEmpty()
                 ? Optional.empty()
-                : kindOf(failure).flatMap(kind -> lent.item(kind, failure.row().getAsLong()));
+                : kindOf(failure).flatMap(kind -> bound.item(kind, failure.row().getAsLong()));
     }
 
-    /** Whose rows a failure counts: what a law remembers of each row is a property of its own. */
+    /**
+     * Returns the kind whose rows the failure refers to; the state of a law for each row counts as
+     * a property.
+     */
     private Optional<String> kindOf(PhysicsException failure) {
         return laws.loaded().stream()
                 .filter(law -> law.libraryId() == failure.libraryId())
@@ -228,9 +241,9 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
     }
 
     private void keepWhatLawsMayWrite() {
-        if (keptLayout != lent.lentLayout() || keptLaws != laws.version()) {
-            rollback.keep(lent.columns(writtenProperties()));
-            keptLayout = lent.lentLayout();
+        if (keptLayout != bound.boundLayout() || keptLaws != laws.version()) {
+            rollback.keep(bound.columns(writtenProperties()));
+            keptLayout = bound.boundLayout();
             keptLaws = laws.version();
             advancing =
                     "native code (advance) of the laws "
@@ -240,7 +253,7 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
         }
     }
 
-    /** What laws write, and all accumulators: these the engine itself sets. */
+    /** Returns the properties that laws write, and all accumulators, which the engine sets. */
     private Set<String> writtenProperties() {
         Set<String> written = new HashSet<>(accumulators);
         for (PhysicsLaw law : laws.loaded()) {

@@ -4,11 +4,11 @@ package reve.pe.adapter;
 import java.util.List;
 
 /**
- * Everything that makes a world's physics go on as it would, beside the world's own columns.
+ * The complete physics state of a world besides the world's own columns.
  *
  * @param libraries loaded, in the order of loading
- * @param quarantined what failed and stays out
- * @param engineState as {@link reve.pe.PhysicsEngine#saveState} gives it
+ * @param quarantined libraries that failed and stay unloaded
+ * @param engineState from {@link reve.pe.PhysicsEngine#saveState}
  */
 public record PhysicsImage(
         List<LawLibrary> libraries, List<Quarantined> quarantined, byte[] engineState) {

@@ -19,7 +19,10 @@ import java.util.Optional;
 import java.util.Set;
 import java.util.stream.Stream;
 
-/** What REVE's properties are called in an engine: the same, but for the rows of one table. */
+/**
+ * Translation of REVE's property names to an engine's. They are equal, except for the rows of one
+ * table.
+ */
 public final class PropertyNames {
     private static final List<Translation> TABLE =
             List.of(
@@ -34,11 +37,12 @@ public final class PropertyNames {
     private PropertyNames() {}
 
     /**
-     * The prototype for an engine: what the world's items have, in REVE's types and units, and the
-     * standard fields, for which no item has values.
+     * Returns the prototype for an engine: the properties of the world's items, in REVE's types and
+     * units, and the standard fields, for which items have no values.
      *
-     * @param standard what the engine calls standard; says how far laws may go with a standard
-     *     property. Laws may read and write what designers add, and only read references
+     * @param standard the engine's standard prototype, which limits the access of laws to standard
+     *     properties. Laws may read and write properties that designers add, but only read
+     *     references
      */
     public static Prototype prototype(WorldPrototype world, Prototype standard) {
         List<PropertyDescriptor> properties = new ArrayList<>();
@@ -69,7 +73,7 @@ public final class PropertyNames {
                 standard.name(), scalarType(world.realType()), standard.timeUnit(), properties);
     }
 
-    /** REVE's columns behind an engine's property, side by side. */
+    /** Returns REVE's columns of an engine's property, side by side. */
     static List<String> columns(String kind, String engineName) {
         return TABLE.stream()
                 .filter(row -> row.kind.equals(kind) && row.engineName.equals(engineName))
@@ -78,7 +82,7 @@ public final class PropertyNames {
                 .orElse(List.of(engineName));
     }
 
-    /** All the columns, or none if the world lacks one. */
+    /** Returns all the columns, or none if the world lacks one. */
     private static List<reve.core.world.PropertyDescriptor> find(
             WorldPrototype world, String kind, List<String> columns) {
         List<reve.core.world.PropertyDescriptor> found =
@@ -104,7 +108,7 @@ public final class PropertyNames {
         reve.core.world.PropertyDescriptor first = columns.getFirst();
         int components =
                 columns.stream().mapToInt(reve.core.world.PropertyDescriptor::components).sum();
-        // What laws write is not held to a least value; the world checks what others do.
+        // Properties that laws write have no minimum here; the world checks other writes.
         double minimum =
                 access.equals(Set.of(Access.READ)) ? first.minimum() : Double.NEGATIVE_INFINITY;
         return new PropertyDescriptor(
@@ -131,7 +135,7 @@ public final class PropertyNames {
             case F32 -> ScalarType.F32;
             case F64 -> ScalarType.F64;
             case I32 -> ScalarType.I32;
-            case U32, REF -> ScalarType.U32; // a reference reaches laws as a row
+            case U32, REF -> ScalarType.U32; // laws receive a reference as a row
         };
     }
 

@@ -5,19 +5,19 @@ import java.lang.foreign.Arena;
 import java.lang.foreign.MemorySegment;
 import java.util.List;
 
-/** Columns as they were at the beginning of a frame. World's thread only. */
+/** A copy of columns at the beginning of a frame. World's thread only. */
 final class RollbackCopy implements AutoCloseable {
     private static final long ALIGNMENT_BYTES = 64;
 
     private Arena arena = Arena.ofShared();
     private MemorySegment copy = MemorySegment.NULL;
-    private LentColumn[] columns = {};
+    private BoundColumn[] columns = {};
 
-    /** Says which columns to keep; reserves memory only if there is more to keep than ever. */
-    void keep(List<LentColumn> wanted) {
-        columns = wanted.toArray(LentColumn[]::new);
+    /** Sets the columns to copy; allocates memory only if it needs more than before. */
+    void keep(List<BoundColumn> wanted) {
+        columns = wanted.toArray(BoundColumn[]::new);
         long bytes = 0;
-        for (LentColumn column : columns) {
+        for (BoundColumn column : columns) {
             bytes += aligned(column.bytes());
         }
         if (bytes > copy.byteSize()) {
@@ -29,7 +29,7 @@ final class RollbackCopy implements AutoCloseable {
 
     void save() {
         long at = 0;
-        for (LentColumn column : columns) {
+        for (BoundColumn column : columns) {
             MemorySegment.copy(column.memory(), 0, copy, at, column.bytes());
             at += aligned(column.bytes());
         }
@@ -37,7 +37,7 @@ final class RollbackCopy implements AutoCloseable {
 
     void restore() {
         long at = 0;
-        for (LentColumn column : columns) {
+        for (BoundColumn column : columns) {
             MemorySegment.copy(copy, at, column.memory(), 0, column.bytes());
             at += aligned(column.bytes());
         }
@@ -45,7 +45,7 @@ final class RollbackCopy implements AutoCloseable {
 
     @Override
     public void close() {
-        columns = new LentColumn[0];
+        columns = new BoundColumn[0];
         copy = MemorySegment.NULL;
         if (arena.scope().isAlive()) {
             arena.close();

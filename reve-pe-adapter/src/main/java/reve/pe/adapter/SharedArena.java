@@ -11,8 +11,8 @@ import java.util.HashMap;
 import java.util.Map;
 
 /**
- * Column memory that another process can map: each column lies behind a descriptor of its own. Same
- * thread rule as the world's.
+ * Column memory that another process can map: each column has its own file descriptor. Same thread
+ * rule as the world's.
  */
 public final class SharedArena implements ColumnArena {
     private final Map<Long, SharedMemory> byAddress = new HashMap<>();
@@ -25,9 +25,9 @@ public final class SharedArena implements ColumnArena {
     }
 
     /**
-     * The descriptor behind a column, in this process.
+     * Returns the descriptor of a column, valid in this process.
      *
-     * @param memory what {@link #reserve} gave, or a part of it that begins where it begins
+     * @param memory from {@link #reserve}, or a part of it with the same start
      */
     public int descriptor(MemorySegment memory) {
         return find(memory, byAddress.get(memory.address())).descriptor();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /**
- * The REVE/PE adapter: a frame listener that lends a world's columns to a physics engine. It
- * reaches items as everybody does; the world does not know that it exists.
+ * The REVE/PE adapter: a frame listener that binds a world's columns to a physics engine. It uses
+ * the public API of items; the world does not depend on it.
  */
 @NullMarked
 package reve.pe.adapter;

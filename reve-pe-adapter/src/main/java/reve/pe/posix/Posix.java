@@ -13,7 +13,7 @@ import java.lang.foreign.MemorySegment;
 import java.lang.foreign.StructLayout;
 import java.lang.invoke.MethodHandle;
 
-/** One static method per C function; a failure comes back as -errno. Any thread. */
+/** Bindings of C functions, one static method each; a failure returns -errno. Any thread. */
 @SuppressWarnings("restricted") // the one place where C library functions are looked up
 final class Posix {
     private static final Linker LINKER = Linker.nativeLinker();
@@ -38,7 +38,7 @@ final class Posix {
 
     private Posix() {}
 
-    /** A new descriptor. */
+    /** Returns a new descriptor. */
     static int memfdCreate(String name, int flags) {
         try (Arena call = Arena.ofConfined()) {
             MemorySegment state = call.allocate(CALL_STATE);
@@ -49,7 +49,7 @@ final class Posix {
         }
     }
 
-    /** 0. */
+    /** Returns 0. */
     static int ftruncate(int descriptor, long bytes) {
         try (Arena call = Arena.ofConfined()) {
             MemorySegment state = call.allocate(CALL_STATE);
@@ -59,7 +59,7 @@ final class Posix {
         }
     }
 
-    /** An address; the kernel chooses it. */
+    /** Returns an address that the kernel chooses. */
     static long mmap(long bytes, int protection, int flags, int descriptor, long offset) {
         try (Arena call = Arena.ofConfined()) {
             MemorySegment state = call.allocate(CALL_STATE);
@@ -79,7 +79,7 @@ final class Posix {
         }
     }
 
-    /** 0. */
+    /** Returns 0. */
     static int munmap(MemorySegment mapping) {
         try (Arena call = Arena.ofConfined()) {
             MemorySegment state = call.allocate(CALL_STATE);
@@ -89,7 +89,7 @@ final class Posix {
         }
     }
 
-    /** 0. */
+    /** Returns 0. */
     static int close(int descriptor) {
         try (Arena call = Arena.ofConfined()) {
             MemorySegment state = call.allocate(CALL_STATE);
@@ -99,7 +99,7 @@ final class Posix {
         }
     }
 
-    /** What an errno means, in the system's words. */
+    /** Returns the system's message for an errno. */
     static String words(int errno) {
         try {
             return ((MemorySegment) STRERROR.invokeExact(errno))

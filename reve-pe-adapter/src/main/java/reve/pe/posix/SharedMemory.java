@@ -5,8 +5,8 @@ import java.lang.foreign.Arena;
 import java.lang.foreign.MemorySegment;
 
 /**
- * Zeroed memory behind a descriptor, so that another process can map the same bytes: through {@code
- * /proc/PID/fd/DESCRIPTOR}, or by inheriting the descriptor. Its size never changes. Linux.
+ * Zeroed memory with a file descriptor. Another process can map the same bytes through {@code
+ * /proc/PID/fd/DESCRIPTOR}, or by inheriting the descriptor. Its size never changes. Linux only.
  */
 public final class SharedMemory implements AutoCloseable {
     private static final int MFD_CLOEXEC = 1;
@@ -25,7 +25,7 @@ public final class SharedMemory implements AutoCloseable {
     /**
      * Reserves memory; pages cost nothing until they are written.
      *
-     * @param name shows in /proc, at most 249 bytes
+     * @param name appears in /proc, at most 249 bytes
      * @throws IllegalStateException if the system refuses
      */
     public SharedMemory(String name, long bytes) {
@@ -43,17 +43,17 @@ public final class SharedMemory implements AutoCloseable {
         }
     }
 
-    /** The memory, page-aligned; valid until close. */
+    /** Returns the memory, page-aligned; valid until close. */
     public MemorySegment segment() {
         return segment;
     }
 
-    /** The descriptor in this process. */
+    /** Returns the descriptor in this process. */
     public int descriptor() {
         return descriptor;
     }
 
-    /** Unmaps the memory here; another process keeps what it mapped. May be called twice. */
+    /** Unmaps the memory in this process; mappings of other processes stay valid. Idempotent. */
     @Override
     public void close() {
         if (!closed) {
@@ -63,7 +63,7 @@ public final class SharedMemory implements AutoCloseable {
         }
     }
 
-    @SuppressWarnings("restricted") // the kernel just mapped so many bytes at that address
+    @SuppressWarnings("restricted") // the kernel just mapped this number of bytes at that address
     private MemorySegment map(String name, long bytes) {
         long address = Posix.mmap(bytes, PROT_READ_WRITE, MAP_SHARED, descriptor, 0);
         check(name, "mmap of " + bytes + " bytes", address);
@@ -82,7 +82,7 @@ public final class SharedMemory implements AutoCloseable {
         }
     }
 
-    /** An errno in words, with what can be done about it. */
+    /** Returns an errno as text, with what can be done about it. */
     static String reason(int errno) {
         String advice =
                 switch (errno) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/** The few functions of the C library that Java lacks: memory that processes share. */
+/** Bindings of the C library functions for memory that processes share, which Java lacks. */
 @NullMarked
 package reve.pe.posix;
 

@@ -16,11 +16,11 @@ import java.security.NoSuchAlgorithmException;
 import java.util.HexFormat;
 import java.util.List;
 
-/** A law library on disk: where a name leads to, and what its bytes are. */
+/** A law library on disk: resolution of its name, and the identity of its bytes. */
 final class LibraryFile {
     private LibraryFile() {}
 
-    /** What tells one content of a file from another without reading it. */
+    /** The identity of a file's content, without reading it. */
     record Stamp(@Nullable Object key, long size, FileTime modified) {}
 
     /**
@@ -56,7 +56,7 @@ final class LibraryFile {
         return new Stamp(attributes.fileKey(), attributes.size(), attributes.lastModifiedTime());
     }
 
-    /** 64 lower-case hexadecimal digits. */
+    /** Returns 64 lower-case hexadecimal digits. */
     static String sha256(byte[] bytes) {
         try {
             return HexFormat.of().formatHex(MessageDigest.getInstance("SHA-256").digest(bytes));

@@ -13,7 +13,7 @@ import java.lang.invoke.MethodHandle;
 import java.lang.invoke.MethodHandles;
 import java.lang.invoke.MethodType;
 
-/** The C function pointer through which an engine reaches its {@link VesperLog}. */
+/** The C function pointer through which an engine calls its {@link VesperLog}. */
 final class LogUpcall {
     private static final Level[] LEVELS = {Level.DEBUG, Level.INFO, Level.WARNING, Level.ERROR};
     private static final FunctionDescriptor SIGNATURE =
@@ -26,7 +26,7 @@ final class LogUpcall {
         this.log = log;
     }
 
-    /** A function pointer that lives as long as the arena. */
+    /** Returns a function pointer that lives as long as the arena. */
     @SuppressWarnings("restricted") // an upcall is the only way to receive log lines
     static MemorySegment create(VesperLog log, Arena arena) {
         return Linker.nativeLinker()
@@ -37,7 +37,7 @@ final class LogUpcall {
         try {
             log.log(LEVELS[Math.clamp(level, 1, LEVELS.length) - 1], VesperStrings.read(message));
         } catch (Throwable failure) {
-            // Nothing may cross into C, and a log that fails cannot be told through the log.
+            // No exception may cross into C, and a failing log cannot report its own failure.
             System.err.println("a Vesper log listener failed: " + failure);
         }
     }

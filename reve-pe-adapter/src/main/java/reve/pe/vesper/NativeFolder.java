@@ -9,13 +9,16 @@ import reve.pe.Status;
 import java.nio.file.Files;
 import java.nio.file.Path;
 
-/** Where libvesper lives: the folder that the system property {@code reve.native.path} names. */
+/** The folder of libvesper, which the system property {@code reve.native.path} names. */
 final class NativeFolder {
     private static final String PROPERTY = "reve.native.path";
 
     private NativeFolder() {}
 
-    /** The engine's shared library; checked to be there, so that the message can say what to do. */
+    /**
+     * Returns the engine's shared library. Checks that it exists, so that the message can say what
+     * to do.
+     */
     static Path libvesper() {
         return libvesper(System.getProperty(PROPERTY));
     }
@@ -45,9 +48,10 @@ final class NativeFolder {
     }
 
     /**
-     * Says why a library did not open: looking its symbols up does not, loading it does.
+     * Returns why a library did not open. Symbol lookup does not report the reason; loading the
+     * library does.
      *
-     * @param cause what is said if it can be loaded after all
+     * @param cause reported if the library can be loaded after all
      */
     @SuppressWarnings("restricted")
     static PhysicsException refused(Path library, LinkageError cause) {

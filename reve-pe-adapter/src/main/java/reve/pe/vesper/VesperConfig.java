@@ -5,11 +5,11 @@ import java.nio.file.Path;
 import java.util.List;
 
 /**
- * How a Vesper engine is made.
+ * The configuration of a Vesper engine.
  *
- * @param threads threads that laws may share work among, the caller's included; at least 1. Results
- *     do not depend on it
- * @param validate true: laws run on guarded copies and are held to their declaration (slower)
+ * @param threads maximum number of threads that laws share, including the caller's; at least 1.
+ *     Results do not depend on it
+ * @param validate whether laws run on guarded copies and their accesses are checked (slower)
  * @param lawPath folders searched for bare law names, in this order; no ':' in them
  * @param log receives the log lines of engine and laws
  */
@@ -30,7 +30,7 @@ public record VesperConfig(int threads, boolean validate, List<Path> lawPath, Ve
         }
     }
 
-    /** One thread, no validation, log lines discarded. */
+    /** Returns a configuration with one thread, without validation, and without a log. */
     public static VesperConfig of(List<Path> lawPath) {
         return new VesperConfig(1, false, lawPath, (level, message) -> {});
     }

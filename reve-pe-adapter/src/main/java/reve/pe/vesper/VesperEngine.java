@@ -35,9 +35,9 @@ import java.util.TreeMap;
 import java.util.stream.Collectors;
 
 /**
- * The Vesper engine. It works in place on the arrays that its provider is lent, and {@link
- * #advance} is one native call. Close prepared libraries, and let other threads end their {@code
- * prepare}, before closing the engine.
+ * The Vesper engine. It uses the arrays of its provider in place, and {@link #advance} is one
+ * native call. Before the engine is closed, close prepared libraries, and let {@code prepare} end
+ * on other threads.
  */
 public final class VesperEngine implements PhysicsEngine {
     private final Arena arena = Arena.ofShared();
@@ -53,8 +53,8 @@ public final class VesperEngine implements PhysicsEngine {
     private volatile boolean closed;
 
     /**
-     * Makes an engine for a prototype. The native library is found through the system property
-     * {@code reve.native.path}.
+     * Creates an engine for a prototype. The system property {@code reve.native.path} names the
+     * folder of the native library.
      *
      * @throws IllegalStateException if libvesper is missing or of another release
      * @throws PhysicsException if the engine refuses the prototype
@@ -83,7 +83,7 @@ public final class VesperEngine implements PhysicsEngine {
     }
 
     /**
-     * A prototype that the engine itself defines.
+     * Returns a prototype that the engine defines.
      *
      * @param name "si-f64" or "si-f32"
      * @throws PhysicsException NOT_FOUND for another name
@@ -101,7 +101,9 @@ public final class VesperEngine implements PhysicsEngine {
         }
     }
 
-    /** Compiler, flags and version of the native library, and the version of its contract. */
+    /**
+     * Returns compiler, flags and version of the native library, and the version of its contract.
+     */
     public static String buildInfo() {
         checkLibrary();
         int abi = VesperLibrary.abiVersion();
@@ -304,7 +306,10 @@ public final class VesperEngine implements PhysicsEngine {
         return struct;
     }
 
-    /** The stamps tell whether the bytes that were read are those that C copied. */
+    /**
+     * Prepares a file. Equal stamps before and after show that the bytes read are those that C
+     * copied.
+     */
     private PreparedLibrary prepareUnchanged(Path file) throws IOException {
         LibraryFile.Stamp before = LibraryFile.stamp(file);
         if (Files.size(file) > PreparedLibrary.MAX_BYTES) {
@@ -359,7 +364,10 @@ public final class VesperEngine implements PhysicsEngine {
                 == 0;
     }
 
-    /** In the order of their names, so that a complaint about them is always the same. */
+    /**
+     * Writes the parameters in the order of their names, so that messages about them are
+     * deterministic.
+     */
     private static MemorySegment writeParameters(Arena arena, Map<String, Double> parameters) {
         MemorySegment array = arena.allocate(PARAMETER, Math.max(1, parameters.size()));
         long row = 0;

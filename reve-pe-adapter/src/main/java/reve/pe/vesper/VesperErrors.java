@@ -18,8 +18,8 @@ import java.util.List;
 import java.util.function.IntFunction;
 
 /**
- * The one way from a status to an exception. Holds the error struct that calls fill, reused from
- * call to call; same thread rule as what is called.
+ * The conversion of a status to an exception. Owns the error struct that calls fill, which is
+ * reused. Same thread rule as the called object.
  */
 final class VesperErrors {
     private static final long LIBRARY_ID = offset(ERROR, "library_id");
@@ -33,23 +33,23 @@ final class VesperErrors {
     private final MemorySegment segment;
     private final IntFunction<@Nullable LibraryNames> libraries;
 
-    /** Names of a loaded library and of its laws in the order of its table. */
+    /** The name of a loaded library, and those of its laws in the order of its table. */
     record LibraryNames(String library, List<String> laws) {}
 
     /**
-     * @param libraries names of a loaded library by its id; null if it is not loaded
+     * @param libraries returns the names of a loaded library by its id; null if it is not loaded
      */
     VesperErrors(Arena arena, IntFunction<@Nullable LibraryNames> libraries) {
         this.segment = arena.allocate(ERROR);
         this.libraries = libraries;
     }
 
-    /** What to hand to C as {@code vesper_error*}. */
+    /** Returns the {@code vesper_error*} to pass to C. */
     MemorySegment segment() {
         return segment;
     }
 
-    /** Throws what the error struct says unless the status is OK. */
+    /** Throws the content of the error struct unless the status is OK. */
     void check(int status) {
         if (status != 0) {
             throw exception(status);
@@ -73,7 +73,7 @@ final class VesperErrors {
         return index >= 0 && index < laws.size() ? laws.get(index) : "";
     }
 
-    /** Numbers of {@code types.h}: the order of {@link Status}, beginning at 1. */
+    /** Converts a number of {@code types.h}, which has the order of {@link Status}, from 1. */
     private static Status status(int number) {
         return number >= 1 && number <= Status.INTERNAL.ordinal() + 1
                 ? Status.values()[number - 1]

@@ -180,7 +180,7 @@ final class VesperLayouts {
     /** One row of the library's own layout table; the field is empty for a struct's size. */
     record Row(String struct, String field, long offset, long size) {}
 
-    /** Byte offset of a field. */
+    /** Returns the byte offset of a field. */
     static long offset(StructLayout layout, String field) {
         return layout.byteOffset(PathElement.groupElement(field));
     }
@@ -201,7 +201,11 @@ final class VesperLayouts {
                 .toList();
     }
 
-    /** Throws IllegalStateException unless the library lays out every struct as this class does. */
+    /**
+     * Checks the library's layout of every struct against this class.
+     *
+     * @throws IllegalStateException if one differs
+     */
     static void check(List<Row> library) {
         for (StructLayout layout : ALL) {
             String struct = layout.name().orElseThrow();

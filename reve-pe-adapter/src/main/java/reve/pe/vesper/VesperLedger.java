@@ -15,16 +15,16 @@ import java.lang.foreign.MemorySegment;
 import java.util.ArrayList;
 import java.util.List;
 
-/** Reads the lines of an engine's ledger. */
+/** Reader of an engine's ledger. */
 final class VesperLedger {
-    /** Lines of VESPER_NO_LIBRARY, in the order of their numbers. */
+    /** Names of the lines of VESPER_NO_LIBRARY, in the order of their numbers. */
     private static final List<String> OTHERS = List.of("client", "ground", "unloaded", "total");
 
     private static final int NO_LIBRARY = 0;
 
     private VesperLedger() {}
 
-    /** The laws' lines in their order, then the others. */
+    /** Returns the lines of the laws in order, then the others. */
     static List<LedgerLine> read(MemorySegment engine, List<PhysicsLaw> laws, VesperErrors errors) {
         List<LedgerLine> lines = new ArrayList<>();
         try (Arena call = Arena.ofConfined()) {

@@ -15,8 +15,8 @@ import java.lang.foreign.SymbolLookup;
 import java.lang.invoke.MethodHandle;
 
 /**
- * The C functions of {@code engine.h}, one static method each, same order of arguments. Statuses
- * come back as they are; {@link VesperErrors} turns them into exceptions.
+ * Bindings of the C functions of {@code engine.h}, one static method each, with the same order of
+ * arguments. They return statuses unchanged; {@link VesperErrors} converts them to exceptions.
  */
 @SuppressWarnings("restricted") // the one place where native functions are looked up
 final class VesperLibrary {
@@ -433,7 +433,10 @@ final class VesperLibrary {
                 SYMBOLS.findOrThrow(name), FunctionDescriptor.ofVoid(arguments));
     }
 
-    /** C functions throw nothing; what arrives here is the binding refusing a dead segment. */
+    /**
+     * Rethrows an exception of the binding, for example for a closed segment; C functions throw
+     * none.
+     */
     private static RuntimeException rethrown(Throwable t) {
         if (t instanceof RuntimeException exception) {
             return exception;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.pe.vesper;
 
-/** Receives log lines of the engine and of laws. */
+/** A receiver of log lines of the engine and of laws. */
 @FunctionalInterface
 public interface VesperLog {
     /** Called on the thread that is inside the engine; must be quick and not call the engine. */

@@ -7,7 +7,7 @@ import reve.pe.PreparedLibrary;
 
 import java.lang.foreign.MemorySegment;
 
-/** A {@code vesper_prepared_library} that no engine took yet. */
+/** A {@code vesper_prepared_library} that no engine has taken yet. */
 final class VesperPreparedLibrary implements PreparedLibrary {
     private final String name;
     private final String sha256;
@@ -36,7 +36,7 @@ final class VesperPreparedLibrary implements PreparedLibrary {
         return bytes;
     }
 
-    /** What to hand to C; throws once it was taken or closed. */
+    /** Returns the handle for C; throws after it was taken or closed. */
     synchronized MemorySegment handle() {
         if (prepared == null) {
             throw new IllegalStateException(
@@ -47,7 +47,7 @@ final class VesperPreparedLibrary implements PreparedLibrary {
         return prepared;
     }
 
-    /** An engine owns it now. */
+    /** Marks the handle as owned by an engine. */
     synchronized void taken() {
         prepared = null;
     }

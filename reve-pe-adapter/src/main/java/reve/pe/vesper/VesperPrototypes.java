@@ -35,13 +35,16 @@ import java.util.EnumSet;
 import java.util.List;
 import java.util.Set;
 
-/** Prototypes and laws, between the structs of C and the records of {@code reve.pe}. */
+/** Conversion of prototypes and laws between C structs and records of {@code reve.pe}. */
 final class VesperPrototypes {
     private static final int USE_OPTIONAL = 1;
 
     private VesperPrototypes() {}
 
-    /** The prototype as {@code vesper_prototype}, with everything it points to in the arena. */
+    /**
+     * Writes the prototype as {@code vesper_prototype}, with all data that it points to, into the
+     * arena.
+     */
     static MemorySegment write(Arena arena, Prototype prototype) {
         List<PropertyDescriptor> properties = prototype.properties();
         MemorySegment rows = arena.allocate(PROPERTY_DESCRIPTOR, properties.size());
@@ -122,7 +125,7 @@ final class VesperPrototypes {
         return set;
     }
 
-    /** VESPER_READ = 1, VESPER_WRITE = 2, VESPER_ACCUMULATE = 4, VESPER_SCRATCH = 8. */
+    /** Returns VESPER_READ = 1, VESPER_WRITE = 2, VESPER_ACCUMULATE = 4, VESPER_SCRATCH = 8. */
     private static int bit(Access access) {
         return 1 << access.ordinal();
     }
@@ -212,7 +215,9 @@ final class VesperPrototypes {
                         struct, offset(UNIT, "symbol"), UNIT.byteSize() - offset(UNIT, "symbol")));
     }
 
-    /** The elements of a C array of structs: its stride is the first element's struct_size. */
+    /**
+     * Returns the elements of a C array of structs; the stride is the first element's struct_size.
+     */
     private static List<MemorySegment> array(MemorySegment first, StructLayout layout, int count) {
         List<MemorySegment> elements = new ArrayList<>(count);
         if (count > 0) {
@@ -228,7 +233,7 @@ final class VesperPrototypes {
         return array.asSlice(index * layout.byteSize(), layout);
     }
 
-    @SuppressWarnings("restricted") // C says that a struct of this layout is there
+    @SuppressWarnings("restricted") // C guarantees a struct of this layout at the address
     private static MemorySegment struct(MemorySegment address, StructLayout layout) {
         return address.reinterpret(layout.byteSize());
     }

@@ -35,12 +35,14 @@ final class VesperProvider implements PhysicalPropertyProvider {
     private final MemorySegment oneName;
     private final MemorySegment found;
 
-    /** Lifetimes of the lent arrays, each once; checked before C may touch the arrays. */
+    /**
+     * Lifetimes of the bound arrays, without duplicates; checked before C may access the arrays.
+     */
     private MemorySegment.Scope[] lifetimes = {};
 
     private boolean lifetimesKnown = true;
 
-    /** A property of the prototype: its name for C, and the arrays lent for it. */
+    /** A property of the prototype: its name for C, and the bound arrays. */
     private static final class Slot {
         final PropertyDescriptor descriptor;
         final MemorySegment name;
@@ -150,7 +152,7 @@ final class VesperProvider implements PhysicalPropertyProvider {
         errors.check(VesperLibrary.providerTouch(provider, oneName, 1, errors.segment()));
     }
 
-    /** Throws if the client closed memory that the engine still borrows. */
+    /** Throws if the client closed memory that the engine still uses. */
     void checkArraysAlive() {
         if (!lifetimesKnown) {
             collectLifetimes();
@@ -180,7 +182,7 @@ final class VesperProvider implements PhysicalPropertyProvider {
         return slot;
     }
 
-    /** C sees addresses only, so the bounds are checked here. */
+    /** Checks the bounds of arrays, because C receives only addresses. */
     private static void checkArrays(
             Slot slot,
             MemorySegment data,
@@ -189,7 +191,7 @@ final class VesperProvider implements PhysicalPropertyProvider {
             long objectCount) {
         PropertyDescriptor property = slot.descriptor;
         if (property.type() == ScalarType.FIELD) {
-            return; // has no arrays to check: C refuses it
+            return; // no arrays to check: C refuses the call
         }
         checkArray(
                 property.name(),

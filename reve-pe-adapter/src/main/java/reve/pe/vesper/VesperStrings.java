@@ -8,12 +8,12 @@ import java.lang.foreign.MemorySegment;
 import java.lang.foreign.ValueLayout;
 import java.nio.charset.StandardCharsets;
 
-/** Strings across the boundary: UTF-8, NUL-terminated. */
+/** Conversion of strings for C: UTF-8, NUL-terminated. */
 final class VesperStrings {
     private VesperStrings() {}
 
     /** Copies a string that C returned by address; empty for null. */
-    @SuppressWarnings("restricted") // C promises a terminated string, not its length
+    @SuppressWarnings("restricted") // C guarantees a terminated string but does not pass its length
     static String read(MemorySegment address) {
         return address.address() == 0
                 ? ""
@@ -35,17 +35,20 @@ final class VesperStrings {
         return new String(bytes, 0, length, StandardCharsets.UTF_8);
     }
 
-    /** The string in native memory, or a null pointer. */
+    /** Returns the string in native memory, or a null pointer. */
     static MemorySegment write(Arena arena, @Nullable String text) {
         return text == null ? MemorySegment.NULL : arena.allocateFrom(text, StandardCharsets.UTF_8);
     }
 
-    /** Writes as much as fits into a fixed array inside a struct, always terminated. */
+    /**
+     * Writes a string into a fixed array inside a struct, truncated if necessary, always
+     * terminated.
+     */
     static void writeInline(MemorySegment struct, long offset, long size, String text) {
         byte[] bytes = text.getBytes(StandardCharsets.UTF_8);
         int length = (int) Math.min(bytes.length, size - 1);
         while (length > 0 && length < bytes.length && (bytes[length] & 0xC0) == 0x80) {
-            length--; // never cut inside a character
+            length--; // never truncates inside a character
         }
         MemorySegment.copy(bytes, 0, struct, ValueLayout.JAVA_BYTE, offset, length);
         struct.set(ValueLayout.JAVA_BYTE, offset + length, (byte) 0);

@@ -6,12 +6,12 @@ import picocli.CommandLine.Option;
 import picocli.CommandLine.ParameterException;
 import picocli.CommandLine.Spec;
 
-import reve.core.agent.AuditPlan;
+import reve.core.agent.audit.AuditPlan;
 
 import java.nio.file.Path;
 import java.util.Optional;
 
-/** Whether and how a server records what it sends to clients. */
+/** The options that control the audit record of messages to clients. */
 final class AuditOptions {
     private static final long MEBIBYTE = 1L << 20;
 
@@ -22,7 +22,7 @@ final class AuditOptions {
             names = "--audit",
             paramLabel = "FILE",
             description =
-                    "Append what each client is told, and when, as one JSON object per "
+                    "Append each message to a client, with its time, as one JSON object per "
                             + "message.")
     private Optional<Path> file = Optional.empty();
 
@@ -30,7 +30,7 @@ final class AuditOptions {
             names = "--audit-size",
             paramLabel = "MIB",
             description =
-                    "Size at which the audit file becomes FILE.1 and a new one begins [MiB] "
+                    "Size at which the audit file is renamed to FILE.1 and a new one begins [MiB] "
                             + "(default: "
                             + AuditPlan.DEFAULT_BYTES / MEBIBYTE
                             + ").")
@@ -40,7 +40,7 @@ final class AuditOptions {
             names = "--audit-keep",
             paramLabel = "N",
             description =
-                    "Older audit files that are kept, FILE.1 to FILE.N "
+                    "Number of older audit files that are kept, FILE.1 to FILE.N "
                             + "(default: "
                             + AuditPlan.DEFAULT_KEEP
                             + ").")
@@ -49,7 +49,7 @@ final class AuditOptions {
     @Option(
             names = "--audit-required",
             description =
-                    "Disconnect clients while the audit file cannot be written, instead of "
+                    "Disconnect clients if the audit file cannot be written, instead of "
                             + "serving them without a record.")
     private boolean required;
 
@@ -58,7 +58,9 @@ final class AuditOptions {
     }
 
     /**
-     * @throws ParameterException if the options do not fit together
+     * Returns the audit plan, or empty if no audit was requested.
+     *
+     * @throws ParameterException if the options contradict each other
      */
     Optional<AuditPlan> plan() {
         PartnerOption.requireCount(spec, "--audit-size", size, "--audit FILE", file);

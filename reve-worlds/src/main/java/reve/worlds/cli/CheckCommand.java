@@ -23,10 +23,13 @@ import java.util.List;
 import java.util.Map;
 import java.util.concurrent.Callable;
 
-/** Reads a world file, builds the world, loads its laws, and runs nothing. */
+/**
+ * The command {@code check}: reads a world file, builds the world, loads its laws, and runs no
+ * frame.
+ */
 @Command(
         name = "check",
-        description = "Checks a world file, and that its laws load and fit; runs nothing.")
+        description = "Checks a world file and loads its laws, without running the world.")
 public final class CheckCommand implements Callable<Integer> {
     @Spec private CommandSpec spec = CommandSpec.create();
 

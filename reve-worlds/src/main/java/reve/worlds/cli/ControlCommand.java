@@ -28,11 +28,11 @@ import java.util.TreeMap;
 import java.util.TreeSet;
 import java.util.concurrent.Callable;
 
-/** Says one command of the role control to a running server. */
+/** The command {@code control}: sends one request of the role control to a running server. */
 @Command(
         name = "control",
         description =
-                "Says a command to a running world: pause, step, run, snapshot, rewind, "
+                "Sends a command to a running world: pause, step, run, snapshot, rewind, "
                         + "save, edit, load-law, unload-law, picture, shut-down. For example: "
                         + "control rewind image=calm, "
                         + "control edit item=blue property=physics.velocity value=0,3,0.")
@@ -40,7 +40,10 @@ public final class ControlCommand implements Callable<Integer> {
     private static final String TOKEN = "REVE_TOKEN";
     private static final int MAX_PORT = 65_535;
 
-    /** The fields of each command that can be written as FIELD=VALUE and has a result. */
+    /**
+     * Fields of each command that can be written as FIELD=VALUE. Only commands with a result are
+     * listed.
+     */
     private static final Map<String, Set<String>> COMMANDS =
             new TreeMap<>(
                     Map.ofEntries(
@@ -61,33 +64,35 @@ public final class ControlCommand implements Callable<Integer> {
     @Parameters(
             index = "0",
             paramLabel = "COMMAND",
-            description = "As in agents/protocol/PROTOCOL.md.")
+            description = "Name of the command, see agents/protocol/PROTOCOL.md.")
     private String command = "";
 
     @Parameters(
             index = "1..*",
             paramLabel = "FIELD=VALUE",
-            description = "Its fields: numbers, numbers with commas between, true, false, or text.")
+            description =
+                    "Fields of the command: a number, numbers separated by commas, "
+                            + "true, false or text.")
     private List<String> given = new ArrayList<>();
 
     @Option(
             names = "--host",
             paramLabel = "ADDRESS",
             defaultValue = "127.0.0.1",
-            description = "Where the server is (default: ${DEFAULT-VALUE}).")
+            description = "Host of the server (default: ${DEFAULT-VALUE}).")
     private String host = "";
 
     @Option(
             names = "--port",
             paramLabel = "N",
             defaultValue = ListenOptions.DEFAULT_PORT,
-            description = "Its port for agents (default: ${DEFAULT-VALUE}).")
+            description = "Agent port of the server (default: ${DEFAULT-VALUE}).")
     private int port;
 
     @Option(
             names = "--world",
             paramLabel = "NAME",
-            description = "Which world, if the server has several.")
+            description = "Name of the world, if the server has several.")
     private Optional<String> world = Optional.empty();
 
     @Option(
@@ -95,7 +100,7 @@ public final class ControlCommand implements Callable<Integer> {
             paramLabel = "NAME",
             defaultValue = "control",
             description =
-                    "Who says it (default: ${DEFAULT-VALUE}). "
+                    "Client name of the sender (default: ${DEFAULT-VALUE}). "
                             + "A token is taken from "
                             + TOKEN
                             + ".")
@@ -105,8 +110,7 @@ public final class ControlCommand implements Callable<Integer> {
             names = "--tls-trust",
             paramLabel = "FILE",
             description =
-                    "Speak TLS, with a server that a certificate in this file (PEM) "
-                            + "vouches for.")
+                    "Use TLS, and verify the server with the certificates in this file (PEM).")
     private Optional<Path> trust = Optional.empty();
 
     @Option(names = "--json", description = "Print the result as one JSON document.")

@@ -13,12 +13,15 @@ import java.io.PrintWriter;
 import java.nio.file.Path;
 import java.util.concurrent.Callable;
 
-/** Shows the main job: server, agents, a law dropped into the running world, pictures. */
+/**
+ * The command {@code demo}: runs a server and agents, drops a law into the running world, and takes
+ * pictures.
+ */
 @Command(
         name = "demo",
         description =
-                "Shows the main job: a server, two agents, a law dropped into the running "
-                        + "world, pictures.")
+                "Demonstrates a server with two agents and a law dropped into the running "
+                        + "world, and takes pictures.")
 public final class DemoCommand implements Callable<Integer> {
     @Spec private CommandSpec spec = CommandSpec.create();
 

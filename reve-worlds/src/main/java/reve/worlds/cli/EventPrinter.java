@@ -16,10 +16,10 @@ import java.util.concurrent.locks.LockSupport;
 import java.util.stream.Collectors;
 
 /**
- * Writes what happens in a server to standard output on a thread of its own, so that a reader who
- * does not read never holds a frame up: past 10,000 waiting lines, lines are dropped and counted,
- * as are lines that a full or closed output does not take. Nobody wakes that thread: it looks for
- * lines every few milliseconds.
+ * Printer of server events to standard output. It has its own thread, so a slow reader never delays
+ * a frame. When 10,000 lines wait, it drops and counts further lines. It also counts lines that a
+ * full or closed output does not accept. The thread polls the queue every few milliseconds, so
+ * producers never have to wake it.
  */
 final class EventPrinter implements ServerEvents, AutoCloseable {
     private static final int CAPACITY = 10_000;
@@ -34,7 +34,7 @@ final class EventPrinter implements ServerEvents, AutoCloseable {
     private final AtomicInteger waiting = new AtomicInteger();
     private final AtomicLong dropped = new AtomicLong();
 
-    /** The last event could not be written. The printer's own. */
+    /** Whether the last event could not be written. Used by the printer's thread only. */
     private boolean failing;
 
     private final Thread printer = new Thread(this::print, "event printer");
@@ -42,7 +42,7 @@ final class EventPrinter implements ServerEvents, AutoCloseable {
     private record Event(String name, Map<String, Object> fields) {}
 
     /**
-     * @param err where it reports that events are lost, because they cannot be written
+     * @param err receives a report when events are lost because they cannot be written
      */
     EventPrinter(LinePrinter out, PrintWriter err, boolean json, Printed printed) {
         this.out = out;
@@ -71,7 +71,7 @@ final class EventPrinter implements ServerEvents, AutoCloseable {
         }
     }
 
-    /** The last event: how the run ended. Waits until everything is written. */
+    /** Prints the final report, and waits until everything is written. */
     void end(ServerReport report) {
         Map<String, Object> fields = report.fields();
         if (dropped.get() > 0) {
@@ -87,13 +87,13 @@ final class EventPrinter implements ServerEvents, AutoCloseable {
         out.flush();
     }
 
-    /** Writes what waits, then ends. May be called twice. */
+    /** Writes the waiting lines, then ends the thread. Idempotent. */
     @Override
     public void close() {
         close(Duration.ofMillis(Long.MAX_VALUE));
     }
 
-    /** The same, within that time or not at all. */
+    /** Closes the printer, and stops waiting after {@code limit}. */
     void close(Duration limit) {
         events.add(LAST);
         LockSupport.unpark(printer);
@@ -122,7 +122,9 @@ final class EventPrinter implements ServerEvents, AutoCloseable {
         }
     }
 
-    /** A full or closed output costs events; the worlds go on. */
+    /**
+     * Prints one event. If the output is full or closed, the event is lost and the worlds continue.
+     */
     private void print(Event event) {
         long failures = out.watched().failures();
         out.println(json ? jsonLine(event) : textLine(event));

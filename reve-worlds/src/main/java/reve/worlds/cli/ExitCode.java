@@ -8,20 +8,33 @@ import java.net.BindException;
 
 /** Exit codes of every command; printed in the help text. */
 public final class ExitCode {
+    /** The command succeeded. */
     public static final int OK = 0;
+
+    /** The command failed. */
     public static final int FAILURE = 1;
+
+    /** The command line is wrong. */
     public static final int USAGE = 2;
+
+    /** The world file contains errors. */
     public static final int INVALID_WORLD = 3;
+
+    /** A law or the engine could not be loaded. */
     public static final int PHYSICS = 4;
+
+    /** The port is in use, or the address requires tokens and TLS. */
     public static final int CANNOT_BIND = 5;
+
+    /** A world made no frame within the watchdog's time. */
     public static final int STALLED = 6;
 
-    /** What shells report of a program that the signal SIGPIPE has ended. */
+    /** Exit code that shells report for a program that SIGPIPE ended. */
     public static final int CLOSED_PIPE = 128 + 13;
 
     private ExitCode() {}
 
-    /** The code that a command ending with this failure exits with. */
+    /** Returns the exit code of a command that ends with this failure. */
     public static int of(Throwable failure) {
         return switch (failure) {
             case WorldFileException invalid -> INVALID_WORLD;

@@ -8,12 +8,13 @@ import reve.core.frame.Timing;
 
 import java.util.Optional;
 
-/** World time given on the command line, as a number of frames. */
+/** Conversion of a world time on the command line to a number of frames. */
 final class Frames {
     private Frames() {}
 
     /**
-     * The frame nearest to a time [s]; refuses what is negative, not finite, or beyond 2^53 frames.
+     * Returns the frame nearest to a time [s]. Refuses negative and non-finite times, and times
+     * beyond 2^53 frames.
      */
     static long of(CommandSpec spec, String option, double seconds, Timing timing) {
         double frames = seconds * timing.framesPerSecond();
@@ -30,7 +31,7 @@ final class Frames {
         return Math.round(frames);
     }
 
-    /** As above; without a time there is no end. */
+    /** Returns the frame nearest to a time [s], or {@code Long.MAX_VALUE} if there is no time. */
     static long of(CommandSpec spec, String option, Optional<Double> seconds, Timing timing) {
         return seconds.isPresent() ? of(spec, option, seconds.get(), timing) : Long.MAX_VALUE;
     }

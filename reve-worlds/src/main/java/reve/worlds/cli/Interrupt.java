@@ -9,10 +9,10 @@ import java.util.concurrent.CountDownLatch;
 import java.util.concurrent.TimeUnit;
 
 /**
- * What Ctrl-C and SIGTERM do to a command that runs for long: it is asked to stop, reports as
- * usual, and the process exits with the code of its report. While it still starts, the process
- * exits at once. Open around the command; close is called by the command's own thread when the
- * report is out.
+ * Handling of Ctrl-C and SIGTERM for a long command. The command is asked to stop, reports as
+ * usual, and the process exits with its exit code. A command that is still starting exits at once.
+ * The command's own thread opens this object before the command runs, and closes it after the
+ * report is printed.
  */
 final class Interrupt implements AutoCloseable {
     private static final long PATIENCE_SECONDS = 10;
@@ -30,13 +30,15 @@ final class Interrupt implements AutoCloseable {
     }
 
     /**
-     * @param asks the command to end soon, from now on; called on another thread
+     * Registers the action that asks the command to stop.
+     *
+     * @param asks called on another thread
      */
     void stopWith(Runnable asks) {
         stop = asks;
     }
 
-    /** Returns the exit code of the command, which holds for an interrupted one, too. */
+    /** Returns the exit code of the command; an interrupted command has the same exit codes. */
     int endsWith(boolean failed) {
         code =
                 ((LinePrinter) spec.commandLine().getOut())
@@ -49,7 +51,7 @@ final class Interrupt implements AutoCloseable {
     private void end() {
         Runnable asks = stop;
         if (asks == null) {
-            Runtime.getRuntime().halt(ExitCode.OK); // no frame has been made
+            Runtime.getRuntime().halt(ExitCode.OK); // no frame was made
             return;
         }
         asks.run();
@@ -65,7 +67,8 @@ final class Interrupt implements AutoCloseable {
         } catch (InterruptedException impatient) {
             Thread.currentThread().interrupt();
         }
-        // Not with 128 + signal: the command did all that it was asked to do.
+        // Exits with the command's code, not with 128 + signal, because the command completed as
+        // requested.
         Runtime.getRuntime().halt(code);
     }
 
@@ -76,7 +79,7 @@ final class Interrupt implements AutoCloseable {
         try {
             Runtime.getRuntime().removeShutdownHook(hook);
         } catch (IllegalStateException ending) {
-            // The process is ending and the hook will see to it.
+            // The process is already ending; the shutdown hook sets the exit code.
         }
     }
 }

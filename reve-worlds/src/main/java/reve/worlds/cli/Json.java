@@ -10,18 +10,18 @@ import tools.jackson.databind.json.JsonMapper;
 import java.io.PrintWriter;
 import java.util.Map;
 
-/** Results as JSON on standard output, for programs. */
+/** Writer of results as JSON on standard output. */
 public final class Json {
     private static final JsonMapper MAPPER = new JsonMapper();
 
     private Json() {}
 
-    /** One line, without its end. */
+    /** Returns the fields as one line of JSON, without a line end. */
     public static String line(Map<String, ?> fields) {
         return Visible.json(MAPPER.writeValueAsString(fields));
     }
 
-    /** One document on the command's standard output. */
+    /** Prints one document to the command's standard output. */
     static void print(CommandSpec spec, Map<String, ?> fields) {
         PrintWriter out = spec.commandLine().getOut();
         out.print(

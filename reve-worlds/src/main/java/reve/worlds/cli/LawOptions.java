@@ -12,33 +12,32 @@ import reve.worlds.server.LawPath;
 import java.nio.file.Path;
 import java.util.Optional;
 
-/** Where a command finds laws, and which native code it may open. */
+/** The options that name the folder of laws and permit native code. */
 final class LawOptions {
     @Option(
             names = "--laws",
             paramLabel = "DIR",
             description =
-                    "Folder of law libraries: the laws that a world names are looked for here, too."
-                            + " serve watches it: libraries dropped here act, removed ones stop.")
+                    "Folder to search for the laws that a world names, besides the shipped ones."
+                            + " serve watches it: it loads new libraries and unloads removed ones.")
     private Optional<Path> folder = Optional.empty();
 
     @Option(
             names = "--trust",
             description =
                     "Open native code that comes with the world, the store or the "
-                            + "recording. It runs with all of your rights.")
+                            + "recording. The code runs with all of your rights.")
     private boolean trust;
 
-    /** The operator's folder. */
+    /** Returns the operator's folder of laws. */
     Optional<Path> folder() {
         return folder;
     }
 
     /**
-     * The rule for all commands, without the laws of a world's own.
+     * Returns the law path for a command, without the laws that come with a world.
      *
-     * @throws ParameterException if {@code --laws} names no folder, or one that everybody may write
-     *     to
+     * @throws ParameterException if {@code --laws} names no folder, or a world-writable one
      */
     LawPath path(CommandSpec spec) {
         try {

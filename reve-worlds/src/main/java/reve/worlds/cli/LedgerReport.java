@@ -15,11 +15,11 @@ import java.util.Map;
 import java.util.function.Function;
 import java.util.function.ToDoubleFunction;
 
-/**
- * The ledger of a run as a table for people, and as JSON: what {@code vesper run --ledger} prints.
- */
+/** The ledger of a run, as the table of {@code vesper run --ledger} and as JSON. */
 final class LedgerReport {
-    /** Parts of the largest number of a column that are rounding of the sums. */
+    /**
+     * Fraction of a column's largest number below which a number is a rounding error of the sums.
+     */
     private static final double ROUNDING = 1e-12;
 
     private static final MathContext DIGITS = new MathContext(4, RoundingMode.HALF_EVEN);
@@ -27,7 +27,7 @@ final class LedgerReport {
     private final List<LedgerLine> lines;
     private final double mostEnergy;
 
-    /** Leaves out what is no law's, and holds nothing; but not the total, the last line. */
+    /** Drops lines that belong to no law and are all zero, except the last line, the total. */
     LedgerReport(List<LedgerLine> ledger) {
         lines =
                 ledger.stream()
@@ -41,7 +41,10 @@ final class LedgerReport {
                                         Math.abs(line.energy()), Math.abs(line.potentialChange())));
     }
 
-    /** Marks the law with the largest momentum, angular momentum and balance of energy. */
+    /**
+     * Prints the table. A star marks the law with the largest momentum, angular momentum and energy
+     * balance.
+     */
     void print(PrintWriter out) {
         List<List<String>> columns =
                 List.of(
@@ -73,7 +76,7 @@ final class LedgerReport {
         }
     }
 
-    /** With all digits, for JSON. */
+    /** Returns the lines for JSON, with all digits. */
     List<Map<String, Object>> fields() {
         return lines.stream().map(LedgerReport::lineFields).toList();
     }
@@ -110,7 +113,10 @@ final class LedgerReport {
                 });
     }
 
-    /** Cells behind a star where a law's size is the largest of all laws, and no rounding. */
+    /**
+     * Returns the cells of one line. A star marks a value that is the largest of all laws and above
+     * rounding errors.
+     */
     private List<String> marked(
             String head, ToDoubleFunction<LedgerLine> size, Function<LedgerLine, String> cell) {
         double largest = largest(lines, size);
@@ -149,7 +155,7 @@ final class LedgerReport {
         return Math.hypot(Math.hypot(v.get(0), v.get(1)), v.get(2));
     }
 
-    /** Four digits, without zeros at the end, as C's {@code %.4g} writes them. */
+    /** Formats a number with four digits and without trailing zeros, as C's {@code %.4g}. */
     static String number(double value, double largest) {
         if (Math.abs(value) <= ROUNDING * largest) {
             return "0";

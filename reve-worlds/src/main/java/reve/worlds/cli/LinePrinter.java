@@ -12,16 +12,16 @@ import java.util.Arrays;
 import java.util.Locale;
 
 /**
- * Prints for people. A {@code println} is one line whatever text is in it, and so is each argument
- * of a {@code printf}: their control characters are escaped. {@code print} passes text unchanged,
- * for layouts of our own such as help and JSON documents.
+ * A printer for human readers. {@code println} prints exactly one line, and each argument of {@code
+ * printf} stays on its line: control characters are escaped. {@code print} writes text unchanged,
+ * for layouts such as help and JSON documents.
  */
 public final class LinePrinter extends PrintWriter {
 
     private final WatchedOutput watched;
     private boolean lossTold;
 
-    /** Prints UTF-8, and flushes after each line. */
+    /** Creates a printer that writes UTF-8 and flushes after each line. */
     public LinePrinter(OutputStream stream) {
         this(new WatchedOutput(stream));
     }
@@ -36,16 +36,16 @@ public final class LinePrinter extends PrintWriter {
         watched = new WatchedOutput(OutputStream.nullOutputStream());
     }
 
-    /** Where it prints, unless it prints to a writer. */
+    /** Returns the output that it prints to; there is none if it prints to a writer. */
     WatchedOutput watched() {
         return watched;
     }
 
     /**
-     * The exit code of a command that has printed its results. A full standard output is reported
-     * once; a closed pipe is not, because whoever reads wants no more.
+     * Returns the exit code of a command that has printed its results. Reports a full standard
+     * output once. Does not report a closed pipe, because its reader has ended on purpose.
      *
-     * @param code of the command apart from that
+     * @param code exit code of the command if the output is whole
      */
     public synchronized int codeAfter(int code, PrintWriter err) {
         flush();
@@ -67,8 +67,8 @@ public final class LinePrinter extends PrintWriter {
     }
 
     /**
-     * Prints a message that may have several lines. All but the first are indented, so that none of
-     * them can pass for an event or a log line.
+     * Prints a message of one or more lines. Indents all lines but the first, so that they cannot
+     * imitate an event or a log line.
      */
     public static void message(PrintWriter out, String message) {
         String indent = "";

@@ -6,10 +6,10 @@ import picocli.CommandLine.Option;
 import picocli.CommandLine.ParameterException;
 import picocli.CommandLine.Spec;
 
-import reve.core.agent.AgentSecurity;
 import reve.core.agent.AgentServerConfig;
-import reve.core.agent.ServerTls;
-import reve.core.agent.TokenFile;
+import reve.core.agent.auth.AgentSecurity;
+import reve.core.agent.auth.ServerTls;
+import reve.core.agent.auth.TokenFile;
 import reve.worlds.Product;
 
 import java.io.IOException;
@@ -19,9 +19,9 @@ import java.nio.file.Path;
 import java.util.Map;
 import java.util.Optional;
 
-/** Where agents find a server, and how they and it know each other. */
+/** The options for the server's address, authentication and encryption. */
 final class ListenOptions {
-    /** The port of the protocol, see agents/protocol/PROTOCOL.md. */
+    /** Default TCP port of the protocol, see agents/protocol/PROTOCOL.md. */
     static final String DEFAULT_PORT = "7777";
 
     private static final int MAX_PORT = 65_535;
@@ -33,7 +33,7 @@ final class ListenOptions {
             names = "--port",
             paramLabel = "N",
             defaultValue = DEFAULT_PORT,
-            description = "Port for agents, 0 for any free one (default: ${DEFAULT-VALUE}).")
+            description = "Port for agents; 0 selects a free one (default: ${DEFAULT-VALUE}).")
     private int port;
 
     @Option(
@@ -42,38 +42,40 @@ final class ListenOptions {
             defaultValue = "127.0.0.1",
             description =
                     "Address for agents (default: ${DEFAULT-VALUE}). "
-                            + "Any but loopback takes tokens and TLS.")
+                            + "An address other than loopback requires tokens and TLS.")
     private String address = "";
 
     @Option(
             names = "--tokens",
             paramLabel = "FILE",
-            description = "Let nobody in without a token of this file, see `token --help`.")
+            description = "Require a token of this file from each client, see `token --help`.")
     private Optional<Path> tokens = Optional.empty();
 
     @Option(
             names = "--tls-certificate",
             paramLabel = "FILE",
-            description = "Speak TLS, with this certificate (PEM, with those that vouch for it).")
+            description =
+                    "Use TLS with this certificate (PEM, with its intermediate certificates).")
     private Optional<Path> certificate = Optional.empty();
 
     @Option(
             names = "--tls-key",
             paramLabel = "FILE",
-            description = "The certificate's private key (PEM).")
+            description = "Private key of the certificate (PEM).")
     private Optional<Path> key = Optional.empty();
 
-    /** The files that are read, each with its option. */
+    /** Returns the files that these options read, by option. */
     Map<String, Optional<Path>> files() {
         return Map.of("--tokens", tokens, "--tls-certificate", certificate, "--tls-key", key);
     }
 
     /**
-     * The protocol's limits where the options say.
+     * Returns the server's configuration, with the protocol's limits changed as the options
+     * require.
      *
-     * @throws ParameterException if they do not fit together
-     * @throws BindException if other machines reach the address, and there are no tokens or no TLS
-     * @throws IOException if a file cannot be used; the message says why
+     * @throws ParameterException if the options contradict each other
+     * @throws BindException if other machines can reach the address without tokens or without TLS
+     * @throws IOException if a file cannot be used; the message gives the reason
      */
     AgentServerConfig config() throws IOException {
         if (port < 0 || port > MAX_PORT) {

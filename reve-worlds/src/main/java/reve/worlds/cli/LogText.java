@@ -9,8 +9,8 @@ import ch.qos.logback.classic.spi.StackTraceElementProxy;
 import reve.core.text.Visible;
 
 /**
- * The {@code %text} of a log line: the message, then each exception with the place that threw it.
- * It is one line whatever text is in it.
+ * Converter of {@code %text} in a log pattern: the message, then each exception with the location
+ * that threw it. The result is always one line.
  */
 public final class LogText extends ThrowableHandlingConverter {
     private static final int CAUSES_SHOWN = 8;

@@ -15,9 +15,10 @@ final class OptionFolder {
     private OptionFolder() {}
 
     /**
-     * Makes the folder if it is missing, but none that it would be in: those are rather mistyped.
+     * Creates the folder if it is missing. Does not create its parent, because a missing parent is
+     * probably a typing error.
      *
-     * @throws ParameterException if it is something else, or would be in no folder
+     * @throws ParameterException if the path is not a folder, or its parent does not exist
      */
     static void make(CommandSpec spec, String option, Path given) {
         Path folder = given.toAbsolutePath().normalize();

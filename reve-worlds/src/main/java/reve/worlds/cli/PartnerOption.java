@@ -6,14 +6,14 @@ import picocli.CommandLine.ParameterException;
 
 import java.util.Optional;
 
-/** An option that says how to do what another option asks for. */
+/** A check of options that depend on another option. */
 final class PartnerOption {
     private PartnerOption() {}
 
     /**
-     * Refuses the option where the other one is missing.
+     * Refuses an option if the option that it belongs to is missing.
      *
-     * @param other name and parameter of the option that this one belongs to
+     * @param other name and parameter of the option that it belongs to
      */
     static void require(
             CommandSpec spec, String option, boolean given, String other, Optional<?> otherValue) {
@@ -23,7 +23,7 @@ final class PartnerOption {
         }
     }
 
-    /** The same of a number, which must be 1 or more. */
+    /** Refuses a number below 1, and a number whose other option is missing. */
     static void requireCount(
             CommandSpec spec,
             String option,

@@ -5,8 +5,8 @@ import java.io.PrintStream;
 import java.time.Duration;
 
 /**
- * Says on standard error what is going on, if that takes longer than two seconds and has no
- * progress to show. Open around the work; used by one thread.
+ * A notice on standard error about work that takes longer than two seconds and reports no progress.
+ * Opened before the work and closed after it, by one thread.
  */
 final class Patience implements AutoCloseable {
     private static final Duration UNTIL_TOLD = Duration.ofSeconds(2);
@@ -22,7 +22,7 @@ final class Patience implements AutoCloseable {
                                         Thread.sleep(UNTIL_TOLD);
                                         out.println(what + " ...");
                                     } catch (InterruptedException done) {
-                                        // It did not take that long.
+                                        // The work ended before the notice was due.
                                     }
                                 });
     }

@@ -3,23 +3,23 @@ package reve.worlds.cli;
 
 import java.util.Set;
 
-/** Which events of a server are printed. */
+/** The selection of server events that are printed. */
 enum Printed {
-    /** That the worlds are ready, what went wrong, and the end. */
+    /** Prints that the worlds are ready, faults, and the end. */
     LITTLE {
         @Override
         boolean includes(String event) {
             return ALWAYS.contains(event);
         }
     },
-    /** What happens now and then: nothing that agents bring about in every frame. */
+    /** Prints all events except those that agents can cause in every frame. */
     NORMAL {
         @Override
         boolean includes(String event) {
             return LITTLE.includes(event) || NOW_AND_THEN.contains(event);
         }
     },
-    /** Each action, too, and what actions raise. */
+    /** Also prints each action, and the events that actions raise. */
     ACTIONS {
         @Override
         boolean includes(String event) {

@@ -5,8 +5,9 @@ import java.io.PrintStream;
 import java.util.Locale;
 
 /**
- * Shows on standard error how far a long run is, from its third second on and every two seconds.
- * Owned by one thread. On a terminal the line is rewritten in place, elsewhere lines are appended.
+ * A progress line on standard error for a long run, from its third second on, every two seconds.
+ * Owned by one thread. On a terminal the line is rewritten in place; other outputs receive appended
+ * lines.
  */
 final class Progress {
     private static final long FIRST_NANOS = 2_000_000_000L;
@@ -20,7 +21,7 @@ final class Progress {
     private boolean shown;
 
     /**
-     * @param total frames of the whole run, 0 if it has no end
+     * @param total frames of the whole run; 0 if the run has no end
      */
     Progress(PrintStream out, long total) {
         this.out = out;
@@ -28,7 +29,7 @@ final class Progress {
         this.total = total;
     }
 
-    /** Called as often as convenient; prints only when a line is due. */
+    /** Prints the progress if a line is due. May be called in every frame. */
     void at(long frame, double worldSeconds) {
         long now = System.nanoTime();
         if (now < nextNanos) {
@@ -53,7 +54,7 @@ final class Progress {
         out.flush();
     }
 
-    /** Ends the rewritten line, if there is one. */
+    /** Ends the rewritten line, if one was printed. */
     void done() {
         if (shown && terminal) {
             out.println();

@@ -11,7 +11,7 @@ import reve.worlds.journal.RecordingPlan;
 import java.nio.file.Path;
 import java.util.Optional;
 
-/** Whether and how far a run is recorded. */
+/** The options that control the recording of a run. */
 final class RecordOptions {
     private static final long MEBIBYTE = 1L << 20;
 
@@ -22,15 +22,15 @@ final class RecordOptions {
             names = "--record",
             paramLabel = "FILE",
             description =
-                    "Record the run, for the command replay. A recording that FILE holds becomes"
-                            + " FILE.1. Of several worlds: a folder, in which each has WORLD.log.")
+                    "Record the run for the command replay. An existing recording becomes"
+                            + " FILE.1. With several worlds, FILE is a folder with a log for each.")
     private Optional<Path> file = Optional.empty();
 
     @Option(
             names = "--record-limit",
             paramLabel = "MIB",
             description =
-                    "Size at which the recording ends, and the run goes on [MiB] "
+                    "Size at which the recording ends while the run continues [MiB] "
                             + "(default: none).")
     private Optional<Integer> limit = Optional.empty();
 
@@ -38,7 +38,7 @@ final class RecordOptions {
             names = "--record-keep",
             paramLabel = "N",
             description =
-                    "Older recordings that are kept, FILE.1 to FILE.N (default: "
+                    "Number of older recordings that are kept, FILE.1 to FILE.N (default: "
                             + RecordingPlan.DEFAULT_KEEP
                             + ").")
     private Optional<Integer> keep = Optional.empty();
@@ -48,9 +48,9 @@ final class RecordOptions {
     }
 
     /**
-     * How to record, if a recording is wanted.
+     * Returns the recording plan, or empty if no recording was requested.
      *
-     * @throws ParameterException if the options do not fit together
+     * @throws ParameterException if the options contradict each other
      */
     Optional<RecordingPlan> plan() {
         PartnerOption.requireCount(spec, "--record-limit", limit, "--record FILE", file);

@@ -10,7 +10,7 @@ import picocli.CommandLine.Parameters;
 import picocli.CommandLine.Spec;
 
 import reve.core.frame.Pacing;
-import reve.core.store.CorruptException;
+import reve.core.image.CorruptException;
 import reve.pe.PhysicsException;
 import reve.worlds.journal.JournalRecord;
 import reve.worlds.journal.RunLog;
@@ -25,16 +25,15 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.concurrent.Callable;
 
-/** Runs a recording again and says whether it is the same, to the bit. */
+/** The command {@code replay}: repeats a recorded run and compares every bit. */
 @Command(
         name = "replay",
         description =
-                "Runs a recording again, and says whether every bit is the same or what "
-                        + "differs first.")
+                "Repeats a recorded run and compares every bit; reports the first " + "difference.")
 public final class ReplayCommand implements Callable<Integer> {
     @Spec private CommandSpec spec = CommandSpec.create();
 
-    @Parameters(paramLabel = "FILE", description = "What --record wrote.")
+    @Parameters(paramLabel = "FILE", description = "Recording that --record wrote.")
     private Path file = Path.of("");
 
     @Mixin private LawOptions laws = new LawOptions();
@@ -43,7 +42,7 @@ public final class ReplayCommand implements Callable<Integer> {
             names = "--until",
             paramLabel = "FRAME",
             defaultValue = "9223372036854775807",
-            description = "Stop when this frame is made (default: at the end).")
+            description = "Stop after this frame (default: the last one).")
     private long until;
 
     @Option(names = "--json", description = "Print the result as one JSON document.")
@@ -58,7 +57,7 @@ public final class ReplayCommand implements Callable<Integer> {
         try (Replay replay = new Replay(Optional.empty(), Pacing.FAST, laws.path(spec));
                 RunLog.Reader records = RunLog.open(file)) {
             while (records.hasNext() && take(replay, records.next())) {
-                // each record is made as it is read
+                // Reading a record runs its frame.
             }
             boolean same = replay.divergence().isEmpty();
             if (replay.frame() < 0) {

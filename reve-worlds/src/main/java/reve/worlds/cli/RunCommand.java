@@ -25,10 +25,10 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.concurrent.Callable;
 
-/** Runs a world without a server and says what came out. */
+/** The command {@code run}: runs a world without a server and prints the report. */
 @Command(
         name = "run",
-        description = "Runs a world for some time, without a server, as fast as it goes.")
+        description = "Runs a world for some time, without a server, as fast as possible.")
 public final class RunCommand implements Callable<Integer> {
     @Spec private CommandSpec spec = CommandSpec.create();
 
@@ -46,7 +46,9 @@ public final class RunCommand implements Callable<Integer> {
     @Option(names = "--real-time", description = "Pace the frames to the wall clock.")
     private boolean realTime;
 
-    @Option(names = "--profile", description = "Show where the time went, by phase and per body.")
+    @Option(
+            names = "--profile",
+            description = "Show how the busy time was spent, by phase and per body.")
     private boolean profile;
 
     @Option(
@@ -57,7 +59,7 @@ public final class RunCommand implements Callable<Integer> {
     @Option(
             names = "--save",
             paramLabel = "FILE",
-            description = "Write the world as it is at the end to a world file.")
+            description = "Write the world at the end of the run to a world file.")
     private Optional<Path> save = Optional.empty();
 
     @Mixin private RecordOptions record = new RecordOptions();
@@ -74,7 +76,11 @@ public final class RunCommand implements Callable<Integer> {
         }
     }
 
-    /** Runs and reports. @return whether no law was set aside, and the recording is whole */
+    /**
+     * Runs the world and prints the report.
+     *
+     * @return whether no law was quarantined and the recording is complete
+     */
     private boolean isWhole(Interrupt interrupt) throws Exception {
         if (save.isPresent()) {
             save = Optional.of(WritableFile.require(spec, "--save", save.get()));
@@ -163,7 +169,7 @@ public final class RunCommand implements Callable<Integer> {
         }
     }
 
-    /** Any thread. */
+    /** Reports a problem of the recording. Called on any thread. */
     private void tellRecording(String problem) {
         wholeRecording = false;
         spec.commandLine().getErr().println("reve: recording: " + problem);

@@ -37,11 +37,12 @@ import java.util.TreeMap;
 import java.util.concurrent.Callable;
 import java.util.regex.Pattern;
 
-/** Runs worlds that agents can join and laws can be dropped into, until Ctrl-C. */
+/** The command {@code serve}: runs worlds that agents can join, until Ctrl-C. */
 @Command(
         name = "serve",
         description =
-                "Runs worlds that agents can join and laws can be dropped into, " + "until Ctrl-C.")
+                "Runs worlds that agents can join and that load laws while they run, "
+                        + "until Ctrl-C.")
 public final class ServeCommand implements Callable<Integer> {
     private static final int STORE_EVERY = 10;
     private static final double MIN_DEADLINE = 0.001;
@@ -77,7 +78,7 @@ public final class ServeCommand implements Callable<Integer> {
             names = "--snapshots",
             paramLabel = "DIR",
             defaultValue = ".",
-            description = "Folder for pictures (default: the current one).")
+            description = "Folder for pictures (default: the current folder).")
     private Path snapshots = Path.of(".");
 
     @Option(
@@ -91,15 +92,15 @@ public final class ServeCommand implements Callable<Integer> {
             names = "--store",
             paramLabel = "FILE",
             description =
-                    "Keep the world in this file, and go on with what it holds. "
-                            + "Of several worlds: a folder, in which each has WORLD.db.")
+                    "Keep the world in this store file, and resume from it. "
+                            + "With several worlds, FILE is a folder with a WORLD.db for each.")
     private Optional<Path> store = Optional.empty();
 
     @Option(
             names = "--store-every",
             paramLabel = "S",
             description =
-                    "World time between whole images in the store [s] "
+                    "World time between two images in the store [s] "
                             + "(default: "
                             + STORE_EVERY
                             + ").")
@@ -109,8 +110,8 @@ public final class ServeCommand implements Callable<Integer> {
             names = "--durability",
             paramLabel = "KIND",
             description =
-                    "What the store survives: normal, the end of the process (the default); full,"
-                            + " of power too, and the world waits for a slow disk as long as it takes.")
+                    "What the store survives. normal (default): the end of the process. full:"
+                            + " also a power failure; the world then waits for slow disks.")
     private Optional<SqliteStore.Durability> durability = Optional.empty();
 
     @Mixin private RecordOptions record = new RecordOptions();
@@ -128,7 +129,7 @@ public final class ServeCommand implements Callable<Integer> {
             paramLabel = "S",
             defaultValue = "1",
             description =
-                    "Longest time that an agent in lock-step may have its world wait [s] "
+                    "Longest time that the world waits for an agent in lock-step [s] "
                             + "(default: ${DEFAULT-VALUE}).")
     private double deadline;
 
@@ -137,8 +138,8 @@ public final class ServeCommand implements Callable<Integer> {
             paramLabel = "S",
             defaultValue = "10",
             description =
-                    "Time that agents in lock-step may keep others waiting [s], beside a "
-                            + "tenth of all time; off: any (default: ${DEFAULT-VALUE}).")
+                    "Time that an agent in lock-step may delay others [s], in addition to a "
+                            + "tenth of all time; off: no limit (default: ${DEFAULT-VALUE}).")
     private String waiting;
 
     @Option(
@@ -146,8 +147,8 @@ public final class ServeCommand implements Callable<Integer> {
             paramLabel = "S",
             defaultValue = "5",
             description =
-                    "Time without a frame after which a world counts as standing still [s]; "
-                            + "0: never (default: ${DEFAULT-VALUE}).")
+                    "Time without a frame after which a world counts as stalled [s]; "
+                            + "0 disables the watchdog (default: ${DEFAULT-VALUE}).")
     private double watchdog;
 
     @Option(
@@ -155,8 +156,8 @@ public final class ServeCommand implements Callable<Integer> {
             paramLabel = "WHAT",
             defaultValue = "warn",
             description =
-                    "What a world that stands still leads to: warn, a report; exit, a "
-                            + "report, and the server ends at once with code 6.")
+                    "Reaction to a stalled world. warn: a report; exit: a "
+                            + "report, then the server ends at once with code 6.")
     private Stalled stalled = Stalled.WARN;
 
     private enum Stalled {
@@ -166,7 +167,7 @@ public final class ServeCommand implements Callable<Integer> {
 
     @Option(
             names = "--fast",
-            description = "As fast as it goes, instead of paced to the wall clock.")
+            description = "Make frames as fast as possible, instead of paced to the wall clock.")
     private boolean fast;
 
     @Option(
@@ -176,7 +177,7 @@ public final class ServeCommand implements Callable<Integer> {
 
     @ArgGroup private PrintedOptions printed = new PrintedOptions();
 
-    /** At most one of them. */
+    /** The options that select the printed events; at most one may be given. */
     static final class PrintedOptions {
         @Option(
                 names = "--quiet",
@@ -186,7 +187,7 @@ public final class ServeCommand implements Callable<Integer> {
         @Option(
                 names = "--actions",
                 description =
-                        "Print each action of agents, too, and the events that actions " + "raise.")
+                        "Also print each action of agents, and the events that actions raise.")
         private boolean actions;
 
         Printed printed() {
@@ -251,7 +252,7 @@ public final class ServeCommand implements Callable<Integer> {
         return List.copyOf(plans.values());
     }
 
-    /** Refuses files that would be written over by each other, before any is opened. */
+    /** Refuses two options that would write to the same file, before any file is opened. */
     private void requireOwnFiles() throws IOException {
         Map<Path, String> taken = new LinkedHashMap<>();
         for (Map.Entry<String, Optional<Path>> read : new TreeMap<>(listen.files()).entrySet()) {
@@ -268,8 +269,8 @@ public final class ServeCommand implements Callable<Integer> {
     }
 
     /**
-     * A store has the files that begin with its name and {@code -}; older recordings and audit
-     * files are called {@code FILE.1} and so on.
+     * Reserves a file and the files derived from its name: a store uses names that begin with its
+     * name and {@code -}; older recordings and audit files are named {@code FILE.1} and so on.
      */
     private void requireOwn(Map<Path, String> taken, String option, Optional<Path> given)
             throws IOException {
@@ -278,7 +279,7 @@ public final class ServeCommand implements Callable<Integer> {
         }
         Path file = real(given.get());
         if (file.getParent() == null) {
-            return; // the folder of all folders, which no file can be opened at
+            return; // the root folder, which is never a file
         }
         taken.forEach(
                 (other, by) -> {
@@ -305,7 +306,7 @@ public final class ServeCommand implements Callable<Integer> {
         taken.put(file, option);
     }
 
-    /** What a path leads to, also by links. */
+    /** Returns the target of a path with links resolved. */
     private static Path real(Path given) throws IOException {
         Path file = given.toAbsolutePath().normalize();
         return Files.exists(file)
@@ -367,7 +368,10 @@ public final class ServeCommand implements Callable<Integer> {
                                         plan.keep()));
     }
 
-    /** The file of one world: that named or, of several worlds, one in the folder named. */
+    /**
+     * Returns the file of one world: the named file, or, for several worlds, a file in the named
+     * folder.
+     */
     private Optional<Path> fileOf(Optional<Path> named, String name) {
         return paths.size() > 1 ? named.map(folder -> folder.resolve(name)) : named;
     }
@@ -402,7 +406,10 @@ public final class ServeCommand implements Callable<Integer> {
                 stalled == Stalled.EXIT ? Optional.of(() -> exit(events)) : Optional.empty());
     }
 
-    /** Ends the process although the thread of a world hangs: journals have its last frame. */
+    /**
+     * Ends the process although the thread of a world hangs. Journals contain its last complete
+     * frame.
+     */
     private static void exit(EventPrinter events) {
         System.err.println("reve: a world stands still, and --stalled is exit: ended");
         events.close(LAST_WORDS);
@@ -438,7 +445,7 @@ public final class ServeCommand implements Callable<Integer> {
                 return Optional.of(Duration.ofNanos(Math.round(seconds * 1e9)));
             }
         } catch (NumberFormatException e) {
-            // Said below.
+            // The message below reports it.
         }
         throw new ParameterException(
                 spec.commandLine(),

@@ -30,7 +30,7 @@ import java.util.concurrent.Callable;
 import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 
-/** Runs a world up to some time and takes a picture of it. */
+/** The command {@code snapshot}: runs a world up to a time and takes a picture of it. */
 @Command(
         name = "snapshot",
         description = "Runs a world up to a time and writes a picture of it, off-screen.")
@@ -52,7 +52,7 @@ public final class SnapshotCommand implements Callable<Integer> {
             names = "--out",
             paramLabel = "FILE",
             required = true,
-            description = "The PNG to write.")
+            description = "PNG file to write.")
     private Path out = Path.of("");
 
     @Option(
@@ -112,7 +112,7 @@ public final class SnapshotCommand implements Callable<Integer> {
         }
     }
 
-    /** {@code 960x640} as a picture format. */
+    /** A converter of a text such as {@code 960x640} to a picture format. */
     static final class SizeConverter implements ITypeConverter<ImageFormat> {
         private static final Pattern SIZE = Pattern.compile("(\\d{1,5})x(\\d{1,5})");
 

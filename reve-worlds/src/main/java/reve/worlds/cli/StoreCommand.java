@@ -18,18 +18,16 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 
-/** Checks a store that no server has open, and recovers what a damaged one still holds. */
+/** The command {@code store}: checks a store that no server has open, and repairs a damaged one. */
 @Command(
         name = "store",
-        description =
-                "Checks a store that no server has open, and recovers what a damaged one "
-                        + "still holds.")
+        description = "Checks a store that no server has open, and repairs a damaged " + "one.")
 public final class StoreCommand implements Runnable {
     @Spec private CommandSpec spec = CommandSpec.create();
 
-    /** Of both commands. */
+    /** The options of both subcommands. */
     static final class StoreOptions {
-        @Parameters(paramLabel = "FILE", description = "The store, as serve --store names it.")
+        @Parameters(paramLabel = "FILE", description = "Store file, as in serve --store.")
         private Path file = Path.of("");
 
         @Mixin private LawOptions laws = new LawOptions();
@@ -46,8 +44,8 @@ public final class StoreCommand implements Runnable {
     @Command(
             name = "check",
             description =
-                    "Says whether a store is whole, and which frame it comes"
-                            + " back to. Changes nothing.")
+                    "Reports whether a store is complete, and from which frame a world would"
+                            + " resume. Changes nothing.")
     int check(@Mixin StoreOptions options) throws Exception {
         StoreCheck found = StoreCheck.of(options.file, options.laws.path(spec));
         if (options.json) {
@@ -61,8 +59,8 @@ public final class StoreCommand implements Runnable {
     @Command(
             name = "repair",
             description =
-                    "Puts a whole store with what can be recovered in "
-                            + "place of a damaged one, and keeps its files in FILE.damaged-1.")
+                    "Replaces a damaged store by a complete one with the recoverable "
+                            + "frames, and keeps the damaged files in FILE.damaged-1.")
     int repair(@Mixin StoreOptions options) throws Exception {
         Map.Entry<StoreCheck, Optional<Path>> done =
                 StoreCheck.repair(options.file, options.laws.path(spec));

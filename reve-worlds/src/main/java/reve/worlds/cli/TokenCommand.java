@@ -11,10 +11,10 @@ import picocli.CommandLine.ParameterException;
 import picocli.CommandLine.Parameters;
 import picocli.CommandLine.Spec;
 
-import reve.core.agent.AgentToken;
-import reve.core.agent.Rights;
-import reve.core.agent.Role;
-import reve.core.agent.TokenFile;
+import reve.core.agent.auth.AgentToken;
+import reve.core.agent.auth.Rights;
+import reve.core.agent.auth.TokenFile;
+import reve.core.agent.protocol.Role;
 import reve.worlds.Product;
 
 import java.io.IOException;
@@ -40,45 +40,47 @@ import java.util.TreeSet;
 import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 
-/** Makes, lists and revokes the tokens that let agents into a server. */
+/** The command {@code token}: creates, lists and revokes the tokens that authenticate clients. */
 @Command(
         name = "token",
-        description = "Makes, lists and revokes the tokens that let agents into a server.")
+        description = "Creates, lists and revokes the tokens that authenticate clients.")
 public final class TokenCommand implements Runnable {
     private static final Pattern TIME_TO_LIVE = Pattern.compile("(\\d{1,6})([hd])");
 
-    /** What the holder of a token may do. */
+    /** The options that limit the rights of a token. */
     static final class RightsOptions {
         @Option(
                 names = "--roles",
                 paramLabel = "ROLE",
                 split = ",",
                 defaultValue = "agent",
-                description = "Of agent, control, observer (default: ${DEFAULT-VALUE}).")
+                description = "Roles: agent, control, observer (default: ${DEFAULT-VALUE}).")
         private List<Role> roles = List.of();
 
         @Option(
                 names = "--worlds",
                 paramLabel = "NAME",
                 split = ",",
-                description = "Only these worlds.")
+                description = "Permit only these worlds (default: all).")
         private @Nullable List<String> worlds;
 
         @Option(
                 names = "--bodies",
                 paramLabel = "ITEM",
                 split = ",",
-                description = "Only these of the bodies that a world lends.")
+                description = "Permit only these bodies (default: all).")
         private @Nullable List<String> bodies;
 
         @Option(
                 names = "--capabilities",
                 paramLabel = "NAME",
                 split = ",",
-                description = "Only these of its body's capabilities.")
+                description = "Permit only these capabilities of the body (default: all).")
         private @Nullable List<String> capabilities;
 
-        @Option(names = "--lock-step", description = "Let the world wait for it.")
+        @Option(
+                names = "--lock-step",
+                description = "Permit lock-step: the world waits for the agent.")
         private boolean lockStep;
 
         Rights rights() {
@@ -100,25 +102,27 @@ public final class TokenCommand implements Runnable {
 
     @Command(
             name = "new",
-            description = "Adds a token to the file, and prints it: the file keeps only its hash.")
+            description =
+                    "Adds a token to the file and prints it. The file contains only its hash.")
     int issue(
             @Parameters(
                             paramLabel = "NAME",
-                            description = "The name that the client says hello with.")
+                            description = "Client name, as in the field name of hello.")
                     String name,
             @Option(
                             names = "--file",
                             paramLabel = "FILE",
                             defaultValue = "tokens.json",
                             description =
-                                    "Where tokens are kept, made if missing "
+                                    "Token file, created if missing "
                                             + "(default: ${DEFAULT-VALUE}).")
                     Path file,
             @Mixin RightsOptions rights,
             @Option(
                             names = "--expires",
                             paramLabel = "WHEN",
-                            description = "30d, 12h, or a time such as 2030-01-31T12:00:00Z.")
+                            description =
+                                    "Expiry: 30d, 12h, or a time such as 2030-01-31T12:00:00Z.")
                     Optional<String> expires,
             @Option(
                             names = "--out",
@@ -197,13 +201,13 @@ public final class TokenCommand implements Runnable {
 
     @Command(
             name = "list",
-            description = "Lists the tokens of a file, which cannot be read back from it.")
+            description = "Lists the names, rights and expiry of the tokens in a file.")
     int list(
             @Option(
                             names = "--file",
                             paramLabel = "FILE",
                             defaultValue = "tokens.json",
-                            description = "Where tokens are kept (default: ${DEFAULT-VALUE}).")
+                            description = "Token file (default: ${DEFAULT-VALUE}).")
                     Path file,
             @Option(names = "--json", description = "Print the result as one JSON document.")
                     boolean json)
@@ -223,18 +227,19 @@ public final class TokenCommand implements Runnable {
     @Command(
             name = "revoke",
             description =
-                    "Takes tokens out of a file; who is in a server by one of them is sent "
-                            + "away.")
+                    "Removes tokens from a file. Servers disconnect the clients that "
+                            + "used them.")
     int revoke(
             @Parameters(
                             paramLabel = "NAME|ID",
-                            description = "A client's name, for all of its tokens, or one's id.")
+                            description =
+                                    "Client name, to remove all its tokens, or id of one token.")
                     String nameOrId,
             @Option(
                             names = "--file",
                             paramLabel = "FILE",
                             defaultValue = "tokens.json",
-                            description = "Where tokens are kept (default: ${DEFAULT-VALUE}).")
+                            description = "Token file (default: ${DEFAULT-VALUE}).")
                     Path file)
             throws IOException {
         List<AgentToken> revoked = TokenFile.revoke(file, nameOrId);

@@ -9,8 +9,9 @@ import java.util.Optional;
 import java.util.concurrent.atomic.AtomicLong;
 
 /**
- * Standard output that may be full or closed: it throws nothing, drops what cannot be written, and
- * remembers why. After a gap it goes on with a line of its own. One thread writes, any may ask.
+ * Standard output that may be full or closed. It throws no exception, drops data that cannot be
+ * written, and keeps the reason. After a gap, output continues on a new line. One thread writes;
+ * any thread may query it.
  */
 final class WatchedOutput extends OutputStream {
     private static final String CLOSED_PIPE = "Broken pipe";
@@ -57,17 +58,17 @@ final class WatchedOutput extends OutputStream {
         failures.incrementAndGet();
     }
 
-    /** How many times something was dropped. */
+    /** Returns the number of times that data was dropped. */
     long failures() {
         return failures.get();
     }
 
-    /** Why something was dropped the last time, if something was. */
+    /** Returns the reason of the last drop, if data was dropped. */
     Optional<String> reason() {
         return Optional.ofNullable(reason);
     }
 
-    /** Whether its reader has gone, as {@code head} does when it has its lines. */
+    /** Returns whether the reader has closed the pipe, as {@code head} does. */
     boolean isClosedPipe() {
         return CLOSED_PIPE.equals(reason);
     }

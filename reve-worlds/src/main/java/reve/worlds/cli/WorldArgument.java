@@ -13,11 +13,11 @@ import java.nio.file.Files;
 import java.nio.file.NoSuchFileException;
 import java.nio.file.Path;
 
-/** The WORLD argument that most commands take. */
+/** The argument WORLD of most commands. */
 final class WorldArgument {
     @Parameters(
             paramLabel = "WORLD",
-            description = "A world file, or a folder that holds a world.yaml.")
+            description = "A world file, or a folder that contains a world.yaml.")
     private Path path;
 
     WorldArgument() {
@@ -28,18 +28,18 @@ final class WorldArgument {
         this.path = path;
     }
 
-    /** The file itself. */
+    /** Returns the path of the world file. */
     Path file() {
         return Files.isDirectory(path) ? path.resolve(WorldFile.NAME) : path;
     }
 
-    /** Where the file is, with what it uses. */
+    /** Returns the folder of the world file and of the files that it refers to. */
     Path folder() {
         Path parent = file().toAbsolutePath().getParent();
         return parent == null ? Path.of("/") : parent;
     }
 
-    /** As {@link #read}; what is worth a look in the file is said. */
+    /** Reads and checks the file, and prints its warnings to {@code err}. */
     WorldDescription load(PrintWriter err) throws IOException, WorldFileException {
         WorldDescription description = read();
         description.warnings().forEach(err::println);

@@ -8,14 +8,14 @@ import java.io.IOException;
 import java.nio.file.Files;
 import java.nio.file.Path;
 
-/** A file that a command is going to write. */
+/** A check of a file that a command will write. */
 final class WritableFile {
     private WritableFile() {}
 
     /**
-     * Where to write it: its absolute path, or what it links to. Refuses, before any work is done
-     * for it, what is in no folder that can be written to, and what a finished file must not take
-     * the place of: a folder, a device or a pipe.
+     * Returns the path to write: the absolute path, or the target of a link. Before the command
+     * starts its work, refuses a path whose folder cannot be written to, and a path that is a
+     * folder, a device or a pipe.
      */
     static Path require(CommandSpec spec, String option, Path given) throws IOException {
         Path file = given.toAbsolutePath().normalize();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/** The commands of {@code ./reve}: arguments in, results and exit codes out. */
+/** The commands of {@code ./reve}: they parse options, print results and return exit codes. */
 @NullMarked
 package reve.worlds.cli;
 

@@ -15,19 +15,17 @@ import java.util.List;
 import java.util.Map;
 
 /**
- * Runs the product as its users do: a headless server on {@code worlds/spring-orbit}, a Python and
- * a Java agent over TCP, a law library dropped into the laws folder and taken out again while the
- * world runs, pictures before and after. Each of the three is a process of its own.
+ * The demonstration: a headless server on {@code worlds/spring-orbit}, a Python and a Java agent
+ * over TCP, a law library that is added to the laws folder and removed while the world runs, and
+ * pictures before and after. Each of the three programs is a separate process.
  */
 public final class Demo {
     private static final String LAW = "gravity_field";
 
-    /** World times of the two pictures [s]; between them the law is dropped. */
+    /** World times of the two pictures [s]; the law is added between them. */
     private static final String PICTURES_AT = "2,5";
 
-    /**
-     * The server's end if nobody ends it before, and how long the agents stay [s of world time].
-     */
+    /** World time after which the server ends, and for which the agents stay [s]. */
     private static final String SERVER_SECONDS = "60";
 
     private static final String AGENT_SECONDS = "5";
@@ -38,9 +36,9 @@ public final class Demo {
     private final PrintStream progress;
 
     /**
-     * @param root of the checkout
-     * @param folder for pictures and log files; made if missing
-     * @param progress hears what is going on
+     * @param root folder of the checkout
+     * @param folder for pictures and log files; created if missing
+     * @param progress receives a line for each stage
      */
     public Demo(Path root, Path folder, PrintStream progress) {
         this.root = root;
@@ -48,7 +46,7 @@ public final class Demo {
         this.progress = progress;
     }
 
-    /** Runs everything, which takes about ten seconds, and says what happened. */
+    /** Runs the demonstration, which takes about ten seconds, and returns its report. */
     public DemoReport run() throws IOException, InterruptedException {
         Path laws = Files.createDirectories(folder.resolve("laws"));
         Path library = Product.nativeFolder().resolve("laws/libvesper_law_" + LAW + ".so");
@@ -144,7 +142,7 @@ public final class Demo {
         return new JsonProcess("Java agent", command, Map.of(), folder.resolve("painter.log"));
     }
 
-    /** The Java command that this process runs with: its options, its class path. */
+    /** Returns a Java command with the options and the class path of this process. */
     private static List<String> java(String... arguments) {
         List<String> command = new ArrayList<>();
         command.add(Path.of(System.getProperty("java.home"), "bin", "java").toString());

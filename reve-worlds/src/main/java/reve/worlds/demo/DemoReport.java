@@ -10,13 +10,13 @@ import java.util.Map;
 import java.util.stream.Collectors;
 
 /**
- * What happened in the demonstration, as the three processes told it.
+ * The result of the demonstration, as its three processes reported it.
  *
- * @param server its report at the end
- * @param loaded event: the dropped law began to act
- * @param unloaded event: it stopped
+ * @param server the server's final report
+ * @param loaded event of the dropped law's load
+ * @param unloaded event of the dropped law's removal
  * @param before picture without the dropped law
- * @param after picture with it
+ * @param after picture with the dropped law
  * @param curious the Python agent's summary
  * @param painter the Java agent's summary
  */
@@ -28,7 +28,7 @@ public record DemoReport(
         JsonNode after,
         JsonNode curious,
         JsonNode painter) {
-    /** For JSON. */
+    /** Returns the report's fields for JSON. */
     public Map<String, Object> fields() {
         Map<String, Object> fields = new LinkedHashMap<>();
         fields.put("server", server);
@@ -40,7 +40,7 @@ public record DemoReport(
         return fields;
     }
 
-    /** A page for people. */
+    /** Prints the report for human readers. */
     public void print(PrintWriter out) {
         out.printf(
                 Locale.ROOT,

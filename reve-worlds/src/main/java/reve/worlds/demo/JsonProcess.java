@@ -15,8 +15,8 @@ import java.util.concurrent.TimeUnit;
 import java.util.function.Predicate;
 
 /**
- * A child process that writes JSON objects, one per line, to its standard output; its standard
- * error goes to a log file. Closing ends it.
+ * A child process that writes JSON objects, one per line, to its standard output. Its standard
+ * error goes to a log file. Closing this object ends the process.
  */
 final class JsonProcess implements AutoCloseable {
     private static final JsonMapper MAPPER = new JsonMapper();
@@ -27,7 +27,7 @@ final class JsonProcess implements AutoCloseable {
     private final Process process;
     private final Thread reader;
 
-    /** Guards itself and {@link #reading}. */
+    /** Lines read so far. Its monitor guards this list and {@link #reading}. */
     private final List<JsonNode> lines = new ArrayList<>();
 
     private boolean reading = true;
@@ -52,7 +52,7 @@ final class JsonProcess implements AutoCloseable {
                 }
             }
         } catch (IOException ended) {
-            // The pipe broke because the process was ended; await() tells what is missing.
+            // The pipe broke because the process was ended; await() reports the missing line.
         } catch (JacksonException notJson) {
             process.destroy();
         } finally {
@@ -64,8 +64,8 @@ final class JsonProcess implements AutoCloseable {
     }
 
     /**
-     * The first line of this kind that is as wanted; waits for it until the process ends or tells
-     * that it failed.
+     * Returns the first line of this event that matches. Waits until the process ends or reports a
+     * failure.
      */
     JsonNode await(String event, Predicate<JsonNode> wanted) throws InterruptedException {
         synchronized (lines) {
@@ -93,12 +93,12 @@ final class JsonProcess implements AutoCloseable {
         }
     }
 
-    /** Asks the process to end, as Ctrl-C does; what it says meanwhile is still read. */
+    /** Asks the process to end, as Ctrl-C does. Its output is still read. */
     void interrupt() {
         process.toHandle().destroy();
     }
 
-    /** Waits for the process to end, and returns the last line it wrote. */
+    /** Waits for the process to end, and returns the last line that it wrote. */
     JsonNode awaitEnd(long seconds) throws InterruptedException {
         if (!process.waitFor(seconds, TimeUnit.SECONDS)) {
             throw new IllegalStateException(

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/** The demonstration that {@code ./reve demo} runs: a server and two agents, each a process. */
+/** The demonstration of {@code ./reve demo}: a server and two agents, each in its own process. */
 @NullMarked
 package reve.worlds.demo;
 

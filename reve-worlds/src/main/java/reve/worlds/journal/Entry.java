@@ -11,14 +11,14 @@ import java.util.ArrayList;
 import java.util.List;
 import java.util.Map;
 
-/** What the world's thread hands over of one frame; used again and again. */
+/** The data of one frame that the world's thread passes to the writer. Entries are reused. */
 final class Entry {
-    /** A change, with what a directly edited column held after it. */
+    /** A change, with the rows of an edited column after the change. */
     record Noted(WorldChange change, byte @Nullable [] columnRows) {}
 
     long frame;
 
-    /** Changes made before PHYSICS, then those made after it. */
+    /** Changes made before PHYSICS, and changes made after it. */
     final List<Noted> early = new ArrayList<>();
 
     final List<Noted> late = new ArrayList<>();
@@ -26,16 +26,19 @@ final class Entry {
     List<WorldEvent> events = List.of();
     final long[] digest;
 
-    /** Of the world before PHYSICS, if there are changes before it. */
+    /** Digest of the world before PHYSICS, valid if there are changes before it. */
     final long[] earlyDigest;
 
-    /** Of the end of this frame, if one is due. */
+    /** Image of the end of this frame, if one is due. */
     @Nullable SimulationImage image;
 
-    /** Whether the image stands for the frame: its changes do not tell what became of the world. */
+    /**
+     * Whether the image replaces the frame, because its changes do not describe the world
+     * completely.
+     */
     boolean begins;
 
-    /** Whether it is the image that ends the journal, without a frame. */
+    /** Whether the image ends the journal and belongs to no frame. */
     boolean last;
 
     Map<String, Long> members = Map.of();
@@ -45,7 +48,7 @@ final class Entry {
         earlyDigest = new long[digestSize];
     }
 
-    /** Forgets the frame, so that nothing is kept alive. */
+    /** Drops all references to the frame's data. */
     void clear() {
         early.clear();
         late.clear();

@@ -6,8 +6,8 @@ import org.jspecify.annotations.Nullable;
 import java.util.concurrent.atomic.AtomicLong;
 
 /**
- * Hands entries from the world's thread to the writer's, in their order, without a lock and without
- * allocating.
+ * A ring that passes entries in order from the world's thread to the writer's thread, without a
+ * lock and without allocation.
  */
 final class EntryRing {
     private final Entry[] entries;
@@ -23,7 +23,7 @@ final class EntryRing {
 
     // ---- world's thread ----
 
-    /** The next entry to fill, or null if all are waiting. */
+    /** Returns the next entry to fill, or null if all entries wait. */
     @Nullable Entry next() {
         return isFull() ? null : entries[(int) (written.getPlain() % entries.length)];
     }
@@ -32,26 +32,26 @@ final class EntryRing {
         return written.getPlain() - read.getAcquire() == entries.length;
     }
 
-    /** Whether the other thread is done with all that it was handed. */
+    /** Returns whether the writer has released all entries. */
     boolean isEmpty() {
         return written.getPlain() == read.getAcquire();
     }
 
-    /** Hands the filled entry over. */
+    /** Passes the filled entry to the writer. */
     void commit() {
         written.setRelease(written.getPlain() + 1);
     }
 
     // ---- writer's thread ----
 
-    /** The oldest entry that waits, or null. */
+    /** Returns the oldest waiting entry, or null. */
     @Nullable Entry peek() {
         return read.getPlain() == written.getAcquire()
                 ? null
                 : entries[(int) (read.getPlain() % entries.length)];
     }
 
-    /** Gives that entry back. */
+    /** Returns that entry to the world's thread. */
     void release() {
         entries[(int) (read.getPlain() % entries.length)].clear();
         read.setRelease(read.getPlain() + 1);

@@ -8,8 +8,8 @@ import java.nio.file.Path;
 import java.nio.file.attribute.BasicFileAttributes;
 
 /**
- * A path and the file that it led to when the file was opened: what is written to a file that was
- * moved or removed is lost with it. Any thread.
+ * A path and the file at it when the file was opened. Data that is written to a file after the file
+ * is moved or removed is lost. Any thread.
  */
 record FilePlace(Path path, Object key) {
     static FilePlace of(Path path) throws IOException {
@@ -17,10 +17,10 @@ record FilePlace(Path path, Object key) {
     }
 
     /**
-     * Returns what became of the file, as the rest of a sentence; empty if its path still leads to
-     * all of it, or that cannot be told.
+     * Returns what happened to the file, as the rest of a sentence. Empty if the path still leads
+     * to the complete file, or if this cannot be determined.
      *
-     * @param bytes size that it has at least
+     * @param bytes minimum size of the file [bytes]
      */
     String trouble(long bytes) {
         try {

@@ -14,23 +14,29 @@ import java.nio.file.StandardOpenOption;
 import java.sql.SQLException;
 import java.util.Optional;
 
-/** Why a file could not be opened, read or written, in words. */
+/** Messages that say why a file could not be opened, read or written. */
 final class FileTrouble {
     private static final int CODE_BITS = 0xff;
 
-    /** Room without which SQLite does not even open a database [bytes]. */
+    /** Free disk space that SQLite needs to open a database [bytes]. */
     private static final long ROOM = 1 << 20;
 
     private FileTrouble() {}
 
     /**
-     * @param what was to be done to the file, as a participle
+     * Returns an exception with a message for a failed file operation.
+     *
+     * @param what the operation, as a participle
      */
     static IOException of(Path file, String what, IOException e) {
         return new IOException(file + " could not be " + what + ": " + reason(file, e), e);
     }
 
-    /** The same of a database. */
+    /**
+     * Returns an exception with a message for a failed database operation.
+     *
+     * @param what the operation, as a participle
+     */
     static IOException of(Path file, String what, SQLException e) {
         SQLiteErrorCode code = SQLiteErrorCode.getErrorCode(e.getErrorCode() & CODE_BITS);
         if (code == SQLiteErrorCode.SQLITE_BUSY) {
@@ -49,7 +55,9 @@ final class FileTrouble {
         return new IOException(file + " could not be " + what + ": " + reason, e);
     }
 
-    /** What stands in place of a file and cannot be read as one, if something does. */
+    /**
+     * Returns a description of an object at the path that is not a readable file, if there is one.
+     */
     static Optional<String> noFile(Path file) {
         if (Files.isDirectory(file)) {
             return Optional.of(file + " is a folder");
@@ -94,7 +102,10 @@ final class FileTrouble {
         return "the disk refused to read or write: " + e.getMessage();
     }
 
-    /** SQLite does not say; the system does when it is asked for the same. */
+    /**
+     * Returns why a file cannot be opened. SQLite does not report the reason, so this method opens
+     * the file and takes the system's.
+     */
     private static String whyNotOpened(Path file) {
         Path folder = file.toAbsolutePath().getParent();
         try (FileChannel _ =

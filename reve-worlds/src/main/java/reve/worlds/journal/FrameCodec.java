@@ -3,9 +3,9 @@ package reve.worlds.journal;
 
 import org.jspecify.annotations.Nullable;
 
-import reve.core.store.ChangeCodec;
-import reve.core.store.CorruptException;
-import reve.core.store.Trees;
+import reve.core.image.ChangeCodec;
+import reve.core.image.CorruptException;
+import reve.core.image.Trees;
 import reve.core.world.ItemId;
 import reve.core.world.WorldEvent;
 import reve.pe.adapter.LawChange;
@@ -22,10 +22,11 @@ import java.util.Map;
 import java.util.function.Function;
 
 /**
- * Frames of a journal as JSON: {@code frame}, {@code changes} before PHYSICS and {@code late} ones
- * after it, changes of the {@code laws}, the {@code events} for whoever reads it, and digests:
- * {@code before} PHYSICS where there were changes, and the {@code digest} of the frame's end, each
- * the part that is not as in the one before it. One thread; frames in their order.
+ * The codec of a journal's frames as JSON. Fields: {@code frame}; {@code changes} before PHYSICS
+ * and {@code late} ones after it; changes of the {@code laws}; the {@code events}, for readers
+ * only; and digests. {@code before} is the digest before PHYSICS if there were changes, and {@code
+ * digest} that of the frame's end. Each digest contains only the parts that differ from the
+ * previous one. One thread; frames in order.
  */
 public final class FrameCodec {
     private static final int PART_BYTES = Short.BYTES + 2 * Long.BYTES;
@@ -35,25 +36,27 @@ public final class FrameCodec {
     private boolean whole;
 
     /**
-     * @param digestSize how many numbers a digest has
+     * @param digestSize number of parts of a digest
      */
     public FrameCodec(WorldHeader header, int digestSize) {
         changes = new ChangeCodec(header.prototype(), header.assets());
         digest = new long[digestSize];
     }
 
-    /** Reads the changes of a frame. */
+    /** Returns the codec of a frame's changes. */
     public ChangeCodec changes() {
         return changes;
     }
 
-    /** An image was taken: the next frame that is written has the whole digest. */
+    /** Makes the next written frame contain the complete digest. Called when an image was taken. */
     void begin() {
         whole = true;
     }
 
     /**
-     * @throws IllegalArgumentException if a change of it has no form
+     * Encodes a frame.
+     *
+     * @throws IllegalArgumentException if a change cannot be encoded
      */
     byte[] write(Entry entry) {
         Map<String, Object> tree = new LinkedHashMap<>();
@@ -70,7 +73,7 @@ public final class FrameCodec {
     }
 
     /**
-     * A whole digest of a frame that was read; valid until the next one.
+     * Returns the complete digest of a frame; valid until the next call.
      *
      * @param name {@code before}, which some frames have, then {@code digest}
      * @throws CorruptException if it cannot be read
@@ -110,7 +113,7 @@ public final class FrameCodec {
         return bytes;
     }
 
-    /** Changes of the laws of a frame. */
+    /** Returns the changes of the laws in a frame. */
     public static List<LawChange> laws(
             JsonNode frame, Function<String, byte @Nullable []> libraries) {
         List<LawChange> laws = new ArrayList<>();
@@ -177,7 +180,10 @@ public final class FrameCodec {
         }
     }
 
-    /** Parts that changed since the last frame: their place (2 bytes) and both numbers. */
+    /**
+     * Encodes the parts that changed since the last digest: the index (2 bytes) and both numbers of
+     * each.
+     */
     private String delta(long[] now) {
         ByteBuffer parts = ByteBuffer.allocate(PART_BYTES * now.length / 2);
         for (int i = 0; i < now.length; i += 2) {

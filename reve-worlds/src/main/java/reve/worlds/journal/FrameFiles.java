@@ -12,9 +12,9 @@ import java.util.TreeMap;
 import java.util.stream.Stream;
 
 /**
- * Writes the files beside a store that hold its frames, STORE-frames-1 and so on, and the manifest
- * that says how far they reach. With each image another file begins, which names the one before it;
- * those before the oldest image are removed.
+ * The files beside a store that contain its frames, STORE-frames-1 and so on, and the manifest of
+ * their content. Each image begins another file, which names the previous one. Files before the
+ * oldest image are removed.
  */
 final class FrameFiles {
     private static final SecureRandom IDS = new SecureRandom();
@@ -27,10 +27,11 @@ final class FrameFiles {
     private volatile RunLog.@Nullable Writer current;
 
     /**
-     * Nothing is written before {@link #next}.
+     * Writes nothing before {@link #next}.
      *
-     * @param claim what the manifest says, or is to say
-     * @param number of the newest file there is, and its id; 0 without any
+     * @param claim initial content of the manifest
+     * @param number of the newest existing file; 0 if there is none
+     * @param id of that file
      */
     FrameFiles(Path store, Manifest.Claim claim, long number, long id) {
         this.store = store.toAbsolutePath();
@@ -39,9 +40,9 @@ final class FrameFiles {
         this.id = id;
     }
 
-    /** A file that later frames do not go to any more. */
+    /** A file that receives no more frames. */
     record Finished(RunLog.@Nullable Writer file) implements AutoCloseable {
-        /** Waits until all of it outlives a power failure. May be called twice. */
+        /** Waits until the file survives a power failure. Idempotent. */
         @Override
         public void close() throws IOException {
             if (file != null && file.isOpen()) {
@@ -52,12 +53,12 @@ final class FrameFiles {
         }
     }
 
-    /** Of the file that the next record goes to. */
+    /** Returns the number of the file that receives the next record. */
     long number() {
         return number;
     }
 
-    /** Begins another file, and gives the one before it. */
+    /** Begins another file, and returns the previous one. */
     Finished next() throws IOException {
         Manifest listed = manifest();
         long nextId = IDS.nextLong();
@@ -78,7 +79,7 @@ final class FrameFiles {
         return finished;
     }
 
-    /** Adds a record to the newest file. */
+    /** Appends a record to the newest file. */
     void write(JournalRecord record) throws IOException {
         RunLog.Writer file = current;
         Manifest listed = manifest;
@@ -91,7 +92,10 @@ final class FrameFiles {
         }
     }
 
-    /** Before an image is in the database. Any thread, after the first {@link #next}. */
+    /**
+     * Flushes the manifest before an image is committed to the database. Any thread, after the
+     * first {@link #next}.
+     */
     void forceManifest() throws IOException {
         Manifest listed = manifest;
         if (listed != null) {
@@ -99,7 +103,10 @@ final class FrameFiles {
         }
     }
 
-    /** An image is in the database. Any thread, after the first {@link #next}. */
+    /**
+     * Records in the manifest that an image was committed to the database. Any thread, after the
+     * first {@link #next}.
+     */
     void keep(long image, long frame, long sum) throws IOException {
         Manifest listed = manifest;
         if (listed != null) {
@@ -107,7 +114,10 @@ final class FrameFiles {
         }
     }
 
-    /** Waits until the current file outlives a power failure. Any thread but that closes files. */
+    /**
+     * Waits until the current file survives a power failure. Any thread except the one that closes
+     * files.
+     */
     void force() throws IOException {
         RunLog.Writer file = current;
         if (file != null) {
@@ -115,7 +125,7 @@ final class FrameFiles {
         }
     }
 
-    /** Ends the newest file and the manifest. */
+    /** Closes the newest file and the manifest. */
     void close() throws IOException {
         try (Manifest _ = manifest;
                 Finished _ = new Finished(current)) {
@@ -124,7 +134,7 @@ final class FrameFiles {
         }
     }
 
-    /** Removes the files before a number. */
+    /** Removes the files with smaller numbers. */
     void dropBefore(long kept) throws IOException {
         for (Path file : present(store).headMap(kept).values()) {
             Files.deleteIfExists(file);
@@ -132,8 +142,8 @@ final class FrameFiles {
     }
 
     /**
-     * What became of the newest file and the manifest, a line each. Any thread but that closes
-     * files.
+     * Returns one line for each of the newest file and the manifest that was moved, removed or cut.
+     * Any thread except the one that closes files.
      */
     List<String> troubles() {
         Manifest listed = manifest;
@@ -144,10 +154,11 @@ final class FrameFiles {
                                 file == null ? "" : file.trouble())
                         .filter(each -> !each.isEmpty())
                         .toList();
-        return listed == manifest && file == current ? found : List.of(); // else look again
+        // otherwise the files changed during the check: check again later
+        return listed == manifest && file == current ? found : List.of();
     }
 
-    /** Made again if it is not in its place. */
+    /** Returns the manifest. Creates it again if it is missing. */
     private Manifest manifest() throws IOException {
         Manifest now = manifest;
         if (now == null || !now.trouble().isEmpty()) {
@@ -165,7 +176,7 @@ final class FrameFiles {
         return store.resolveSibling(store.getFileName() + "-frames-" + which);
     }
 
-    /** Files of frames by number. */
+    /** Returns the files of frames by number. */
     static TreeMap<Long, Path> present(Path store) throws IOException {
         String prefix = store.getFileName() + "-frames-";
         var files = new TreeMap<Long, Path>();

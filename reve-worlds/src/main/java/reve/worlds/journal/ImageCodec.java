@@ -3,10 +3,10 @@ package reve.worlds.journal;
 
 import org.jspecify.annotations.Nullable;
 
-import reve.core.store.CorruptException;
-import reve.core.store.Sections;
-import reve.core.store.Trees;
-import reve.core.store.WorldImageCodec;
+import reve.core.image.CorruptException;
+import reve.core.image.Sections;
+import reve.core.image.Trees;
+import reve.core.image.WorldImageCodec;
 import reve.core.world.OffHeapArena;
 import reve.core.world.World;
 import reve.pe.Status;
@@ -25,8 +25,8 @@ import java.util.Map;
 import java.util.function.Function;
 
 /**
- * Images of simulations as bytes. Law libraries are named by their SHA-256 and kept elsewhere. One
- * thread.
+ * The codec of simulation images as bytes. An image names law libraries by their SHA-256; their
+ * bytes are stored separately. One thread.
  */
 public final class ImageCodec {
     private static final String HEADER = "header";
@@ -35,13 +35,14 @@ public final class ImageCodec {
     private final WorldHeader header;
     private final WorldImageCodec worlds;
 
+    /** Creates a codec for images of worlds with this header. */
     public ImageCodec(WorldHeader header) {
         this.header = header;
         this.worlds = new WorldImageCodec(header.prototype(), header.assets());
     }
 
     /**
-     * An image that was read and not looked into further.
+     * An image whose outer structure was read; its content is not decoded yet.
      *
      * @param members ids of the agents' bodies by agent
      */
@@ -52,6 +53,8 @@ public final class ImageCodec {
             Map<String, byte[]> sections) {}
 
     /**
+     * Encodes an image.
+     *
      * @param members ids of the agents' bodies by agent
      * @throws IllegalArgumentException if an item of the world has no form in a world file
      */
@@ -72,7 +75,9 @@ public final class ImageCodec {
     }
 
     /**
-     * @throws CorruptException saying what is wrong, if the bytes are not what was written
+     * Reads the outer structure of an image.
+     *
+     * @throws CorruptException with the reason, if the bytes are damaged
      */
     public static Stored open(byte[] bytes) {
         Map<String, byte[]> sections = Sections.read(bytes);
@@ -94,10 +99,10 @@ public final class ImageCodec {
     }
 
     /**
-     * A whole image; the caller closes it.
+     * Decodes an image; the caller closes it.
      *
-     * @param libraries bytes of a law library by SHA-256, null if they are not there
-     * @throws CorruptException if it contradicts itself or lacks a library
+     * @param libraries returns the bytes of a law library by SHA-256, or null if there is none
+     * @throws CorruptException if the image contradicts itself or lacks a library
      */
     public SimulationImage read(Stored stored, Function<String, byte @Nullable []> libraries) {
         SimulationImage image;

@@ -7,7 +7,7 @@ import reve.core.frame.FrameBus;
 import reve.core.frame.FrameEvent;
 import reve.core.frame.FramePhase;
 import reve.core.frame.Subscription;
-import reve.core.store.WorldDigest;
+import reve.core.image.WorldDigest;
 import reve.core.world.World;
 import reve.core.world.WorldChange;
 import reve.core.world.WorldEvent;
@@ -28,13 +28,13 @@ import java.util.concurrent.locks.LockSupport;
 import java.util.function.Consumer;
 
 /**
- * Keeps a journal of a running world: an image first, and again every so many frames; in between,
- * whatever changed the world other than laws, and a digest of each frame. The world's thread copies
- * and sums up; threads of the journal's own write. No frame is published before the one before it
- * is written, so that the end of the process costs one frame at most, unless the disk lets the
- * world wait for too long. If writing fails the world goes on, and the journal with the next image;
- * a world whose journal itself has ended stops with an IOError. Made and closed by the world's
- * thread, between frames.
+ * The journal of a running world: an image first and at a fixed interval of frames, and between
+ * images, for each frame, all changes that laws did not cause and a digest. The world's thread
+ * copies data and computes digests; the journal's threads write. A frame is published only after
+ * the frame before it is written, so the end of the process costs at most one frame, unless the
+ * disk is slower than the patience below. If a write fails, the world continues, and the journal
+ * resumes with the next image. If the journal's own thread ends, the world stops with an IOError.
+ * Created and closed by the world's thread, between frames.
  */
 public final class Journal implements AutoCloseable {
     private static final int FRAMES_WAITING = 2048;
@@ -42,10 +42,13 @@ public final class Journal implements AutoCloseable {
     private static final long PAUSE_NANOSECONDS = 50_000;
     private static final int SPINS = 2_000;
 
-    /** How long a frame waits for the one before it, where the wall clock paces the world [ns]. */
+    /**
+     * Maximum time that a frame waits for the previous one to be written, if the wall clock paces
+     * the world [ns].
+     */
     private static final long FRAME_PATIENCE_NANOSECONDS = 1_000_000_000;
 
-    /** The same if there is a whole image to be written, or to be copied [ns]. */
+    /** Maximum time that a frame waits while an image is written or must be copied [ns]. */
     private static final long IMAGE_PATIENCE_NANOSECONDS = 5_000_000_000L;
 
     private final World world;
@@ -68,22 +71,24 @@ public final class Journal implements AutoCloseable {
     private boolean published;
     private boolean imageWanted = true;
 
-    /** Whether the disk is behind, and frames no longer wait for it. */
+    /** Whether the disk is too slow, so that frames no longer wait for it. */
     private boolean behind;
 
     private Optional<Shortfall> shortfall = Optional.empty();
 
     /**
-     * @param imageFrames an image is written every so many frames; 0 for the first one only
-     * @param waits whether the world waits for a slow disk however long it takes, as when nothing
-     *     paces it; else, after a second, the operator is told, and the world goes on
+     * The intervals and waiting policy of a journal.
+     *
+     * @param imageFrames frames between two images; 0 writes the first image only
+     * @param waits whether the world waits for a slow disk without limit, as when it is not paced.
+     *     Otherwise, after a second, the journal warns the operator and the world continues.
      */
     public record Plan(long imageFrames, boolean waits) {}
 
     /**
-     * A journal with images that has ended without the last one.
+     * A journal with images that ended without its last image.
      *
-     * @param reached frame that what is kept leads to, -1 if nothing of the run is kept
+     * @param reached last frame that the journal can restore; -1 if it can restore none of the run
      * @param last frame that was published
      */
     public record Shortfall(long reached, long last) {
@@ -100,9 +105,11 @@ public final class Journal implements AutoCloseable {
     }
 
     /**
-     * What a recording lacks.
+     * The frames that a recording lacks.
      *
-     * @param count of frames that are not recorded, the first one and the last
+     * @param count number of missing frames
+     * @param first the first missing frame
+     * @param last the last missing frame
      */
     public record Gap(long count, long first, long last) {
         Gap and(long frame) {
@@ -118,11 +125,11 @@ public final class Journal implements AutoCloseable {
     }
 
     /**
-     * Begins with an image of the next frame that is published.
+     * Begins the journal with an image of the next published frame.
      *
-     * @param members ids of the bodies of agents that are in the world, by agent
+     * @param members ids of the bodies of agents in the world, by agent
      * @param sink closed by the journal
-     * @param problems told, on any thread, what went wrong
+     * @param problems receives messages about failures, on any thread
      */
     public Journal(
             WorldHeader header,
@@ -147,7 +154,7 @@ public final class Journal implements AutoCloseable {
         writer = new JournalWriter(header, digest.size(), ring, rooms, plan, sink, problems);
         lawListener = laws::add;
         physics.laws().addListener(lawListener);
-        // Results of acts may be told from ACT on; going back is published without one.
+        // The server may send results of acts from ACT on, and publishes a rewind without INTAKE.
         subscriptions.add(bus.subscribe(FramePhase.INTAKE, "journal", this::awaitFrameBefore));
         subscriptions.add(bus.subscribe(FramePhase.ACT, "journal", this::noteEarlyChanges));
         subscriptions.add(bus.subscribe(FramePhase.DERIVE, "journal", this::awaitFrameBefore));
@@ -155,7 +162,9 @@ public final class Journal implements AutoCloseable {
         writer.start();
     }
 
-    /** Writes an image of the world as it is now, waits until all is written, and ends. */
+    /**
+     * Writes an image of the current world, waits until all data is written, and ends the journal.
+     */
     @Override
     public void close() {
         if (subscriptions.isEmpty()) {
@@ -181,12 +190,12 @@ public final class Journal implements AutoCloseable {
         }
     }
 
-    /** What is missing from a closed journal with images, if something is. */
+    /** Returns what a closed journal with images lacks, or empty if it is complete. */
     public Optional<Shortfall> shortfall() {
         return shortfall;
     }
 
-    /** What a closed recording lacks, but for what is beyond its limit. */
+    /** Returns the frames that a closed recording lacks, except those beyond its size limit. */
     public Optional<Gap> gap() {
         return writer.gap();
     }
@@ -203,7 +212,7 @@ public final class Journal implements AutoCloseable {
     }
 
     /**
-     * @throws IOError if nothing more will be written
+     * @throws IOError if the writer has ended
      */
     private void requireWriter() {
         writer.failure()
@@ -219,7 +228,10 @@ public final class Journal implements AutoCloseable {
                         });
     }
 
-    /** What is announced is thereby at most one frame ahead of what is written. */
+    /**
+     * Waits for the previous frame to be written. Agents are therefore at most one frame ahead of
+     * the journal.
+     */
     private void awaitFrameBefore(FrameEvent frame) {
         requireWriter();
         for (int i = 0; i < SPINS && !ring.isEmpty(); i++) {
@@ -246,7 +258,10 @@ public final class Journal implements AutoCloseable {
         requireWriter();
     }
 
-    /** The last listener of ACT: what comes later is not seen by this frame's laws. */
+    /**
+     * Notes the changes before PHYSICS. Runs as the last listener of ACT, because the laws of this
+     * frame do not see later changes.
+     */
     private void noteEarlyChanges(FrameEvent frame) {
         List<WorldChange> changes = world.changes();
         earlyCount = changes.size();
@@ -254,7 +269,8 @@ public final class Journal implements AutoCloseable {
             early.add(noted(changes.get(i)));
         }
         if (earlyCount > 0) {
-            digest.compute(earlyDigest); // laws would spread at once what an input did to one item
+            // after PHYSICS, laws would have spread a deviation of one item to others
+            digest.compute(earlyDigest);
         }
     }
 
@@ -278,7 +294,7 @@ public final class Journal implements AutoCloseable {
         earlyCount = 0;
     }
 
-    /** Frames that are left out are made up for by an image. */
+    /** Omits a frame from the journal; an image replaces the omitted frames. */
     private void skip(long frame) {
         if (!imageWanted) {
             imageWanted = true;
@@ -318,7 +334,7 @@ public final class Journal implements AutoCloseable {
         }
         if (entry.begins && entry.image == null) {
             requireWriter();
-            entry.begins = false; // no room: the next frame tries again
+            entry.begins = false; // no free slot: the next frame tries again
             skip(frame);
         } else if (entry.image != null) {
             imageWanted = false;
@@ -328,10 +344,10 @@ public final class Journal implements AutoCloseable {
     }
 
     /**
-     * Copies the world, as soon as one of the images before it is written.
+     * Copies the world into an image as soon as a slot is free.
      *
-     * @param patience how long to wait for that [ns]
-     * @return null if none is written by then, or the writer has ended
+     * @param patience maximum wait for a slot [ns]
+     * @return null if no slot is free by then, or the writer has ended
      */
     private @Nullable SimulationImage copy(long frame, long patience) {
         long start = System.nanoTime();
@@ -346,7 +362,7 @@ public final class Journal implements AutoCloseable {
         return room;
     }
 
-    /** Null if the writer has ended. */
+    /** Waits for a free entry. Returns null if the writer has ended. */
     private @Nullable Entry waitForEntry() {
         Entry entry = ring.next();
         while (entry == null && writer.isWorking()) {
@@ -374,7 +390,7 @@ public final class Journal implements AutoCloseable {
         }
     }
 
-    /** Who is in the world after an event, and with which body. */
+    /** Returns the agents in the world and their bodies after an event. */
     static Map<String, Long> after(WorldEvent event, Map<String, Long> members, World world) {
         boolean joined = event.type().equals("joined");
         if (!joined && !event.type().equals("left")) {

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.worlds.journal;
 
-/** A record of a journal, whatever it is kept in. A journal begins with an image. */
+/** A record of a journal, independent of the storage. The first record of a journal is an image. */
 public sealed interface JournalRecord {
-    /** A law library that later records name by the SHA-256 of its bytes. */
+    /** A law library. Later records refer to it by the SHA-256 of its bytes. */
     record Library(String sha256, byte[] bytes) implements JournalRecord {}
 
-    /** Everything at the end of a frame, as {@link ImageCodec} writes it. */
+    /** The complete state at the end of a frame, encoded by {@link ImageCodec}. */
     record Image(long frame, byte[] bytes) implements JournalRecord {}
 
-    /** What came into a frame, and its digest: JSON as {@link FrameCodec} writes it. */
+    /** The inputs and the digest of a frame: JSON, encoded by {@link FrameCodec}. */
     record Frame(long frame, byte[] json) implements JournalRecord {}
 }

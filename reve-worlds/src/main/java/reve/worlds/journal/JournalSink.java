@@ -6,52 +6,51 @@ import java.nio.file.Path;
 import java.util.List;
 import java.util.Optional;
 
-/** Where a journal is kept. One thread, except where it says otherwise. */
+/** The storage of a journal. One thread, unless a method says otherwise. */
 public interface JournalSink extends AutoCloseable {
     /**
-     * Adds a library or a frame behind all else. When it returns, the record outlives the end of
-     * this process.
+     * Appends a library or a frame. After it returns, the record survives the end of this process.
      *
-     * @throws IOException naming the file, if that failed; nothing of the record counts then
+     * @throws IOException naming the file; the record is then not stored
      */
     void write(JournalRecord record) throws IOException;
 
     /**
-     * A place for an image of the frame that was written last, before all that is written later.
+     * Reserves a place for an image of the last written frame, before all later records.
      *
-     * @throws IOException naming the file, if there can be none
+     * @throws IOException naming the file, if no place can be reserved
      */
     Place place() throws IOException;
 
     /**
-     * Waits until what was written outlives a power failure too, if the sink was made for that. Any
-     * thread, also while another one writes.
+     * Waits until the written data survives a power failure, if the sink was configured for that.
+     * Any thread, also during a write.
      */
     void sync() throws IOException;
 
-    /** Its file, if that was moved or removed: readers do not find there what is written. */
+    /** Returns the sink's file if it was moved or removed, so that readers cannot find new data. */
     default Optional<Path> missing() {
         return Optional.empty();
     }
 
     /**
-     * Looks at its files and returns a line about each that was removed, replaced or cut since the
-     * last look, with what to do. The thread that writes images.
+     * Checks the sink's files and returns a line for each file that was removed, replaced or cut
+     * since the last check. Each line says what to do. Called by the thread that writes images.
      */
     default List<String> troubles() {
         return List.of();
     }
 
-    /** Whether it has the size that it was to have, and ends there. */
+    /** Returns whether the sink has reached its size limit and accepts no more records. */
     default boolean hasItsLimit() {
         return false;
     }
 
     /**
-     * Begins again with an empty file in place of one that is missing, or that refused a record.
+     * Begins an empty file in place of a missing one or of one that refused a record.
      *
-     * @return where that is, and what became of the file before it, for people
-     * @throws IOException naming the file, if there can be none
+     * @return the new file and what happened to the previous one, for messages
+     * @throws IOException naming the file, if no file can be created
      */
     default String beginAnew() throws IOException {
         throw new UnsupportedOperationException("no file is missing");
@@ -60,22 +59,25 @@ public interface JournalSink extends AutoCloseable {
     @Override
     void close() throws IOException;
 
-    /** A file of the sink was lost, and another one has begun: the image is to be written again. */
+    /** A file of the sink was lost and a new one has begun: the image must be written again. */
     final class BegunAnewException extends IOException {
         private static final long serialVersionUID = 1L;
 
+        /** Creates an exception with a message that names the file. */
         public BegunAnewException(String message) {
             super(message);
         }
     }
 
-    /** Where an image goes: any thread, also while another one writes; places in their order. */
+    /**
+     * A reserved place for an image. Any thread, also during a write; places are filled in order.
+     */
     interface Place {
         /**
-         * Keeps the image and the libraries that it names, all or nothing.
+         * Stores the image and the libraries that it refers to, all or none.
          *
-         * @throws BegunAnewException if nothing was written, and trying again is likely to help
-         * @throws IOException naming the file, if that failed; the place may be tried again
+         * @throws BegunAnewException if nothing was written and a retry will probably succeed
+         * @throws IOException naming the file, if the write failed; the place may be retried
          */
         void write(List<JournalRecord.Library> libraries, JournalRecord.Image image)
                 throws IOException;

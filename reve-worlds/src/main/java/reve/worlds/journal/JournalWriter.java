@@ -21,15 +21,15 @@ import java.util.function.Consumer;
 import java.util.function.Supplier;
 
 /**
- * Writes a journal on two threads: one that adds each frame as soon as it is handed over, and one
- * that keeps the images and waits for the disk, which both take their time.
+ * The two threads that write a journal: one appends each frame as soon as it is passed, the other
+ * writes images and waits for the disk.
  */
 final class JournalWriter {
     private static final int SPINS = 1_000;
     private static final long SYNC_MILLISECONDS = 100;
     private static final int LAST_IMAGE_TRIES = 3;
 
-    /** Time between two looks whether the file is still in its place [ns]. */
+    /** Interval between two checks that the file is still at its path [ns]. */
     private static final long LOOK_NANOSECONDS = 1_000_000_000;
 
     private static final String NOTHING_KEPT = "; nothing is kept until an image can be written";
@@ -48,32 +48,35 @@ final class JournalWriter {
                     1, Thread.ofPlatform().name("journal images").factory());
     private final AtomicBoolean syncDue = new AtomicBoolean();
 
-    /** False until an image is kept: what there is has to begin with one. */
+    /** Whether an image is stored; the journal must begin with one. */
     private boolean begun;
 
-    /** Frame that what is kept leads to without a gap, -1 for none. Final when the writer ends. */
+    /**
+     * Last frame that the journal can restore without a gap; -1 for none. Final when the writer
+     * ends.
+     */
     private long reached = -1;
 
-    /** Frame of the image that began it last. */
+    /** Frame of the image with which the journal last began. */
     private long begunAt = -1;
 
     private boolean lastImageKept = true;
     private final AtomicBoolean beginsAnew = new AtomicBoolean();
     private long lookedNanos = System.nanoTime();
 
-    /** The file was moved or removed, and there is no other one in its place yet. */
+    /** Whether the file was moved or removed and is not yet replaced. */
     private boolean missing;
 
-    /** A recording could not be written, and does not go on yet in another file. */
+    /** Whether the recording could not be written and does not yet continue in another file. */
     private volatile boolean refused;
 
-    /** Whether it was told why it cannot go on in another file. */
+    /** Whether the reason why it cannot continue in another file was reported. */
     private boolean toldStay;
 
-    /** Where one has begun, for people; empty if none has. */
+    /** The replacement file, for messages; empty if there is none. */
     private String place = "";
 
-    /** Frames that a recording lacks. Final when the writer ends. */
+    /** The frames that a recording lacks. Final when the writer ends. */
     private Optional<Journal.Gap> gap = Optional.empty();
 
     private volatile boolean ending;
@@ -111,37 +114,49 @@ final class JournalWriter {
         LockSupport.unpark(thread);
     }
 
-    /** False when it has ended, by a failure perhaps: what waits in the ring then stays there. */
+    /**
+     * Returns false after the writer has ended, also by a failure. Entries that wait in the ring
+     * are then never written.
+     */
     boolean isWorking() {
         return failure == null && thread.isAlive();
     }
 
-    /** True once after a new file has begun, which is useless without an image. World's thread. */
+    /**
+     * Returns true once after a new file has begun, because the file must begin with an image.
+     * World's thread.
+     */
     boolean beginsAnew() {
         return beginsAnew.get() && beginsAnew.getAndSet(false);
     }
 
-    /** Why it has ended, unless it was told to. */
+    /** Returns why the writer ended; empty unless it failed. */
     Optional<Throwable> failure() {
         return Optional.ofNullable(failure);
     }
 
-    /** After the end: the frame that what is kept leads to without a gap, -1 for none. */
+    /**
+     * Returns, after the end, the last frame that the journal can restore without a gap; -1 for
+     * none.
+     */
     long reached() {
         return reached;
     }
 
-    /** After the end: the frames that a recording lacks, but for those beyond its limit. */
+    /**
+     * Returns, after the end, the frames that a recording lacks, except those beyond its size
+     * limit.
+     */
     Optional<Journal.Gap> gap() {
         return gap;
     }
 
-    /** After the end: whether the image of the end is kept, if there was to be one. */
+    /** Returns, after the end, whether the final image is stored, if one was due. */
     boolean isLastImageKept() {
         return lastImageKept && failure == null;
     }
 
-    /** Waits until everything that was handed over is written and the sink is closed. */
+    /** Waits until all passed entries are written and the sink is closed. */
     void end() {
         ending = true;
         wake();
@@ -161,7 +176,7 @@ final class JournalWriter {
     private void run() {
         try {
             writeAll();
-        } catch (Throwable e) { // the world's thread asks for it
+        } catch (Throwable e) { // the world's thread reads it with failure()
             failure = e;
         } finally {
             disk.close();
@@ -189,7 +204,7 @@ final class JournalWriter {
 
     private void writeAll() {
         while (true) {
-            boolean last = ending; // asked first: nothing comes after it
+            boolean last = ending; // read before the ring: no entry follows once it is set
             Entry entry = ring.peek();
             if (entry != null) {
                 lookAfterFile();
@@ -203,9 +218,7 @@ final class JournalWriter {
         }
     }
 
-    /**
-     * Looks for a while before it sleeps: where nothing paces the world, the next is soon there.
-     */
+    /** Spins briefly before it blocks: in a world without pacing, the next entry arrives soon. */
     private void waitForMore() {
         for (int i = 0; i < SPINS && ring.peek() == null; i++) {
             Thread.onSpinWait();
@@ -215,7 +228,9 @@ final class JournalWriter {
         }
     }
 
-    /** A file that was moved or removed takes what is written along: begins another one. */
+    /**
+     * Begins a new file if the current one was moved or removed, because its data would be lost.
+     */
     private void lookAfterFile() {
         long now = System.nanoTime();
         if (!begun && !missing && !refused || now - lookedNanos < LOOK_NANOSECONDS) {
@@ -251,7 +266,7 @@ final class JournalWriter {
         }
     }
 
-    /** A new file, which begins with an image, as soon as there is room for one. */
+    /** Begins a new file with an image as soon as there is disk space for one. */
     private void beginAfterRefusal() {
         try {
             place = sink.beginAnew();
@@ -270,8 +285,8 @@ final class JournalWriter {
     }
 
     /**
-     * Whether it could be done; if not, somebody is told why, and what follows from it. An Error,
-     * as for want of memory, costs no more than a disk that refuses.
+     * Runs a step. On failure, reports the reason and the consequence, and returns false. An Error,
+     * for example out of memory, is treated like a failure of the disk.
      */
     private boolean attempt(Step step, String consequence) {
         return attempt(step, () -> consequence);
@@ -282,7 +297,7 @@ final class JournalWriter {
             step.run();
             return true;
         } catch (Throwable e) {
-            if (!refused) { // else told before
+            if (!refused) { // otherwise already reported
                 problems.accept(reason(e) + consequence.get());
             }
             return false;
@@ -295,7 +310,7 @@ final class JournalWriter {
                 : failure.toString();
     }
 
-    /** A frame that cannot be written costs the journal up to the next image, and nothing else. */
+    /** Writes an entry. A failed frame costs the journal the frames up to the next image. */
     private void take(Entry entry) {
         if (begun && !entry.begins && !entry.last) {
             begun =
@@ -371,7 +386,10 @@ final class JournalWriter {
         attempt(sink::sync, "; a power failure may cost more than the last 0.1 s");
     }
 
-    /** The frames go on meanwhile, unless they have nothing else to begin with. */
+    /**
+     * Writes an image. Frames are still written meanwhile, unless the journal has no image to begin
+     * with.
+     */
     private void keepImage(Entry entry, SimulationImage image) throws IOException {
         Map<String, Long> members = entry.members;
         int tries = entry.last ? LAST_IMAGE_TRIES : 1;
@@ -387,7 +405,7 @@ final class JournalWriter {
                     CompletableFuture.supplyAsync(
                             () -> writeImage(image, members, place, tries, otherwise), disk);
         } catch (Throwable e) {
-            rooms.add(image); // else given back when it is written
+            rooms.add(image); // otherwise returned when it is written
             throw e;
         }
         if (entry.begins || entry.last || !begun) {

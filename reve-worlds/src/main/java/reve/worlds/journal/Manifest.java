@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.worlds.journal;
 
-import reve.core.store.CorruptException;
+import reve.core.image.CorruptException;
 
 import java.io.IOException;
 import java.io.InputStream;
@@ -16,11 +16,12 @@ import java.util.UUID;
 import java.util.zip.CRC32C;
 
 /**
- * The file STORE-manifest: the least that the other files of a store must hold. It is written in
- * place, by one small write after each frame and each image, so it never claims what is not there;
- * files that hold less than it claims have lost something. It names a file of frames before that
- * holds any, and is on the disk before the image that begins the file is committed: if it does not
- * name it, it is an older copy, and says nothing about the newest frames. Any thread.
+ * The file STORE-manifest: the minimum content of the other files of a store. It is written in
+ * place, by one small write after each frame and each image, so it never claims data that is not
+ * yet written. If files contain less than it claims, data was lost. The manifest names a file of
+ * frames before the file contains a frame, and is flushed before the image that begins the file is
+ * committed. A manifest that does not name that file is therefore an older copy, and says nothing
+ * about the newest frames. Any thread.
  */
 final class Manifest implements AutoCloseable {
     private static final byte[] MARK =
@@ -37,13 +38,16 @@ final class Manifest implements AutoCloseable {
     private long frame;
 
     /**
-     * What a manifest says.
+     * The content of a manifest.
      *
      * @param store identity of the store
-     * @param boot identity of the machine's start in which it was written
-     * @param file number of the newest file of frames, and its identity
-     * @param frame that was written last, or shown by the image that was written last
-     * @param image number of the newest image, 0 without any; its frame and its checksum
+     * @param boot identity of the boot of the machine during which it was written
+     * @param file number of the newest file of frames
+     * @param fileId identity of that file
+     * @param frame last written frame, or frame of the last written image
+     * @param image number of the newest image; 0 if there is none
+     * @param imageFrame frame of that image
+     * @param imageSum checksum of that image
      */
     record Claim(
             UUID store,
@@ -58,21 +62,22 @@ final class Manifest implements AutoCloseable {
             return new Claim(store, thisBoot(), 0, 0, 0, 0, 0, 0);
         }
 
-        /** Whether the machine was started again since: a power failure may have cost frames. */
+        /** Returns whether the machine was booted since: a power failure may have lost frames. */
         boolean isOfAnotherBoot() {
             return !boot.equals(thisBoot());
         }
     }
 
     /**
-     * Opens the manifest or makes it; the claim is written at once.
+     * Opens or creates the manifest, and writes the claim.
      *
      * @throws IOException naming the file and the reason
      */
     Manifest(Path store, Claim claim) throws IOException {
         file = path(store);
         this.claim = claim;
-        if (Files.exists(file) && !Files.isRegularFile(file)) { // opening a pipe waits for a reader
+        // opening a pipe would wait for a reader
+        if (Files.exists(file) && !Files.isRegularFile(file)) {
             throw new IOException(
                     file
                             + " is no regular file, expected a file of the store "
@@ -99,15 +104,15 @@ final class Manifest implements AutoCloseable {
     }
 
     /**
-     * What the manifest of a store claims, empty if there is no manifest or an empty one.
+     * Returns the claim of a store's manifest; empty if the manifest is missing or empty.
      *
-     * @throws CorruptException if it is damaged or no manifest
+     * @throws CorruptException if it is damaged or not a manifest
      */
     static Optional<Claim> read(Path store) throws IOException {
         Path file = path(store);
-        Optional<String> no = FileTrouble.noFile(file);
-        if (no.isPresent()) {
-            throw new CorruptException(no.get());
+        Optional<String> reason = FileTrouble.noFile(file);
+        if (reason.isPresent()) {
+            throw new CorruptException(reason.get());
         }
         if (!Files.exists(file) || Files.size(file) == 0) {
             return Optional.empty();
@@ -142,7 +147,7 @@ final class Manifest implements AutoCloseable {
                         block.getLong()));
     }
 
-    /** Another file of frames has begun. */
+    /** Records that another file of frames has begun. */
     synchronized void begin(long number, long id) throws IOException {
         write(
                 new Claim(
@@ -156,14 +161,14 @@ final class Manifest implements AutoCloseable {
                         claim.imageSum));
     }
 
-    /** A frame was written. */
+    /** Records that a frame was written. */
     synchronized void reach(long newest) throws IOException {
         frame = newest;
         block.putLong(FRAME_AT, newest);
         write();
     }
 
-    /** An image was written. */
+    /** Records that an image was written. */
     synchronized void keep(long image, long itsFrame, long sum) throws IOException {
         write(
                 new Claim(
@@ -177,7 +182,7 @@ final class Manifest implements AutoCloseable {
                         sum));
     }
 
-    /** Waits until what it says outlives a power failure. */
+    /** Waits until the manifest survives a power failure. */
     void force() throws IOException {
         try {
             channel.force(false);
@@ -186,7 +191,7 @@ final class Manifest implements AutoCloseable {
         }
     }
 
-    /** What became of the file, as a line; empty if all of it is where it was made. */
+    /** Returns a line about the file if it was moved, removed or cut; otherwise empty. */
     String trouble() {
         String what = place.trouble(BYTES);
         return what.isEmpty() ? "" : file + " " + what;
@@ -249,7 +254,7 @@ final class Manifest implements AutoCloseable {
         try {
             return UUID.fromString(Files.readString(BOOT).strip());
         } catch (IOException | IllegalArgumentException unknown) {
-            return new UUID(0, 0); // no start of the machine is then taken for another one
+            return new UUID(0, 0); // then no later boot is seen as a different one
         }
     }
 

@@ -13,8 +13,8 @@ import java.util.Optional;
 import java.util.stream.IntStream;
 
 /**
- * A recording that is being made, in a file that no other process may write meanwhile. An older
- * recording is moved out of its way.
+ * A recording in progress, in a file that is locked against other processes. An older recording at
+ * the path is renamed.
  */
 public final class Recording implements JournalSink {
     private final RecordingPlan plan;
@@ -24,11 +24,11 @@ public final class Recording implements JournalSink {
     private RunLog.Writer writer;
 
     /**
-     * Begins a recording. A recording that the file holds becomes {@code FILE.1}, unless there is
-     * nothing in it to replay.
+     * Begins a recording. Renames an existing recording to {@code FILE.1}, unless it contains
+     * nothing to replay.
      *
-     * @throws IOException if the file cannot be written, is in use by another process, or holds
-     *     something else than a recording
+     * @throws IOException if the file cannot be written, is in use by another process, or is not a
+     *     recording
      */
     public Recording(RecordingPlan plan) throws IOException {
         this.plan = plan;
@@ -38,7 +38,8 @@ public final class Recording implements JournalSink {
     }
 
     private OwnedFile open() throws IOException {
-        requireRecording(file); // reads it, which would unlock it later
+        // reads the file; reading it after the lock is taken would release the lock
+        requireRecording(file);
         try {
             OwnedFile found = OwnedFile.open(file);
             if (!Files.isRegularFile(file) || found.channel().size() <= RunLog.EMPTY_BYTES) {
@@ -53,7 +54,10 @@ public final class Recording implements JournalSink {
         }
     }
 
-    /** The lock is held until a new file is at the path, so that two servers do not both move. */
+    /**
+     * Renames the older recordings. Keeps the lock until the new file exists, so that two servers
+     * never rename at the same time.
+     */
     private Path rotated() throws IOException {
         for (int i = 1; i <= plan.keep() && Files.exists(OwnedFile.older(file, i)); i++) {
             requireRecording(OwnedFile.older(file, i));
@@ -83,7 +87,10 @@ public final class Recording implements JournalSink {
         }
     }
 
-    /** A store, a world file or a picture that was named by mistake stays as it is. */
+    /**
+     * Refuses a file that is not a recording, for example a store, a world file or a picture named
+     * by mistake.
+     */
     private static void requireRecording(Path named) throws IOException {
         if (!Files.isRegularFile(named) || Files.size(named) == 0) {
             return;
@@ -100,7 +107,7 @@ public final class Recording implements JournalSink {
         }
     }
 
-    /** Where the recording is now that the file held before, if there was one. */
+    /** Returns the new path of the previous recording, if there was one. */
     public Optional<Path> older() {
         return older;
     }
@@ -117,7 +124,7 @@ public final class Recording implements JournalSink {
 
     @Override
     public void sync() {
-        // a recording is only there to be looked at later
+        // a recording need not survive a power failure
     }
 
     @Override
@@ -134,7 +141,7 @@ public final class Recording implements JournalSink {
     public String beginAnew() throws IOException {
         if (owned.isInPlace()) {
             requireRoomForOlder();
-            owned.close(); // else this process itself has it locked
+            owned.close(); // otherwise this process itself holds the lock
         }
         OwnedFile fresh = open();
         owned.close();
@@ -143,7 +150,10 @@ public final class Recording implements JournalSink {
         return file + older.map(part -> ", the recording before it is " + part).orElse("");
     }
 
-    /** A disk that becomes full again and again must not push out the recordings before. */
+    /**
+     * Refuses to rename if older recordings would be lost. Otherwise a disk that fills repeatedly
+     * would push them out.
+     */
     private void requireRoomForOlder() throws IOException {
         if (Files.size(file) > RunLog.EMPTY_BYTES
                 && IntStream.rangeClosed(1, plan.keep())

@@ -4,18 +4,18 @@ package reve.worlds.journal;
 import java.nio.file.Path;
 
 /**
- * Where and how a run is recorded.
+ * The file and the limits of a recording.
  *
- * @param file a recording that is there already becomes {@code FILE.1}
+ * @param file an existing recording is renamed to {@code FILE.1}
  * @param maxBytes size at which the recording ends [bytes]
- * @param keep older recordings {@code FILE.1} to {@code FILE.keep} that are kept
+ * @param keep number of older recordings that are kept, {@code FILE.1} to {@code FILE.keep}
  */
 public record RecordingPlan(Path file, long maxBytes, int keep) {
 
     public static final int DEFAULT_KEEP = 8;
 
     /**
-     * @throws IllegalArgumentException if the size is less than 1 byte or no file is kept
+     * @throws IllegalArgumentException if the size is less than 1 byte, or {@code keep} less than 1
      */
     public RecordingPlan {
         if (maxBytes < 1 || keep < 1) {
@@ -28,7 +28,7 @@ public record RecordingPlan(Path file, long maxBytes, int keep) {
         }
     }
 
-    /** No limit of the size, and the default number of older recordings. */
+    /** Returns a plan without a size limit and with the default number of older recordings. */
     public static RecordingPlan of(Path file) {
         return new RecordingPlan(file, Long.MAX_VALUE, DEFAULT_KEEP);
     }

@@ -3,7 +3,7 @@ package reve.worlds.journal;
 
 import org.jspecify.annotations.Nullable;
 
-import reve.core.store.CorruptException;
+import reve.core.image.CorruptException;
 import reve.pe.PreparedLibrary;
 
 import java.io.BufferedInputStream;
@@ -32,13 +32,13 @@ import java.util.UUID;
 import java.util.zip.CRC32C;
 
 /**
- * A file of records, only ever added to: a whole recording, or frames of a store. A mark, then each
- * record: its length, a letter for what it is, its frame, the CRC32C of these three, the content,
- * and the CRC32C of that. A file that ends in the middle of a record, as after a crash, ends before
- * it.
+ * An append-only file of records: a complete recording, or frames of a store. The file begins with
+ * a mark. Each record has its length, a letter for its type, its frame, the CRC32C of these three,
+ * the content, and the CRC32C of the content. A record that a crash cut at the end of the file is
+ * ignored.
  */
 public final class RunLog {
-    /** The letter of the record that files of a store begin with. */
+    /** Type letter of the first record in files of a store. */
     private static final char LINK = 'S';
 
     private static final byte[] MARK = "REVE run log 2\n".getBytes(StandardCharsets.US_ASCII);
@@ -50,10 +50,13 @@ public final class RunLog {
     private static final int SUM_BYTES = Integer.BYTES;
     private static final int SHA_BYTES = 32;
 
-    /** Maximum size of a record; SQLite takes no more for an image either [bytes]. */
+    /** Maximum size of a record, which is also SQLite's limit for an image [bytes]. */
     static final int MAX_BYTES = 1_000_000_000;
 
-    /** Size from which on a content is summed up before memory is allocated for it [bytes]. */
+    /**
+     * Size from which the checksum of a content is verified before memory is allocated for it
+     * [bytes].
+     */
     private static final int LARGE_BYTES = 1 << 20;
 
     private static final int PIECE_BYTES = 1 << 16;
@@ -64,12 +67,12 @@ public final class RunLog {
     private RunLog() {}
 
     /**
-     * The record that a file of frames of a store begins with; recordings have none.
+     * The first record in a file of frames of a store; recordings have none.
      *
      * @param store identity of the store
      * @param number of the file
      * @param id of the file
-     * @param before id of the file before it, 0 if there is none that has an id
+     * @param before id of the previous file; 0 if there is none with an id
      */
     record Link(UUID store, long number, long id, long before) {
         private static final int BYTES = 4 * Long.BYTES;
@@ -97,15 +100,18 @@ public final class RunLog {
     }
 
     /**
-     * The records of a recording, which is read as it goes.
+     * Opens a recording; its records are read on demand.
      *
-     * @throws CorruptException if the file is no recording
+     * @throws CorruptException if the file is not a recording
      */
     public static Reader open(Path file) throws IOException {
         return new Reader(file);
     }
 
-    /** Whether a file begins as a recording, or as the part of it that a crash left. */
+    /**
+     * Returns whether a file begins as a recording, or is the part of a beginning that a crash
+     * left.
+     */
     static boolean isRecording(InputStream file) throws IOException {
         byte[] start = file.readNBytes(MARK.length + Integer.BYTES + 1);
         boolean stores =
@@ -120,25 +126,25 @@ public final class RunLog {
                         Math.min(start.length, MARK.length));
     }
 
-    /** Adds each record by one write. One thread, but for {@link #force}. */
+    /** Writer that appends each record by one write. One thread, except {@link #force}. */
     static final class Writer implements AutoCloseable {
         private final Path file;
         private final FileChannel channel;
         private final long maxBytes;
         private final Optional<FilePlace> place;
 
-        /** Bytes that the file has at least. */
+        /** Minimum size of the file [bytes]. */
         private volatile long written;
 
         private final Set<String> libraries = new HashSet<>();
         private boolean full;
 
-        /** A recording, in an empty file, which the writer closes. */
+        /** Begins a recording in an empty file, which the writer closes. */
         Writer(Path file, FileChannel channel, long maxBytes) throws IOException {
             this(file, channel, maxBytes, ByteBuffer.wrap(MARK), false);
         }
 
-        /** A file of frames of a store. */
+        /** Begins a file of frames of a store. */
         Writer(Path file, Link link) throws IOException {
             this(
                     file,
@@ -165,7 +171,8 @@ public final class RunLog {
 
         private static FileChannel emptied(Path file) throws IOException {
             try {
-                // APPEND: a file that something cut stays shorter than what was written.
+                // APPEND: if another program cuts the file, it stays shorter than the data written,
+                // which trouble() detects.
                 return FileChannel.open(
                                 file,
                                 StandardOpenOption.CREATE,
@@ -195,7 +202,7 @@ public final class RunLog {
             }
         }
 
-        /** All of them or none. */
+        /** Writes all of the records or none. */
         void write(List<JournalRecord.Library> needed, JournalRecord.Image image)
                 throws IOException {
             long end = channel.position();
@@ -214,12 +221,12 @@ public final class RunLog {
             }
         }
 
-        /** Whether a record was refused because the file would become too large. */
+        /** Returns whether a record was refused because of the size limit. */
         boolean hasItsLimit() {
             return full;
         }
 
-        /** Waits until what was written outlives a power failure. Any thread. */
+        /** Waits until the written data survives a power failure. Any thread. */
         void force() throws IOException {
             try {
                 channel.force(false);
@@ -228,7 +235,9 @@ public final class RunLog {
             }
         }
 
-        /** What became of a file of frames, as a line; empty if all of it is in its place. */
+        /**
+         * Returns a line about a file of frames that was moved, removed or cut; otherwise empty.
+         */
         String trouble() {
             long bytes = written;
             String what = place.map(there -> there.trouble(bytes)).orElse("");
@@ -255,7 +264,7 @@ public final class RunLog {
             }
             long end = channel.position();
             long after = written + bytes.remaining();
-            full |= bytes.remaining() > maxBytes - end; // nothing may follow a gap
+            full |= bytes.remaining() > maxBytes - end; // no record may follow a gap
             if (full) {
                 throw new IOException(file + " has its limit of " + maxBytes + " bytes");
             }
@@ -304,7 +313,7 @@ public final class RunLog {
         return (int) crc.getValue();
     }
 
-    /** Records one after the other. One thread. */
+    /** Reader of the records in order. One thread. */
     public static final class Reader implements Iterator<JournalRecord>, AutoCloseable {
         private final Path file;
         private final FileChannel channel;
@@ -349,12 +358,12 @@ public final class RunLog {
             }
         }
 
-        /** Of the store that the file belongs to; empty for a recording. */
+        /** Returns the link to the store that the file belongs to; empty for a recording. */
         Optional<Link> link() {
             return Optional.ofNullable(link);
         }
 
-        /** Whether the file ends in the middle of a record; known at the end. */
+        /** Returns whether the file ends in the middle of a record; known at the end. */
         public boolean wasCut() {
             return cut;
         }
@@ -365,7 +374,9 @@ public final class RunLog {
         }
 
         /**
-         * @throws CorruptException naming the place in the file, if the record is damaged
+         * Returns the next record.
+         *
+         * @throws CorruptException naming the position in the file, if the record is damaged
          */
         @Override
         public JournalRecord next() {
@@ -431,7 +442,10 @@ public final class RunLog {
             return record;
         }
 
-        /** Whether the sum of a content is right; sparse files claim any length for nothing. */
+        /**
+         * Returns whether the checksum of a content is right. Checked before allocation, because a
+         * sparse file can claim any length.
+         */
         private boolean isGood(int length) throws IOException {
             long from = at + HEAD_BYTES + SUM_BYTES;
             ByteBuffer piece = ByteBuffer.allocate(PIECE_BYTES).order(ByteOrder.LITTLE_ENDIAN);

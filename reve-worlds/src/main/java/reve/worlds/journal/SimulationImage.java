@@ -10,21 +10,23 @@ import java.util.List;
 import java.util.function.Consumer;
 
 /**
- * Everything a simulation is at the end of a frame. Any number of threads may read it and make
- * simulations from it, unless it is being filled.
+ * The complete state of a simulation at the end of a frame. After it is filled, any number of
+ * threads may read it and build simulations from it.
  */
 public final class SimulationImage implements AutoCloseable {
     private final WorldImage world;
     private final Consumer<SimulationImage> whenClosed;
     private PhysicsImage physics = new PhysicsImage(List.of(), List.of(), new byte[0]);
 
-    /** Room for a world of this prototype; nothing in it yet. World's thread. */
+    /** Allocates an empty image for a world of this prototype. World's thread. */
     public SimulationImage(World like) {
         this(like, image -> {});
     }
 
     /**
-     * @param whenClosed told when the image is closed
+     * Allocates an empty image for a world of this prototype.
+     *
+     * @param whenClosed called when the image is closed
      */
     public SimulationImage(World like, Consumer<SimulationImage> whenClosed) {
         this.world = new WorldImage(like);
@@ -40,30 +42,32 @@ public final class SimulationImage implements AutoCloseable {
         physics = itsPhysics.save();
     }
 
-    /** For whoever fills the image of the world from elsewhere. */
+    /** Sets the physics part of an image whose world part was filled separately. */
     void setPhysics(PhysicsImage newPhysics) {
         physics = newPhysics;
     }
 
-    /** The frame at whose end everything was like this. */
+    /** Returns the frame at whose end the state was copied. */
     public long frame() {
         return world.frame();
     }
 
+    /** Returns the world's part. */
     public WorldImage world() {
         return world;
     }
 
+    /** Returns the engine's part. */
     public PhysicsImage physics() {
         return physics;
     }
 
-    /** Size of the columns and of what the laws remember [bytes]. */
+    /** Returns the size of the columns and of the laws' own state [bytes]. */
     public long bytes() {
         return world.bytes() + physics.engineState().length;
     }
 
-    /** Frees the columns' memory. May be called twice. */
+    /** Frees the memory of the columns. Idempotent. */
     @Override
     public void close() {
         whenClosed.accept(this);

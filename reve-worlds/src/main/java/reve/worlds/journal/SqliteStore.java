@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.worlds.journal;
 
-import reve.core.store.CorruptException;
+import reve.core.image.CorruptException;
 
 import java.io.IOException;
 import java.nio.file.Files;
@@ -18,10 +18,10 @@ import java.util.Set;
 import java.util.UUID;
 
 /**
- * A durable store of one world: an SQLite database in write-ahead-log mode with the last three
- * images and the law libraries, and beside it files of the frames since the oldest of them and a
- * manifest of what must be there. One thread at a time, but for {@link #sync} and places; one
- * process, which locks the database.
+ * A durable store of one world. An SQLite database in write-ahead-log mode contains the last three
+ * images and the law libraries. Beside it are files of the frames since the oldest image, and a
+ * manifest of the expected content. One thread at a time, except {@link #sync} and places. One
+ * process at a time, which locks the database.
  */
 public final class SqliteStore implements JournalSink {
     private static final int GENERATIONS = 3;
@@ -36,25 +36,24 @@ public final class SqliteStore implements JournalSink {
     private Connection connection;
     private FilePlace place;
 
-    /** Size that the database has at least [bytes]. */
+    /** Minimum size of the database [bytes]. */
     private long bytes;
 
     private boolean hasIdentity;
 
-    /** How much a power failure may cost; the end of the process alone never costs a record. */
+    /** The maximum loss by a power failure. The end of the process alone never costs a record. */
     public enum Durability {
-        /** Frames of the last 0.1 s, and those that come while an image is written. */
+        /** Loses the frames of the last 0.1 s, and those that arrive while an image is written. */
         FULL,
-        /** The frames since the last image. */
+        /** Loses the frames since the last image. */
         NORMAL
     }
 
     /**
-     * Opens a store to go on from what it holds, or makes an empty one where there is none. A store
-     * that is refused stays as it is.
+     * Opens a store to resume from it, or creates an empty one. A refused store stays unchanged.
      *
-     * @param contents of the store, just read; not kept
-     * @throws CorruptException if it is not whole
+     * @param contents of the store, just read; not retained
+     * @throws CorruptException if the store is incomplete
      * @throws IOException if it cannot be opened, or another process has it open
      */
     public SqliteStore(StoreContents contents, Durability durability) throws IOException {
@@ -126,7 +125,7 @@ public final class SqliteStore implements JournalSink {
         frames.dropBefore(oldest);
     }
 
-    /** With the first image: from then on the files of frames say which store they are of. */
+    /** Writes the store's identity with the first image; later files of frames refer to it. */
     private void identify() throws SQLException {
         try (Statement statement = connection.createStatement()) {
             statement.executeUpdate(StoreDatabase.IDENTITY_IF_ABSENT);
@@ -138,7 +137,7 @@ public final class SqliteStore implements JournalSink {
 
     /**
      * Moves the image from the write-ahead log to the database, so that the loss of the log costs
-     * nothing. If the disk refuses it, the image stays in the log.
+     * nothing. If the disk refuses the write, the image stays in the log.
      */
     private void checkpoint() throws IOException {
         try {
@@ -146,7 +145,7 @@ public final class SqliteStore implements JournalSink {
             try (Statement statement = connection.createStatement()) {
                 statement.execute("PRAGMA wal_checkpoint(TRUNCATE)");
             } catch (SQLException stays) {
-                // a later one takes it along
+                // a later checkpoint moves it
             }
             connection.setAutoCommit(false);
         } catch (SQLException e) {
@@ -155,8 +154,8 @@ public final class SqliteStore implements JournalSink {
     }
 
     /**
-     * What is written to a file that was removed is lost: makes the database again. What is in its
-     * place is kept under another name.
+     * Creates the database again if it was removed, because data written to a removed file is lost.
+     * Renames any other file at its path.
      */
     private void requireInPlace() throws IOException {
         String trouble = place.trouble(bytes);
@@ -184,7 +183,9 @@ public final class SqliteStore implements JournalSink {
     }
 
     /**
-     * @return where it is now, for people; empty if there was nothing
+     * Renames the file at the database's path.
+     *
+     * @return the new path, for messages; empty if there was no file
      */
     private String moveAside() throws IOException {
         if (!Files.exists(file, LinkOption.NOFOLLOW_LINKS)) {
@@ -245,7 +246,10 @@ public final class SqliteStore implements JournalSink {
         }
     }
 
-    /** Keeps the last images; the number of the file of the frames after the oldest of them. */
+    /**
+     * Removes all but the last images. Returns the number of the file of frames that follows the
+     * oldest image kept.
+     */
     private long dropOld() throws SQLException {
         try (Statement statement = connection.createStatement()) {
             statement.executeUpdate(

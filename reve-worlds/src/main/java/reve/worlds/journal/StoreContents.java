@@ -3,7 +3,7 @@ package reve.worlds.journal;
 
 import org.jspecify.annotations.Nullable;
 
-import reve.core.store.CorruptException;
+import reve.core.image.CorruptException;
 import reve.worlds.Product;
 
 import java.io.IOException;
@@ -16,19 +16,24 @@ import java.util.Optional;
 import java.util.SortedMap;
 import java.util.TreeMap;
 import java.util.UUID;
+import java.util.regex.Pattern;
 import java.util.stream.Stream;
 
 /**
- * What the files of a store hold, read without changing any of them, and what is missing. One
- * thread; no other process may have the store open.
+ * The content of a store's files and what is missing, read without changing a file. One thread; no
+ * other process may have the store open.
  */
 public final class StoreContents {
     private static final String NOT_VOUCHED = ", so the newest frames may be missing, too";
 
-    /** Damage that costs nothing, as a line each that names the file. */
+    /** Names of the files that belong to a store. */
+    private static final Pattern OWN_NAME =
+            Pattern.compile("-(wal|shm|journal|manifest|frames-\\d+)$");
+
+    /** Damage that loses no data: one line each, which names the file. */
     private final List<String> harmless = new ArrayList<>();
 
-    /** Damage because of which the store is not whole. */
+    /** Damage that makes the store incomplete. */
     private final List<String> damage = new ArrayList<>();
 
     private final Path file;
@@ -40,7 +45,7 @@ public final class StoreContents {
     private @Nullable Start start;
     private long known;
 
-    /** A file of frames as far as it can be read. */
+    /** The readable part of a file of frames. */
     private record FrameFile(
             long number,
             Path file,
@@ -49,10 +54,10 @@ public final class StoreContents {
             Optional<String> damage) {}
 
     /**
-     * An image and what follows it without a gap.
+     * An image and the frames that follow it without a gap.
      *
-     * @param why it ends where it does, or is read in another way than it was written
-     * @param isTail whether all that is wrong may be the end of the newest file
+     * @param why reason for which it ends there, or was read differently from how it was written
+     * @param isTail whether all damage may be the cut end of the newest file
      */
     private record Start(
             StoreDatabase.ImageRow row,
@@ -63,9 +68,9 @@ public final class StoreContents {
             boolean isTail) {}
 
     /**
-     * Reads a store; a file that is not there is an empty one.
+     * Reads a store; a missing file counts as an empty store.
      *
-     * @throws CorruptException if it is no store, of another version, or has no database
+     * @throws CorruptException if it is not a store, has another version, or has no database
      * @throws IOException if a file cannot be read, or another process has the store open
      */
     public static StoreContents read(Path file) throws IOException {
@@ -106,12 +111,12 @@ public final class StoreContents {
         judge();
     }
 
-    /** Its database. */
+    /** Returns the file of the database. */
     public Path file() {
         return file;
     }
 
-    /** Whether no image was ever kept in it. */
+    /** Returns whether the store has never contained an image. */
     public boolean isEmpty() {
         return rows.images().isEmpty()
                 && rows.damage().isEmpty()
@@ -119,27 +124,29 @@ public final class StoreContents {
                 && damage.isEmpty();
     }
 
-    /** Whether nothing that was kept is lost. */
+    /** Returns whether no stored data is lost. */
     public boolean isWhole() {
         return damage.isEmpty();
     }
 
-    /** What is damaged, a line each that names the file: first what something is lost by. */
+    /**
+     * Returns the damage, one line each, which names the file; damage that loses data comes first.
+     */
     public List<String> problems() {
         return Stream.concat(damage.stream(), harmless.stream()).distinct().toList();
     }
 
-    /** The frame that the store comes back to, -1 if to none. */
+    /** Returns the frame from which a world can resume; -1 for none. */
     public long frame() {
         return start == null ? -1 : start.frame();
     }
 
-    /** The newest frame that is known to have been kept. */
+    /** Returns the newest frame that the store is known to have contained. */
     public long knownFrame() {
         return known;
     }
 
-    /** What it takes to have the world again: an image, and the frames that follow it. */
+    /** Returns the records that restore the world: an image, and the frames that follow it. */
     public List<JournalRecord> records() {
         List<JournalRecord> records = new ArrayList<>();
         rows.libraries()
@@ -151,7 +158,7 @@ public final class StoreContents {
         return records;
     }
 
-    /** All files of the store that are there, and what stands in place of one. */
+    /** Returns all existing files of the store, and objects at their paths that are not files. */
     public List<Path> files() {
         List<Path> all = new ArrayList<>(List.of(file));
         all.addAll(files.values());
@@ -170,9 +177,9 @@ public final class StoreContents {
     }
 
     /**
-     * Why a store is not opened.
+     * Returns an exception that says why a store is not opened.
      *
-     * @param frame that it could go on from, -1 if there is none
+     * @param frame from which the world could resume; -1 for none
      */
     public CorruptException refusal(String reason, long frame) {
         String left =
@@ -197,7 +204,7 @@ public final class StoreContents {
                 file + " is not whole: " + reason + ". " + left + " (nothing was changed)");
     }
 
-    /** What the manifest is to say when the store goes on from here. */
+    /** Returns the manifest's claim for a store that resumes from here. */
     Manifest.Claim claim() {
         Manifest.Claim begin = Manifest.Claim.nothing(id);
         return start == null
@@ -213,9 +220,9 @@ public final class StoreContents {
                         start.row().sum());
     }
 
-    /** The number of the newest file of frames there is or was; 0 without any. */
+    /** Returns the number of the newest file of frames that exists or existed; 0 for none. */
     long lastFile() {
-        long newest = files.isEmpty() ? 0 : files.lastKey(); // also of a file that is no use
+        long newest = files.isEmpty() ? 0 : files.lastKey(); // including an unusable file
         for (StoreDatabase.ImageRow row : rows.images()) {
             newest = Math.max(newest, row.framesFile());
         }
@@ -237,7 +244,7 @@ public final class StoreContents {
         return rows.identity().isPresent();
     }
 
-    /** SHA-256 of libraries in the database whose bytes are others. */
+    /** Returns the expected SHA-256 of libraries in the database whose bytes differ. */
     public List<String> damagedLibraries() {
         return rows.damagedLibraries();
     }
@@ -259,7 +266,7 @@ public final class StoreContents {
         }
     }
 
-    /** Whether a manifest names the very image that is in the database. */
+    /** Returns whether a manifest names exactly the image in the database. */
     private boolean isOf(Manifest.Claim said) {
         return rows.images().stream()
                 .anyMatch(
@@ -319,7 +326,10 @@ public final class StoreContents {
         }
     }
 
-    /** Whose each file is, and that each continues the one before it; others are passed over. */
+    /**
+     * Checks to which store each file belongs and that each continues the previous one; ignores
+     * others.
+     */
     private void checkLinks() throws IOException {
         long first =
                 rows.images().stream()
@@ -339,8 +349,9 @@ public final class StoreContents {
     }
 
     /**
-     * A manifest names a file of frames before it holds any. Only a power failure may leave frames
-     * on the disk, and not yet the manifest; it is on the disk before an image is.
+     * Compares the files of frames with the manifest. The manifest names a file of frames before
+     * the file contains a frame. Only a power failure may leave frames on the disk without the
+     * manifest; the manifest is flushed before an image is committed.
      */
     private void compareFramesWithManifest() {
         claim.ifPresent(
@@ -360,7 +371,7 @@ public final class StoreContents {
         return Manifest.path(file) + " is older than " + than + NOT_VOUCHED;
     }
 
-    /** Whether the database, and not a file beside it, is the one that does not belong here. */
+    /** Returns whether the database belongs to another store than the files beside it. */
     private boolean isStranger() {
         return claim.isPresent()
                 && !id.equals(claim.get().store())
@@ -395,7 +406,7 @@ public final class StoreContents {
                 : Optional.of(each.file() + " belongs to another copy of the store");
     }
 
-    /** Number of the first file that has to be there and to say whose it is. */
+    /** Returns the number of the first file that must exist and name its store. */
     private long since() {
         return rows.identity().map(StoreDatabase.Identity::since).orElse(Long.MAX_VALUE);
     }
@@ -403,9 +414,9 @@ public final class StoreContents {
     private FrameFile frames(long number) throws IOException {
         Path path = files.get(number);
         List<JournalRecord> records = new ArrayList<>();
-        Optional<String> no = FileTrouble.noFile(path);
-        if (no.isPresent() || Files.size(path) < RunLog.EMPTY_BYTES) {
-            return new FrameFile(number, path, Optional.empty(), records, no);
+        Optional<String> reason = FileTrouble.noFile(path);
+        if (reason.isPresent() || Files.size(path) < RunLog.EMPTY_BYTES) {
+            return new FrameFile(number, path, Optional.empty(), records, reason);
         }
         try (RunLog.Reader reader = RunLog.open(path)) {
             Optional<String> found = Optional.empty();
@@ -423,7 +434,7 @@ public final class StoreContents {
         }
     }
 
-    /** The newest image that can be read, or an older one that more frames follow. */
+    /** Finds the newest readable image, or an older one that more frames follow. */
     private void findStart() throws IOException {
         for (StoreDatabase.ImageRow row : rows.images()) {
             if (!row.isGood()) {
@@ -476,7 +487,7 @@ public final class StoreContents {
         return new Start(row, StoreDatabase.image(file, row), after, frame, why, isTail);
     }
 
-    /** Names the files from one number up to before another that have to be there; whether any. */
+    /** Adds the names of missing files in a range of numbers. Returns whether any is missing. */
     private boolean addMissing(long from, long before, String more, List<String> into) {
         long first = Math.max(from, since());
         if (first < before) {
@@ -493,7 +504,7 @@ public final class StoreContents {
         return first < before;
     }
 
-    /** What follows from what was found: is anything lost? */
+    /** Decides from the findings whether data is lost. */
     private void judge() {
         Start from = start;
         if (from == null) {
@@ -548,7 +559,7 @@ public final class StoreContents {
         }
     }
 
-    /** Files that only images before the one that is used need. */
+    /** Adds the files that only images older than the used one need. */
     private void addOlderFiles(long used) {
         long next = rows.images().getLast().framesFile();
         for (long number : read.headMap(used).keySet()) {
@@ -582,7 +593,7 @@ public final class StoreContents {
         }
     }
 
-    /** Folders that repairs have moved damaged files to, STORE.damaged-1 and so on. */
+    /** Returns the folders to which repairs moved damaged files, STORE.damaged-1 and so on. */
     public static List<Path> setAside(Path file) throws IOException {
         String prefix = file.getFileName() + ".damaged-";
         try (Stream<Path> siblings = Files.list(file.toAbsolutePath().getParent())) {
@@ -592,12 +603,13 @@ public final class StoreContents {
         }
     }
 
-    /** Reading a pipe would wait for a writer. */
+    /** Refuses paths that are not regular files; reading a pipe would wait for a writer. */
     private static void requireFiles(Path file, TreeMap<Long, Path> files) throws IOException {
         List<Path> own = new ArrayList<>(files.values());
         own.add(file);
         own.add(Manifest.path(file));
         own.addAll(StoreDatabase.besides(file));
+        own.add(StoreDatabase.rollback(file));
         for (Path each : own) {
             if (Files.exists(each) && !Files.isRegularFile(each) && !Files.isDirectory(each)) {
                 throw new IOException(
@@ -607,7 +619,8 @@ public final class StoreContents {
                                 + "; move it away (nothing was changed)");
             }
         }
-        for (Path each : StoreDatabase.besides(file)) { // SQLite would make the file it leads to
+        // SQLite would create the target of a dangling link
+        for (Path each : StoreDatabase.besides(file)) {
             if (Files.isSymbolicLink(each) && !Files.exists(each)) {
                 throw new IOException(
                         each
@@ -620,6 +633,7 @@ public final class StoreContents {
         }
     }
 
+    /** Refuses paths at which no store can be. */
     private static void requirePlace(Path file) throws IOException {
         Path parent = file.toAbsolutePath().getParent();
         if (Files.isDirectory(file) || parent == null) {
@@ -627,6 +641,17 @@ public final class StoreContents {
         }
         if (!Files.isDirectory(parent)) {
             throw new IOException(file + " could not be opened: there is no folder " + parent);
+        }
+        String name = file.getFileName().toString();
+        if (file.toString().contains("?")) { // the database driver would read options behind it
+            throw new IOException(file + " contains a question mark; name the store without one");
+        }
+        if (OWN_NAME.matcher(name).find()) {
+            throw new IOException(
+                    file
+                            + " has the name of a file that belongs to another store; name the"
+                            + " store without the ending "
+                            + name.substring(name.lastIndexOf('-')));
         }
     }
 }

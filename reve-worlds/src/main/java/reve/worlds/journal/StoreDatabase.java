@@ -6,7 +6,7 @@ import org.sqlite.SQLiteConnection;
 import org.sqlite.SQLiteErrorCode;
 import org.sqlite.SQLiteLimits;
 
-import reve.core.store.CorruptException;
+import reve.core.image.CorruptException;
 import reve.worlds.Product;
 
 import java.io.IOException;
@@ -34,14 +34,14 @@ import java.util.concurrent.atomic.AtomicBoolean;
 import java.util.stream.Collectors;
 import java.util.zip.CRC32C;
 
-/** The database of a store: its schema, and reading it without changing a byte. */
+/** The database of a store: its schema, and reads that do not change a byte. */
 final class StoreDatabase {
-    /** "REVE" in SQLite's header: whose file it is. */
+    /** "REVE" in SQLite's header, which identifies the application. */
     static final int APPLICATION_ID = 0x52455645;
 
     static final int VERSION = 3;
 
-    /** Stores without an identity, which get one when they are written. */
+    /** Version of stores without an identity; they receive one at the next write. */
     private static final int OLD_VERSION = 2;
 
     private static final String LIBRARY =
@@ -54,7 +54,7 @@ final class StoreDatabase {
     private static final String IDENTITY = "identity (id TEXT NOT NULL, since INTEGER NOT NULL)";
     static final String IDENTITY_IF_ABSENT = "CREATE TABLE IF NOT EXISTS " + IDENTITY;
 
-    /** What SQLite says of the tables of version 2, the index of a primary key included. */
+    /** Schema of version 2 as SQLite reports it, including the index of a primary key. */
     private static final Set<Element> OLD_SCHEMA =
             Set.of(
                     new Element("table", "library", "library", LIBRARY),
@@ -65,13 +65,16 @@ final class StoreDatabase {
     private static final Element IDENTITY_TABLE =
             new Element("table", "identity", "identity", "CREATE TABLE " + IDENTITY);
 
-    /** Maximum length of an SQL statement, also of those in a schema [bytes]. */
+    /** Maximum length of an SQL statement, including those in a schema [bytes]. */
     private static final int SQL_BYTES = 1_000;
 
-    /** Maximum number of letters of a name in a message. */
+    /** Maximum length of a name in a message [characters]. */
     private static final int NAME_LENGTH = 60;
 
-    /** Where SQLite's own code is looked for, before it is unpacked into a temporary file. */
+    /**
+     * System property of the folder of SQLite's native code; without it, the code is unpacked to a
+     * temporary file.
+     */
     private static final String LIBRARY_FOLDER = "org.sqlite.lib.path";
 
     static {
@@ -83,9 +86,9 @@ final class StoreDatabase {
     private StoreDatabase() {}
 
     /**
-     * Which store it is.
+     * The identity of a store.
      *
-     * @param since number of the first file of frames that says so, too
+     * @param since number of the first file of frames that contains the identity
      */
     record Identity(UUID id, long since) {}
 
@@ -93,12 +96,12 @@ final class StoreDatabase {
     record ImageRow(long framesFile, long frame, long sum, boolean isGood) {}
 
     /**
-     * What can be read of it.
+     * The readable rows of the database.
      *
-     * @param isIdentified whether it is of the version that has an identity
-     * @param images the newest first
-     * @param libraries by the SHA-256 of the bytes as they are
-     * @param damagedLibraries what the SHA-256 of other bytes should be
+     * @param isIdentified whether the store's version has an identity
+     * @param images newest first
+     * @param libraries by the SHA-256 of their actual bytes
+     * @param damagedLibraries expected SHA-256 of libraries whose bytes differ
      */
     record Rows(
             boolean isIdentified,
@@ -111,9 +114,9 @@ final class StoreDatabase {
                 new Rows(true, Optional.empty(), List.of(), Map.of(), List.of(), List.of());
     }
 
-    /** A row of the schema of a database. */
+    /** An element of a database schema. */
     private record Element(String type, String name, String table, String sql) {
-        /** In place of SQL: SQLite made it by itself. */
+        /** Placeholder for the SQL of elements that SQLite creates itself. */
         private static final String AUTOMATIC = "null";
 
         private boolean isSame(Element other) {
@@ -161,7 +164,7 @@ final class StoreDatabase {
                 damage);
     }
 
-    /** An image whose row is good. */
+    /** Reads the image of an intact row. */
     static JournalRecord.Image image(Path file, ImageRow row) throws IOException {
         List<JournalRecord.Image> found = new ArrayList<>();
         reading(
@@ -178,7 +181,7 @@ final class StoreDatabase {
         return found.getFirst();
     }
 
-    /** A connection that writes; an empty database gets its tables. */
+    /** Opens a connection for writing; creates the tables of an empty database. */
     static Connection open(Path file) throws IOException {
         boolean isNew = !Files.exists(file) || Files.size(file) == 0;
         SQLiteConfig config = new SQLiteConfig();
@@ -192,7 +195,8 @@ final class StoreDatabase {
         }
         try (Statement statement = opened.createStatement()) {
             restrict(opened, statement);
-            statement.execute("PRAGMA journal_mode = WAL"); // locked before: needs no -shm file
+            // after the exclusive lock, WAL needs no -shm file
+            statement.execute("PRAGMA journal_mode = WAL");
             statement.execute("PRAGMA synchronous = FULL");
             if (isNew) {
                 statement.executeUpdate("PRAGMA application_id = " + APPLICATION_ID);
@@ -218,11 +222,16 @@ final class StoreDatabase {
         }
     }
 
-    /** Files that SQLite keeps beside it. */
+    /** Returns the files that SQLite keeps beside the database. */
     static List<Path> besides(Path file) {
         return List.of(
                 file.resolveSibling(file.getFileName() + "-wal"),
                 file.resolveSibling(file.getFileName() + "-shm"));
+    }
+
+    /** Returns the rollback journal, which SQLite reads before it opens a database. */
+    static Path rollback(Path file) {
+        return file.resolveSibling(file.getFileName() + "-journal");
     }
 
     static long number(Statement statement, String sql) throws SQLException {
@@ -241,8 +250,8 @@ final class StoreDatabase {
     }
 
     /**
-     * Only a connection that may not write leaves the write-ahead log as it is. SQLite makes files
-     * beside the database even so, which are removed again.
+     * Runs a query on a read-only connection, because any other changes the write-ahead log.
+     * Removes the files that SQLite creates beside the database even then.
      */
     private static void reading(Path file, Query query) throws IOException {
         List<Path> made =
@@ -266,7 +275,7 @@ final class StoreDatabase {
         }
     }
 
-    /** A schema may come from anyone: it must not run functions, nor other files be attached. */
+    /** Forbids functions and attached files, because a schema may come from an untrusted file. */
     private static void restrict(Connection connection, Statement statement) throws SQLException {
         var limited = connection.unwrap(SQLiteConnection.class);
         limited.setLimit(SQLiteLimits.SQLITE_LIMIT_ATTACHED, 0);
@@ -338,8 +347,8 @@ final class StoreDatabase {
     }
 
     /**
-     * A view, a trigger, a check or a generated column would run SQL of whoever made the file:
-     * without end, or with other results than what is stored.
+     * Refuses any other schema. A view, trigger, check or generated column would run SQL of an
+     * untrusted author, without end or with results that differ from the stored data.
      */
     private static void requireSchema(Path file, Statement statement, long version)
             throws SQLException {

@@ -2,10 +2,10 @@
 package reve.worlds.journal;
 
 import reve.core.frame.Timing;
+import reve.core.image.PrototypeCodec;
+import reve.core.image.Trees;
 import reve.core.mesh.Assets;
 import reve.core.mesh.WorldFolder;
-import reve.core.store.PrototypeCodec;
-import reve.core.store.Trees;
 import reve.core.world.WorldPrototype;
 
 import tools.jackson.databind.JsonNode;
@@ -15,13 +15,13 @@ import java.util.LinkedHashMap;
 import java.util.Map;
 
 /**
- * What never changes about a world that is recorded or stored.
+ * The constant data of a recorded or stored world.
  *
- * @param folder of its world file, where meshes and textures are
+ * @param folder of its world file, with its meshes and textures
  */
 public record WorldHeader(String name, WorldPrototype prototype, Timing timing, Path folder) {
 
-    /** The world's meshes and textures, read when first asked for. One thread. */
+    /** Returns the world's meshes and textures, which are read on first use. One thread. */
     public Assets assets() {
         return new Assets(new WorldFolder(folder));
     }

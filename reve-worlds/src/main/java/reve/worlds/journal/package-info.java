@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /**
- * What it takes to have a simulation again, written while it runs: images of everything, the inputs
- * between them, and digests that tell whether a replay is the same. One format for recordings and
- * for the durable store.
+ * Journals, from which a simulation can be restored: images of the complete state, the inputs
+ * between them, and digests that verify a replay. Recordings and the durable store share one
+ * format.
  */
 @NullMarked
 package reve.worlds.journal;

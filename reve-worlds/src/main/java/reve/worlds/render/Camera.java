@@ -4,11 +4,11 @@ package reve.worlds.render;
 import reve.core.file.CameraDescription;
 
 /**
- * Where a picture is taken from.
+ * The viewpoint of a picture.
  *
- * @param eye place of the camera [m]
- * @param target what it looks at [m], not the eye
- * @param up the direction that is up in the picture, not along the line of sight
+ * @param eye position of the camera [m]
+ * @param target point that it looks at [m], different from the eye
+ * @param up direction that is up in the picture, not parallel to the line of sight
  * @param orthographic whether lines of sight are parallel
  * @param extent vertical field of view [rad], 0.001 to 3.1, or, if orthographic, height of the view
  *     [m]
@@ -17,23 +17,27 @@ public record Camera(Point eye, Point target, Point up, boolean orthographic, do
 
     private static final Point UP = new Point(0, 1, 0);
 
-    /** From the target to the eye: a little to the right and above, as one looks at a table. */
+    /**
+     * Direction from the target to the eye: slightly to the right and above, a three-quarter view.
+     */
     private static final Point THREE_QUARTER = new Point(0.48, 0.42, 1).normalized();
 
     private static final double FIT_FOV_RADIANS = Math.toRadians(34);
 
-    /** Part of the picture's width and height that a fitted box may take up. */
+    /** Fraction of the picture's width and height that a fitted box fills at most. */
     private static final double FIT_FILL = 0.82;
 
+    /** Returns a perspective camera; the angle is the picture's vertical field of view [rad]. */
     public static Camera perspective(Point eye, Point target, Point up, double verticalFovRadians) {
         return new Camera(eye, target, up, false, verticalFovRadians);
     }
 
+    /** Returns an orthographic camera; the height is that of the complete picture [m]. */
     public static Camera orthographic(Point eye, Point target, Point up, double heightMetres) {
         return new Camera(eye, target, up, true, heightMetres);
     }
 
-    /** The camera of a world file. */
+    /** Returns the camera of a world file. */
     public static Camera of(CameraDescription description) {
         return perspective(
                 point(description.eye()),
@@ -43,10 +47,10 @@ public record Camera(Point eye, Point target, Point up, boolean orthographic, do
     }
 
     /**
-     * Sees the whole box, well filled, in a three-quarter view from above. A point is shown as if
-     * it were 1 m wide.
+     * Returns a camera that sees the complete box in a three-quarter view from above. A point is
+     * treated as a box 1 m wide.
      *
-     * @param aspect width of the picture by its height
+     * @param aspect width of the picture divided by its height
      */
     public static Camera fit(Bounds bounds, double aspect) {
         if (!(aspect > 0 && aspect < 1e4)) {

@@ -4,17 +4,18 @@ package reve.worlds.render;
 import reve.core.world.Colour;
 
 /**
- * Background and light. A white surface facing the light shows white where light and ambient add up
+ * Background and light. A white surface that faces the light is white where light and ambient sum
  * to 1.
  *
- * @param top background at the top of the picture, {@code bottom} at its bottom
- * @param toLight direction to the light, any length but 0
- * @param light strength of the light, 0 to 8
- * @param ambient strength of the light from everywhere, 0 to 8
+ * @param top background colour at the top of the picture
+ * @param bottom background colour at the bottom of the picture
+ * @param toLight direction to the light, any length except 0
+ * @param light strength of the directional light, 0 to 8
+ * @param ambient strength of the ambient light, 0 to 8
  */
 public record Environment(Colour top, Colour bottom, Point toLight, double light, double ambient) {
 
-    /** Bright and neutral, light from the upper left. */
+    /** A bright, neutral environment with light from the upper left. */
     public static final Environment STUDIO =
             new Environment(
                     Colour.parse("#ffffff"),

@@ -5,7 +5,7 @@ import java.nio.ByteBuffer;
 import java.nio.ByteOrder;
 import java.util.List;
 
-/** Packed little-endian numbers of 4 bytes, as the scene stream wants them. */
+/** A growing buffer of packed little-endian numbers of 4 bytes, as in the scene stream. */
 final class GrowingColumn {
 
     private ByteBuffer bytes = allocate(1024);
@@ -22,13 +22,13 @@ final class GrowingColumn {
         room(1).putInt(value);
     }
 
-    /** What was added; valid until the next change. */
+    /** Returns the added numbers; valid until the next change. */
     ByteBuffer content() {
         return bytes.duplicate().flip();
     }
 
     /**
-     * Rows of columns that belong together.
+     * Returns the number of rows of columns that belong together.
      *
      * @param components numbers per row of each column
      */

@@ -6,11 +6,12 @@ package reve.worlds.render;
  *
  * @param width [px], 1 to 8192
  * @param height [px], 1 to 8192; at most 2^24 pixels in all
- * @param samples wished for per pixel, 0 to 16; 0 is fast and has jagged edges
+ * @param samples requested per pixel, 0 to 16; 0 is fast and gives jagged edges
  * @param shadows whether the light casts shadows
  */
 public record ImageFormat(int width, int height, int samples, boolean shadows) {
 
+    /** Checks the size against its limits. */
     public ImageFormat {
         if (width < 1
                 || height < 1
@@ -29,11 +30,12 @@ public record ImageFormat(int width, int height, int samples, boolean shadows) {
         }
     }
 
-    /** Smooth edges and shadows. */
+    /** Returns a format with smooth edges and shadows. */
     public static ImageFormat of(int width, int height) {
         return new ImageFormat(width, height, 4, true);
     }
 
+    /** Returns the width divided by the height. */
     public double aspect() {
         return (double) width / height;
     }

@@ -4,18 +4,18 @@ package reve.worlds.render;
 import java.util.List;
 
 /**
- * Items of one shape as columns. A row is one value in each column; rows may be written item by
- * item or column by column, but all columns are equally long when the scene is rendered.
+ * Items of one shape, as columns. A row is one value in each column. Rows may be written item by
+ * item or column by column; all columns must have the same length when the scene is rendered.
  */
 public final class Instances {
 
-    /** Shown in its exact colour, casts no shadow. */
+    /** Flag: shows the exact colour and casts no shadow. */
     public static final int UNLIT = 1;
 
-    /** A plane gets lines at powers of ten of a metre. */
+    /** Flag: draws lines at powers of ten of a metre on a plane. */
     public static final int GRID = 2;
 
-    /** A plane dissolves into the background away from the camera's target. */
+    /** Flag: fades a plane into the background away from the camera's target. */
     public static final int FADE = 4;
 
     private final GrowingColumn positions = new GrowingColumn();
@@ -27,26 +27,28 @@ public final class Instances {
 
     Instances() {}
 
-    /** Place of the origin [m]. */
+    /** Adds the position of the origin [m]. */
     public Instances position(double x, double y, double z) {
         positions.add((float) x, (float) y, (float) z);
         return this;
     }
 
-    /** Unit quaternion. */
+    /** Adds the orientation, a unit quaternion. */
     public Instances orientation(double x, double y, double z, double w) {
         orientations.add((float) x, (float) y, (float) z, (float) w);
         return this;
     }
 
-    /** Extents along the own axes [m]; for a mesh, factors. Not negative. */
+    /** Adds the extents along the item's own axes [m]; scale factors for a mesh. Not negative. */
     public Instances size(double x, double y, double z) {
         sizes.add((float) x, (float) y, (float) z);
         return this;
     }
 
     /**
-     * @param rgba see {@link reve.core.world.Colour#rgba()}; alpha is not shown
+     * Adds a colour.
+     *
+     * @param rgba see {@link reve.core.world.Colour#rgba()}; alpha is ignored
      */
     public Instances colour(int rgba) {
         colours.add(rgba);
@@ -54,6 +56,8 @@ public final class Instances {
     }
 
     /**
+     * Adds flags.
+     *
      * @param bits sum of {@link #UNLIT}, {@link #GRID} and {@link #FADE}, or 0
      */
     public Instances flags(int bits) {
@@ -62,7 +66,9 @@ public final class Instances {
     }
 
     /**
-     * @param number of what is shown there, positive; 0 for nothing that has one
+     * Adds the number that pixels of the item have in {@link PixelLayers}.
+     *
+     * @param number positive, or 0 for no number
      */
     public Instances item(long number) {
         items.add(Math.toIntExact(number));
@@ -70,7 +76,9 @@ public final class Instances {
     }
 
     /**
-     * @throws IllegalStateException if a column has more rows than another
+     * Returns the number of rows.
+     *
+     * @throws IllegalStateException if the columns have different lengths
      */
     int count() {
         return GrowingColumn.sharedRowCount(columns(), List.of(3, 4, 3, 1, 1, 1));

@@ -6,14 +6,14 @@ import java.nio.ByteOrder;
 import java.util.Optional;
 
 /**
- * What each pixel of a picture shows, row by row from the top. Buffers are little-endian and
- * read-only.
+ * The layers of a picture, row by row from the top. Buffers are little-endian and read-only.
  *
  * @param width [px]
  * @param height [px]
- * @param colour red, green and blue in sRGB, a byte each
- * @param depth of what is at the middle of the pixel, along the view [m], f32; 0 where nothing is
- * @param item number of what is at the middle of the pixel, u32; 0 where nothing is that has one
+ * @param colour red, green and blue in sRGB, one byte each
+ * @param depth of the surface at the centre of the pixel, along the view direction [m], f32; 0 if
+ *     there is none
+ * @param item number of the item at the centre of the pixel, u32; 0 if there is none with a number
  */
 public record PixelLayers(
         int width,
@@ -27,7 +27,9 @@ public record PixelLayers(
     public static final int ITEM = 4;
 
     /**
-     * @param bytes the layers asked for, one after the other
+     * Splits the bytes of a picture into its layers.
+     *
+     * @param bytes the requested layers, one after the other
      */
     static PixelLayers of(ImageFormat image, int layers, byte[] bytes) {
         var rest = ByteBuffer.wrap(bytes);

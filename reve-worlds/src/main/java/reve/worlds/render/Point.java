@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.worlds.render;
 
-/** A place or a direction in the world [m]; right-handed, +Y up. */
+/** A position [m] or a direction in the world; right-handed axes, +Y up. */
 public record Point(double x, double y, double z) {
 
     Point plus(double factor, Point other) {

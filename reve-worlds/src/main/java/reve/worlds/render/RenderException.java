@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.worlds.render;
 
-/** A picture could not be made. The message says why and what to do. */
+/** A failure to make a picture. The message gives the reason and says what to do. */
 public final class RenderException extends RuntimeException {
     private static final long serialVersionUID = 1L;
 
+    /** Creates an exception with a message that says what the renderer lacks or refused. */
     public RenderException(String message) {
         super(message);
     }
 
+    /** Creates an exception with such a message and its cause. */
     public RenderException(String message, Throwable cause) {
         super(message, cause);
     }

@@ -9,7 +9,7 @@ import java.time.Duration;
 import java.util.List;
 import java.util.concurrent.TimeUnit;
 
-/** One running {@code vesper-render} with its conversation. */
+/** A running {@code vesper-render} process and its scene stream. */
 final class RenderProcess {
 
     private static final Duration LAST_WORDS = Duration.ofSeconds(2);
@@ -23,7 +23,8 @@ final class RenderProcess {
     RenderProcess(Path program) throws IOException {
         process = new ProcessBuilder(List.of(program.toString())).start();
         stream = new SceneStream(process.getOutputStream(), process.getInputStream());
-        // No virtual thread: reading a pipe would hold its carrier while the process lives.
+        // Not a virtual thread: reading a pipe would pin its carrier thread for the life of the
+        // process.
         errorReader =
                 Thread.ofPlatform().daemon().name("vesper-render errors").start(this::keepErrors);
     }
@@ -40,12 +41,14 @@ final class RenderProcess {
         return process.pid();
     }
 
-    /** Any thread; who waits for an answer gets an IOException. */
+    /** Ends the process. Any thread; a thread that waits for an answer gets an IOException. */
     void kill() {
         process.destroyForcibly();
     }
 
-    /** How the process ended and what it said, for a message; waits a little for both. */
+    /**
+     * Returns how the process ended and its error output, for a message; waits briefly for both.
+     */
     String describeEnd() {
         try {
             String end =

@@ -14,16 +14,15 @@ import java.util.concurrent.atomic.AtomicBoolean;
 import java.util.concurrent.locks.ReentrantLock;
 
 /**
- * Makes pictures of scenes in a process of its own, so that a crash in a graphics library costs a
- * picture and never the world. The process is started for the first picture and again whenever it
- * died.
+ * Renderer of scenes in a separate process, so that a crash in a graphics library costs a picture
+ * and never the world. The process starts with the first picture, and again after it has ended.
  *
- * <p>Threads: any; pictures are made one after the other, callers wait. {@link #close()} comes
- * through at any time and ends the picture being made.
+ * <p>Any thread may call it; pictures are made one after the other, and callers wait. {@link
+ * #close()} never waits, and aborts the picture in progress.
  */
 public final class Renderer implements AutoCloseable {
 
-    /** Long enough for the largest pictures on a busy machine. */
+    /** Default time limit for a picture; the largest pictures fit into it on a busy machine. */
     public static final Duration DEFAULT_DEADLINE = Duration.ofSeconds(60);
 
     private static final int ATTEMPTS = 2;
@@ -36,10 +35,10 @@ public final class Renderer implements AutoCloseable {
     private volatile boolean closed;
 
     /**
-     * Starts nothing yet.
+     * Creates a renderer without starting the process.
      *
-     * @param nativeFolder folder with the program {@code vesper-render}
-     * @param deadline for one picture, starting the process included
+     * @param nativeFolder folder of the program {@code vesper-render}
+     * @param deadline time limit for one picture, including the start of the process
      */
     public Renderer(Path nativeFolder, Duration deadline) {
         this.program = nativeFolder.resolve("vesper-render");
@@ -56,7 +55,7 @@ public final class Renderer implements AutoCloseable {
      * Draws a scene.
      *
      * @return a PNG
-     * @throws RenderException if there is no picture; the next one may succeed
+     * @throws RenderException if the picture failed; the next one may succeed
      * @throws IllegalStateException if a row of the scene lacks a value
      */
     public byte[] render(Scene scene) {
@@ -64,27 +63,27 @@ public final class Renderer implements AutoCloseable {
     }
 
     /**
-     * Draws a scene into a file, which is replaced at once when the picture is done.
+     * Draws a scene into a file, which is replaced atomically when the picture is complete.
      *
-     * @throws RenderException if there is no picture; a file that was there is untouched
+     * @throws RenderException if the picture failed; an existing file is unchanged
      */
     public void render(Scene scene, Path file) {
         picture(scene, stream -> stream.render(scene, file.toAbsolutePath().toString()));
     }
 
     /**
-     * What the pixels of a scene show.
+     * Renders the requested layers of a scene.
      *
      * @param layers sum of {@link PixelLayers#COLOUR}, {@link PixelLayers#DEPTH} and {@link
      *     PixelLayers#ITEM}, at least one of them
-     * @throws RenderException if there are none; the next ones may succeed
+     * @throws RenderException if rendering failed; the next attempt may succeed
      */
     public PixelLayers pixels(Scene scene, int layers) {
         byte[] bytes = picture(scene, stream -> stream.pixels(scene, layers));
         return PixelLayers.of(scene.image(), layers, bytes);
     }
 
-    /** Ends the process, and with an exception the picture being made. */
+    /** Ends the process. The picture in progress fails with an exception. */
     @Override
     public void close() {
         closed = true;
@@ -92,13 +91,13 @@ public final class Renderer implements AutoCloseable {
         killRunning();
     }
 
-    /** Process id of the running program, -1 if none runs. */
+    /** Returns the process id of the running program; -1 if none runs. */
     long pid() {
         RenderProcess live = process;
         return live != null && live.isAlive() ? live.pid() : -1;
     }
 
-    /** What is asked of the program. */
+    /** A request to the program. */
     private interface Question {
         SceneStream.Answer ask(SceneStream stream) throws IOException;
     }
@@ -152,7 +151,7 @@ public final class Renderer implements AutoCloseable {
         }
     }
 
-    /** The process that runs, or a new one. */
+    /** Returns the running process, or starts one. */
     private RenderProcess running() throws IOException {
         RenderProcess live = process;
         if (live != null && live.isAlive()) {
@@ -167,7 +166,7 @@ public final class Renderer implements AutoCloseable {
         process = null;
         RenderProcess started = new RenderProcess(program);
         process = started;
-        if (closed) { // and close() may have missed the new process
+        if (closed) { // close() may have missed the new process
             started.kill();
         }
         SceneStream.Answer hello = started.stream().hello();
@@ -177,7 +176,10 @@ public final class Renderer implements AutoCloseable {
         return started;
     }
 
-    /** Ends the process, which cannot be trusted now; returns if another try makes sense. */
+    /**
+     * Ends the process, whose stream is in an unknown state. Returns if a retry makes sense; throws
+     * otherwise.
+     */
     private void explain(IOException cut, boolean expired, int attempt) {
         RenderProcess broken = process;
         process = null;

@@ -13,8 +13,8 @@ import java.util.Map;
 import java.util.TreeMap;
 
 /**
- * What one picture shows, as the columns of the scene stream. Filled by one thread, then rendered
- * as often as wanted. Coordinates are in metres, finite and at most 1e15.
+ * The content of one picture, as the columns of the scene stream. One thread fills it; then it may
+ * be rendered any number of times. Coordinates are in metres, finite and at most 1e15.
  */
 public final class Scene {
 
@@ -26,11 +26,11 @@ public final class Scene {
     private final Triangles triangles = new Triangles();
 
     /**
-     * What instances have in common.
+     * The shape and the material that instances share.
      *
      * @param shape code of the shape
      * @param mesh for {@link Shape#MESH}
-     * @param triangleCount of the mesh from {@code firstTriangle} on; 0: all
+     * @param triangleCount triangles of the mesh from {@code firstTriangle} on; 0 for all
      */
     record Look(
             int shape,
@@ -39,35 +39,39 @@ public final class Scene {
             int firstTriangle,
             int triangleCount) {}
 
+    /** Creates an empty scene. */
     public Scene(ImageFormat image, Camera camera, Environment environment) {
         this.image = image;
         this.camera = camera;
         this.environment = environment;
     }
 
+    /** Returns the picture's size and quality. */
     public ImageFormat image() {
         return image;
     }
 
+    /** Returns the viewpoint. */
     public Camera camera() {
         return camera;
     }
 
+    /** Returns the light and the background. */
     public Environment environment() {
         return environment;
     }
 
-    /** Spheres, boxes or planes of the default material, to be added to. */
+    /** Returns the spheres, boxes or planes of the default material, to add to. */
     public Instances instances(int shape) {
         return instances(shape, Material.DEFAULT);
     }
 
-    /** Items that look like a mesh in the default material, to be added to. */
+    /** Returns the instances of a mesh in the default material, to add to. */
     public Instances instances(Mesh mesh) {
         return instances(mesh, Material.DEFAULT);
     }
 
-    /** Spheres, boxes or planes of one material, to be added to. */
+    /** Returns the spheres, boxes or planes of one material, to add to. */
     public Instances instances(int shape, Material material) {
         if (shape != Shape.SPHERE && shape != Shape.BOX && shape != Shape.PLANE) {
             throw new IllegalArgumentException(
@@ -83,12 +87,15 @@ public final class Scene {
         return of(new Look(shape, null, material, 0, 0));
     }
 
-    /** Items that look like a mesh in one material. A renderer is sent every mesh but once. */
+    /**
+     * Returns the instances of a mesh in one material, to add to. Each mesh is sent to the renderer
+     * once.
+     */
     public Instances instances(Mesh mesh, Material material) {
         return of(new Look(Shape.MESH, mesh, material, 0, 0));
     }
 
-    /** Items that look like a part of a mesh, in its material. */
+    /** Returns the instances of a part of a mesh in the part's material, to add to. */
     public Instances instances(Mesh mesh, Mesh.Part part) {
         return of(
                 new Look(
@@ -103,12 +110,16 @@ public final class Scene {
         return instances.computeIfAbsent(look, key -> new Instances());
     }
 
-    /** Triangles of no item, to be added to. */
+    /** Returns the triangles that belong to no instance, to add to. */
     public Triangles triangles() {
         return triangles;
     }
 
-    /** Lines, to be added to. @param widthPixels 0.25 to 64 */
+    /**
+     * Returns the lines of one width, to add to.
+     *
+     * @param widthPixels 0.25 to 64 [px]
+     */
     public Segments segments(float widthPixels) {
         return segments.computeIfAbsent(widthPixels, width -> new Segments());
     }

@@ -18,17 +18,17 @@ import java.util.List;
 import java.util.Optional;
 
 /**
- * Shows a world as it was at the end of a frame: its bodies by shape and material, its springs as
- * lines, its surfaces as triangles in the colours of the bodies at their corners. The number of
- * what is shown is the value of its {@link ItemId}. A body whose colour has alpha 0 is hidden, and
- * so is a surface between three such bodies. Planes get a grid; a world without planes stands over
- * a faint ground that fades, so that depth and motion can be read.
+ * Builder of a scene from the state of a world at the end of a frame: bodies by shape and material,
+ * springs as lines, surfaces as triangles in the colours of the bodies at their corners. The number
+ * of an instance is the value of its {@link ItemId}. A body whose colour has alpha 0 is hidden, and
+ * so is a surface whose corners are three such bodies. Planes have a grid. A world without planes
+ * stands over a faint ground that fades, so that depth and motion are visible.
  *
  * @param image size and quality
  * @param environment background and light
- * @param camera where from, or empty to see all bodies but planes; it needs their bounding boxes,
- *     which DERIVE computes
- * @param without a body that is not shown, such as the one that carries the camera
+ * @param camera viewpoint; empty fits all bodies except planes into the picture, which needs their
+ *     bounding boxes, computed in DERIVE
+ * @param without body that is not shown, for example the one that carries the camera
  */
 public record SceneBuilder(
         ImageFormat image,
@@ -36,7 +36,7 @@ public record SceneBuilder(
         Optional<Camera> camera,
         Optional<ItemId> without) {
 
-    /** Shows all bodies. */
+    /** Creates a builder that shows all bodies. */
     public SceneBuilder(ImageFormat image, Environment environment, Optional<Camera> camera) {
         this(image, environment, camera, Optional.empty());
     }
@@ -48,16 +48,19 @@ public record SceneBuilder(
     private static final int SPRING_RGBA = 0xff82766e;
     private static final int GROUND_RGBA = 0xfff1eeec;
 
-    /** Width of a spring's line in parts of the picture's height. */
+    /** Width of a spring's line as a fraction of the picture's height. */
     private static final float SPRING_WIDTH = 1 / 200f;
 
-    /** Side of the ground in parts of the world's longest side: beyond what fading leaves. */
+    /**
+     * Side of the ground as a multiple of the world's longest side; the ground fades before its
+     * edge.
+     */
     private static final double GROUND_SIDE = 60;
 
     private static final double INFINITY = Double.POSITIVE_INFINITY;
     private static final Point ORIGIN = new Point(0, 0, 0);
 
-    /** The part of a row that a scene wants, whatever type the world's reals have. */
+    /** A column of real numbers, in the precision of the world. */
     private record Reals(MemorySegment segment, boolean single) {
         Reals(TableSnapshot table, String property) {
             this(table.column(property).segment(), table.column(property).type() == ScalarType.F32);
@@ -69,9 +72,9 @@ public record SceneBuilder(
     }
 
     /**
-     * Reads the snapshot; may be closed afterwards. Any thread.
+     * Builds the scene of a snapshot, which may be closed afterwards. Any thread.
      *
-     * @throws RenderException if the snapshot was lost meanwhile; take a newer one
+     * @throws RenderException if the snapshot was overwritten during the build; use a newer one
      */
     public Scene build(WorldSnapshot snapshot) {
         try {
@@ -91,10 +94,10 @@ public record SceneBuilder(
     }
 
     /**
-     * The view from a body's origin along its own +Z axis, with its own +Y axis up.
+     * Returns the view from a body's origin along its +Z axis, with its +Y axis up.
      *
      * @param verticalFovRadians see {@link Camera#extent()}
-     * @return empty if there is no such body
+     * @return empty if the body does not exist
      */
     public static Optional<Camera> viewOf(
             WorldSnapshot snapshot, ItemId body, double verticalFovRadians) {
@@ -114,15 +117,15 @@ public record SceneBuilder(
         double y = orientation.at(4L * row + 1);
         double z = orientation.at(4L * row + 2);
         double w = orientation.at(4L * row + 3);
-        // The second and the third column of the rotation matrix.
+        // Columns 2 and 3 of the rotation matrix.
         var up = new Point(2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x));
         var ahead = new Point(2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y));
         return Optional.of(Camera.perspective(eye, eye.plus(1, ahead), up, verticalFovRadians));
     }
 
     /**
-     * Box around all bodies that are seen but planes, and around surfaces; around the planes if
-     * there is nothing else.
+     * Returns the box around all visible bodies except planes, and around surfaces. If there are
+     * none, returns the box around the planes.
      */
     public static Optional<Bounds> bounds(WorldSnapshot snapshot) {
         TableSnapshot bodies = snapshot.table(WorldPrototype.BODY);
@@ -135,7 +138,7 @@ public record SceneBuilder(
         return box.bounds();
     }
 
-    /** A box that grows. */
+    /** A box that grows to contain points. */
     private static final class Box {
         private final double[] low = {INFINITY, INFINITY, INFINITY};
         private final double[] high = {-INFINITY, -INFINITY, -INFINITY};
@@ -183,7 +186,7 @@ public record SceneBuilder(
                 });
     }
 
-    /** Takes a surface that is seen, and the rows of the bodies at its corners. */
+    /** A visitor of visible surfaces and the rows of the bodies at their corners. */
     private interface SurfaceVisitor {
         void visit(ItemId surface, int[] corners);
     }
@@ -234,7 +237,7 @@ public record SceneBuilder(
         return scene;
     }
 
-    /** Returns whether one of them is a plane. */
+    /** Adds the visible bodies. Returns whether one of them is a plane. */
     private boolean addBodies(Scene scene, TableSnapshot bodies, WorldSnapshot snapshot) {
         int hidden = without.map(bodies::rowOf).orElse(-1);
         var position = new Reals(bodies, "position");
@@ -267,7 +270,10 @@ public record SceneBuilder(
         return hasPlane;
     }
 
-    /** Where an item belongs: once, or once for each part of a mesh in materials of its own. */
+    /**
+     * Returns the instances to which an item is added: one, or one for each part of a mesh that has
+     * its own materials.
+     */
     private static List<Instances> looks(Scene scene, ItemSymbols item) {
         Material material = item.material().orElse(Material.DEFAULT);
         if (!(item.shape() instanceof Mesh mesh)) {
@@ -279,7 +285,7 @@ public record SceneBuilder(
         return mesh.parts().stream().map(part -> scene.instances(mesh, part)).toList();
     }
 
-    /** A law may let the length of a quaternion drift; a picture wants it to be 1. */
+    /** Adds a normalized orientation, because a law may let the length of a quaternion drift. */
     private static void addOrientation(Instances instances, Reals orientation, long at) {
         double x = orientation.at(at);
         double y = orientation.at(at + 1);
@@ -293,7 +299,7 @@ public record SceneBuilder(
         }
     }
 
-    /** A ground under everything that stays where it is when items move a little. */
+    /** Adds a ground below all items. It does not move when items move slightly. */
     private static void addGround(Scene scene, Bounds bounds) {
         double side = Math.max(bounds.longestSide(), 1e-3);
         double low = bounds.low().y();
@@ -348,7 +354,7 @@ public record SceneBuilder(
         }
     }
 
-    /** Row of the body that is referred to, negative if there is none. */
+    /** Returns the row of the referenced body; negative if there is none. */
     private static int rowOf(TableSnapshot bodies, ColumnView references, int row, int which) {
         long id = references.getReference(row, which);
         return id > 0 ? bodies.rowOf(new ItemId(id)) : -1;

@@ -24,8 +24,8 @@ import java.util.Map;
 import java.util.Set;
 
 /**
- * Our end of the scene stream, version 3 (vesper-native/render/SCENE.md): writes messages, reads
- * answers, and knows which meshes and textures the other end has.
+ * The client side of the scene stream, version 3 (vesper-native/render/SCENE.md). It writes
+ * messages, reads answers, and tracks which meshes and textures the renderer has.
  */
 final class SceneStream {
 
@@ -53,7 +53,7 @@ final class SceneStream {
     private static final int COLOURS = 4;
     private static final int MAX_ANSWER_BYTES = 256 << 20;
 
-    /** What came back: the PNG, the pixels or nothing if OK, else the reason. */
+    /** An answer: the PNG, the pixels or nothing if the status is OK, otherwise the reason. */
     record Answer(int status, byte[] payload) {
         String reason() {
             return new String(payload, StandardCharsets.UTF_8);
@@ -74,7 +74,7 @@ final class SceneStream {
         this.in = in;
     }
 
-    /** Opens the conversation. */
+    /** Opens the stream and exchanges versions. */
     Answer hello() throws IOException {
         begin(HELLO).put(MAGIC).putInt(VERSION);
         end(List.of());
@@ -92,7 +92,11 @@ final class SceneStream {
         return answer(scene, path.isEmpty() ? TO_ANSWER : TO_FILE, ByteBuffer.wrap(bytes));
     }
 
-    /** Sends a scene and waits for its pixels. @param layers as {@link PixelLayers} */
+    /**
+     * Sends a scene and waits for its pixels.
+     *
+     * @param layers as in {@link PixelLayers}
+     */
     Answer pixels(Scene scene, int layers) throws IOException {
         ByteBuffer wanted = ByteBuffer.allocate(4).order(ByteOrder.LITTLE_ENDIAN).putInt(layers);
         return answer(scene, TO_PIXELS, wanted.flip());
@@ -107,7 +111,7 @@ final class SceneStream {
         return readAnswer();
     }
 
-    /** What the other end said before it stopped reading, which is why. */
+    /** Reads the answer that the renderer sent before it stopped reading; it gives the reason. */
     private Answer lastWords(IOException cut) throws IOException {
         try {
             return readAnswer();
@@ -161,7 +165,10 @@ final class SceneStream {
         end(List.of());
     }
 
-    /** Sends the scene's meshes that the other end lacks and frees those it needs no more. */
+    /**
+     * Sends the scene's meshes that the renderer lacks, and frees those that the scene does not
+     * use.
+     */
     private void writeMeshes(Scene scene) throws IOException {
         Set<Mesh> wanted = new LinkedHashSet<>();
         for (Scene.Look look : scene.instances().keySet()) {
@@ -218,7 +225,7 @@ final class SceneStream {
         return ByteBuffer.allocate(4 * numbers).order(ByteOrder.LITTLE_ENDIAN);
     }
 
-    /** As meshes. */
+    /** Sends the textures that the renderer lacks, and frees those that the scene does not use. */
     private void writeTextures(Collection<Material> materials) throws IOException {
         Set<Texture> wanted = new LinkedHashSet<>();
         materials.forEach(material -> material.texture().ifPresent(wanted::add));
@@ -237,7 +244,7 @@ final class SceneStream {
         }
     }
 
-    /** Sends what the instances are made of and returns the number of each material. */
+    /** Sends the materials of the instances, and returns the number of each material. */
     private Map<Material, Integer> writeMaterials(Scene scene) throws IOException {
         Map<Material, Integer> ids = new LinkedHashMap<>();
         ids.put(Material.DEFAULT, 0);
@@ -275,7 +282,7 @@ final class SceneStream {
         scratch.putFloat((float) point.x()).putFloat((float) point.y()).putFloat((float) point.z());
     }
 
-    /** Begins a message in the scratch buffer; its length is filled in at the end. */
+    /** Begins a message in the scratch buffer. Its length is written at the end. */
     private ByteBuffer begin(int type) {
         return scratch.clear().putInt(type).putInt(0);
     }

@@ -3,7 +3,7 @@ package reve.worlds.render;
 
 import java.util.List;
 
-/** Straight lines of one width as columns; see {@link Instances}. */
+/** Straight lines of one width, as columns; see {@link Instances}. */
 public final class Segments {
 
     private final GrowingColumn starts = new GrowingColumn();
@@ -13,20 +13,22 @@ public final class Segments {
 
     Segments() {}
 
-    /** Where the line begins [m]. */
+    /** Adds the start of the line [m]. */
     public Segments from(double x, double y, double z) {
         starts.add((float) x, (float) y, (float) z);
         return this;
     }
 
-    /** Where the line ends [m]. */
+    /** Adds the end of the line [m]. */
     public Segments to(double x, double y, double z) {
         ends.add((float) x, (float) y, (float) z);
         return this;
     }
 
     /**
-     * @param rgba see {@link reve.core.world.Colour#rgba()}; alpha is not shown
+     * Adds a colour.
+     *
+     * @param rgba see {@link reve.core.world.Colour#rgba()}; alpha is ignored
      */
     public Segments colour(int rgba) {
         colours.add(rgba);
@@ -34,7 +36,9 @@ public final class Segments {
     }
 
     /**
-     * @param number of what is shown there, positive; 0 for nothing that has one
+     * Adds the number that pixels of the line have in {@link PixelLayers}.
+     *
+     * @param number positive, or 0 for no number
      */
     public Segments item(long number) {
         items.add(Math.toIntExact(number));
@@ -42,7 +46,9 @@ public final class Segments {
     }
 
     /**
-     * @throws IllegalStateException if a column has more rows than another
+     * Returns the number of lines.
+     *
+     * @throws IllegalStateException if the columns have different lengths
      */
     int count() {
         return GrowingColumn.sharedRowCount(columns(), List.of(3, 3, 1, 1));

@@ -3,7 +3,7 @@ package reve.worlds.render;
 
 import java.util.List;
 
-/** Flat triangles with a colour at each corner as columns; see {@link Instances}. */
+/** Flat triangles with a colour at each corner, as columns; see {@link Instances}. */
 public final class Triangles {
 
     private final GrowingColumn corners = new GrowingColumn();
@@ -13,9 +13,9 @@ public final class Triangles {
     Triangles() {}
 
     /**
-     * The next corner [m]; three make a triangle.
+     * Adds the next corner [m]; three corners make a triangle.
      *
-     * @param rgba see {@link reve.core.world.Colour#rgba()}; alpha is not shown
+     * @param rgba see {@link reve.core.world.Colour#rgba()}; alpha is ignored
      */
     public Triangles corner(double x, double y, double z, int rgba) {
         corners.add((float) x, (float) y, (float) z);
@@ -24,8 +24,9 @@ public final class Triangles {
     }
 
     /**
-     * @param number of the triangle that these corners belong to, positive; 0 for nothing that has
-     *     one
+     * Adds the number that pixels of the triangle have in {@link PixelLayers}.
+     *
+     * @param number positive, or 0 for no number
      */
     public Triangles item(long number) {
         items.add(Math.toIntExact(number));
@@ -33,6 +34,8 @@ public final class Triangles {
     }
 
     /**
+     * Returns the number of triangles.
+     *
      * @throws IllegalStateException if the last triangle lacks a corner
      */
     int count() {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.worlds.server;
 
-import reve.core.agent.Cameras;
+import reve.core.agent.port.Cameras;
 import reve.core.world.ItemId;
 import reve.core.world.ItemSymbols;
 import reve.core.world.Sensor;
@@ -29,15 +29,15 @@ import java.util.concurrent.ThreadPoolExecutor;
 import java.util.concurrent.TimeUnit;
 
 /**
- * Draws what bodies' cameras see, one picture after the other on a thread of its own. The body that
- * carries the camera is not in its pictures.
+ * Renders the pictures of bodies' cameras, one after the other, on its own thread. A picture does
+ * not show the body that carries the camera.
  */
 final class BodyCameras implements Cameras, AutoCloseable {
 
     private static final int SAMPLES = 4;
     private static final int MAX_WAITING = 1024;
 
-    /** How often a picture is begun anew because its frame was overwritten. */
+    /** Maximum number of attempts at a picture whose snapshot is overwritten during the build. */
     private static final int ATTEMPTS = 3;
 
     private static final int MAX_NAMES = 0xffff;
@@ -54,7 +54,7 @@ final class BodyCameras implements Cameras, AutoCloseable {
                     Thread.ofPlatform().daemon().name("cameras of bodies").factory());
 
     /**
-     * @param renderer closed by this
+     * @param renderer closed by this object
      */
     BodyCameras(SnapshotRing snapshots, Renderer renderer) {
         this.snapshots = snapshots;
@@ -153,7 +153,7 @@ final class BodyCameras implements Cameras, AutoCloseable {
         return ByteBuffer.wrap(bytes).order(ByteOrder.LITTLE_ENDIAN);
     }
 
-    /** What is farther away is black, and no item. */
+    /** Clears pixels beyond the camera's range: black, without an item. */
     private static void forgetBeyond(
             float range, byte[] depth, Optional<byte[]> colour, Optional<byte[]> items) {
         ByteBuffer depths = numbers(depth);
@@ -174,7 +174,7 @@ final class BodyCameras implements Cameras, AutoCloseable {
         }
     }
 
-    /** Numbers items in the order in which they are seen. */
+    /** Numbers the items in the order of their first pixels. */
     private static byte[] number(byte[] ids, WorldSnapshot snapshot, List<String> names) {
         Map<Integer, Short> known = new HashMap<>();
         ByteBuffer from = numbers(ids);
@@ -195,7 +195,7 @@ final class BodyCameras implements Cameras, AutoCloseable {
         return to.array();
     }
 
-    /** Ends the renderer, and with it the picture being drawn. May be called twice. */
+    /** Ends the renderer, which aborts the picture in progress. Idempotent. */
     @Override
     public void close() {
         artist.shutdownNow();

@@ -5,19 +5,21 @@ import java.util.ArrayDeque;
 import java.util.Deque;
 
 /**
- * Resources that are closed together, the last opened first. One that fails to close does not keep
- * the others open. One thread.
+ * Resources that are closed together in reverse order of opening. If one fails to close, the others
+ * are still closed. One thread.
  */
 final class Closing implements AutoCloseable {
     private final Deque<AutoCloseable> open = new ArrayDeque<>();
 
-    /** Remembers a resource that was just opened, and hands it back. */
+    /** Adds a resource that was just opened, and returns it. */
     <T extends AutoCloseable> T add(T resource) {
         open.push(resource);
         return resource;
     }
 
-    /** Closes everything because of a failure, which keeps what goes wrong now. */
+    /**
+     * Closes all resources because of a failure. Further exceptions are added to it as suppressed.
+     */
     void closeAfter(Throwable failure) {
         while (!open.isEmpty()) {
             try {
@@ -28,7 +30,7 @@ final class Closing implements AutoCloseable {
         }
     }
 
-    /** Closes everything. May be called twice. */
+    /** Closes all resources. Idempotent. */
     @Override
     public void close() {
         IllegalStateException failure = new IllegalStateException("not everything could be closed");

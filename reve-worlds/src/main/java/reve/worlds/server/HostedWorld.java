@@ -5,7 +5,7 @@ import org.jspecify.annotations.Nullable;
 import org.slf4j.Logger;
 import org.slf4j.LoggerFactory;
 
-import reve.core.agent.WorldPort;
+import reve.core.agent.port.WorldPort;
 import reve.core.file.AgentPolicy;
 import reve.core.frame.FrameEvent;
 import reve.core.frame.Pacing;
@@ -26,8 +26,8 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * A world of a server, with what keeps it and what is dropped into it. Whoever calls a method owns
- * the world then; {@link #stop} is for any thread.
+ * One world of a server, with its journals and its watched folder of laws. The calling thread owns
+ * the world during a call; {@link #stop} may be called on any thread.
  */
 final class HostedWorld implements AutoCloseable {
     private static final Logger LOG = LoggerFactory.getLogger("reve.worlds");
@@ -47,9 +47,9 @@ final class HostedWorld implements AutoCloseable {
     private Optional<Path> olderRecording = Optional.empty();
 
     /**
-     * Builds the world, loads its laws, and opens what it is kept in.
+     * Builds the world, loads its laws, and opens its journals.
      *
-     * @param lawsFolder watched for law libraries, if given
+     * @param lawsFolder watched for law libraries, if present
      */
     HostedWorld(WorldPlan plan, Pacing pacing, Optional<Path> lawsFolder, ServerEvents events)
             throws IOException {
@@ -116,7 +116,7 @@ final class HostedWorld implements AutoCloseable {
                                 problem -> tellProblem("store", problem)));
     }
 
-    /** Last, so that they see what everybody else did in ACT. */
+    /** Opens the journals. Called last, so that they subscribe to ACT after all other listeners. */
     private void keepJournals(boolean waits) throws IOException {
         Persistence persistence = plan.persistence();
         if (stored.isPresent()) {
@@ -153,7 +153,7 @@ final class HostedWorld implements AutoCloseable {
         }
     }
 
-    /** Something failed that is no matter of one law. Any thread. */
+    /** Reports a failure that does not belong to one law. Any thread. */
     void tellProblem(String source, String message) {
         LOG.warn("{}: {}: {}", name(), source, message);
         events.happened("fault", WorldServer.fault(source, message));
@@ -163,7 +163,7 @@ final class HostedWorld implements AutoCloseable {
         return plan.description().name();
     }
 
-    /** What an agent server needs of it. */
+    /** Returns the interface of the world for an agent server. */
     WorldPort port() {
         return new WorldPort(
                 name(),
@@ -177,12 +177,12 @@ final class HostedWorld implements AutoCloseable {
                 cameras);
     }
 
-    /** What a watchdog needs of it. */
+    /** Returns the interface of the world for a watchdog. */
     Watchdog.Subject watched() {
         return new Watchdog.Subject(name(), simulation.loop(), events);
     }
 
-    /** Begins to watch the laws folder, and says that the world is ready. */
+    /** Starts to watch the laws folder, and reports that the world is ready. */
     void start(InetSocketAddress agents) {
         if (laws != null) {
             laws.start();
@@ -210,19 +210,19 @@ final class HostedWorld implements AutoCloseable {
         events.happened("ready", fields);
     }
 
-    /** Makes the frames that are planned, fewer if {@link #stop} is called, and reports on them. */
+    /** Makes the planned frames, or fewer if {@link #stop} is called, and returns the report. */
     RunReport run() {
         long start = System.nanoTime();
         simulation.loop().run(plan.frames());
         return RunReport.of(simulation, (System.nanoTime() - start) * 1e-9);
     }
 
-    /** Ends {@link #run} after its frame. Any thread. */
+    /** Ends {@link #run} after the current frame. Any thread. */
     void stop() {
         simulation.loop().stop();
     }
 
-    /** Finishes pictures and journals, frees everything. May be called twice. */
+    /** Finishes pictures and journals, and frees all resources. Idempotent. */
     @Override
     public void close() {
         simulation.world().guard().claim();
@@ -240,12 +240,12 @@ final class HostedWorld implements AutoCloseable {
         }
     }
 
-    /** After close: what the store lacks, if it lacks something. */
+    /** Returns, after close, what the store lacks; empty if it is complete. */
     Optional<String> unkept() {
         return unkept;
     }
 
-    /** After close: what the recording lacks, if it lacks something. */
+    /** Returns, after close, what the recording lacks; empty if it is complete. */
     Optional<String> gap() {
         return Optional.ofNullable(recordingJournal)
                 .flatMap(Journal::gap)

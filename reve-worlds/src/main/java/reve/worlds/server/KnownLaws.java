@@ -15,9 +15,10 @@ import java.util.ArrayList;
 import java.util.List;
 
 /**
- * The law libraries that shipped when this account's worlds were stored or recorded, by the SHA-256
- * of their bytes: a store opens without {@code --trust} after an upgrade that ships other bytes.
- * The file belongs to the account; no store or recording brings its own. Any thread.
+ * The file of known law libraries: the shipped libraries of worlds that this account stored or
+ * recorded, by the SHA-256 of their bytes. A store therefore opens without {@code --trust} after an
+ * upgrade that ships other bytes. The file belongs to the account; stores and recordings cannot add
+ * to it. Any thread.
  */
 final class KnownLaws {
     private static final Logger LOG = LoggerFactory.getLogger("laws");
@@ -36,7 +37,7 @@ final class KnownLaws {
         }
     }
 
-    /** Adds libraries to the file. Reads and writes files. */
+    /** Adds libraries to the file. Blocks on file access. */
     static synchronized void keep(List<LawLibrary> libraries) {
         List<String> lines = new ArrayList<>();
         for (LawLibrary library : libraries) {

@@ -21,8 +21,8 @@ import java.util.Map;
 import java.util.function.Consumer;
 
 /**
- * The law libraries on the disk by the SHA-256 of their bytes, in place of those that a store has
- * damaged. One thread.
+ * The law libraries on disk by the SHA-256 of their bytes, which replace damaged ones of a store.
+ * One thread.
  */
 final class LawFiles {
     private final List<Path> folders;
@@ -31,9 +31,9 @@ final class LawFiles {
     private @Nullable Map<String, Path> files;
 
     /**
-     * Looks among the laws that ship and in the operator's folder.
+     * Searches the shipped laws and the operator's folder.
      *
-     * @param found receives a line about each library that was found
+     * @param found receives a line for each library that was found
      */
     LawFiles(LawPath laws, Consumer<String> found) {
         folders = new ArrayList<>(List.of(laws.shipped()));
@@ -41,7 +41,7 @@ final class LawFiles {
         this.found = found;
     }
 
-    /** The bytes of a library, null if it is nowhere. */
+    /** Returns the bytes of a library, or null if it was not found. */
     byte @Nullable [] find(String sha256) {
         byte[] before = given.get(sha256);
         if (before != null) {
@@ -72,7 +72,7 @@ final class LawFiles {
         }
     }
 
-    /** The libraries that were found. */
+    /** Returns the libraries that were found. */
     List<JournalRecord.Library> given() {
         return given.entrySet().stream()
                 .map(each -> new JournalRecord.Library(each.getKey(), each.getValue()))

@@ -17,13 +17,13 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 
-/** Finds which parameters of a law are wrong, and where the world file says them. */
+/** A check that finds wrong parameters of a law and their places in the world file. */
 final class LawParameters {
     private LawParameters() {}
 
     /**
-     * Parameters in units that measure something else than the law asks for: a line with its place
-     * for each, by name.
+     * Returns the parameters whose unit has another dimension than the law requires: a message with
+     * its place for each, by name.
      *
      * @param loaded the laws of the library
      */
@@ -64,7 +64,7 @@ final class LawParameters {
         return wrong;
     }
 
-    /** What a law was refused for: lines with the places of wrong parameters, or of the law. */
+    /** Returns why a law was refused: lines with the places of wrong parameters, or of the law. */
     static List<String> refused(
             LawReference law, PhysicsException refused, PhysicsEngine engine, LawPath lawPath) {
         List<String> wrong = new ArrayList<>();
@@ -87,7 +87,7 @@ final class LawParameters {
                                     }
                                 });
             } catch (PhysicsException notForItsParameters) {
-                // then it is the law that is wrong
+                // then the law itself is wrong
             }
         }
         if (wrong.isEmpty()) {
@@ -96,7 +96,7 @@ final class LawParameters {
         return wrong;
     }
 
-    /** What the engine has against one parameter by itself. */
+    /** Returns the engine's objection to one parameter alone, if there is one. */
     private static Optional<String> refusal(
             LawReference law, String name, PhysicsEngine engine, LawPath lawPath) {
         try {
@@ -107,7 +107,7 @@ final class LawParameters {
         }
     }
 
-    /** Loads and unloads the law, and says which units do not fit it. */
+    /** Loads and unloads the law, and returns the units that do not fit. */
     private static Map<String, String> load(
             LawReference law,
             Map<String, Double> parameters,
@@ -122,7 +122,7 @@ final class LawParameters {
         }
     }
 
-    /** The laws of a loaded library. */
+    /** Returns the laws of a loaded library. */
     static List<PhysicsLaw> lawsOf(int libraryId, PhysicsEngine engine) {
         return engine.laws().stream().filter(law -> law.libraryId() == libraryId).toList();
     }

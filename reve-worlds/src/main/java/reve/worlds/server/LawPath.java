@@ -27,12 +27,13 @@ import java.util.regex.Pattern;
 import java.util.stream.Stream;
 
 /**
- * Finds laws by name, and decides which native code may be opened. A name is looked for among the
- * laws that ship, then in the operator's folder, then in {@code laws/} beside the world file. Code
- * of the last place, of a store and of a recording comes with the world: it is opened only if the
- * operator trusts the world, or if its bytes equal a library of the first two. Any thread.
+ * The search path of laws, and the decision which native code may be opened. A name is searched
+ * among the shipped laws, then in the operator's folder, then in {@code laws/} beside the world
+ * file. Code of the last place, of a store and of a recording comes with the world. It is opened
+ * only if the operator trusts the world, or if its bytes equal a library of the first two places.
+ * Any thread.
  *
- * @param shipped folder of the laws that ship
+ * @param shipped folder of the shipped laws
  * @param folder the operator's folder
  * @param world folder of the world file
  * @param trusted whether native code that comes with the world may be opened
@@ -43,23 +44,26 @@ public record LawPath(Path shipped, Optional<Path> folder, Optional<Path> world,
     private static final String SUFFIX = ".so";
     private static final String WORLDS_OWN = "laws";
 
-    /** Whose word a library is. */
+    /** The origin of a library. */
     public enum Origin {
+        /** Shipped with the release. */
         SHIPPED,
+        /** From the operator's {@code --laws} folder. */
         FOLDER,
+        /** Came with the world. */
         WORLD
     }
 
-    /** The file that a name leads to. */
+    /** The file found for a name. */
     public record Found(Path file, Origin origin) {}
 
-    /** The laws that ship, and no others. */
+    /** Returns a path of the shipped laws only. */
     public static LawPath ofShipped() {
         return new LawPath(
                 Product.nativeFolder().resolve("laws"), Optional.empty(), Optional.empty(), false);
     }
 
-    /** The same for a world whose file lies in this folder. */
+    /** Returns this path for a world whose file lies in this folder. */
     public LawPath forWorld(Path worldFolder) {
         return new LawPath(shipped, folder, Optional.of(worldFolder), trusted);
     }
@@ -67,7 +71,7 @@ public record LawPath(Path shipped, Optional<Path> folder, Optional<Path> world,
     /**
      * Finds the library of a law without opening it.
      *
-     * @throws PhysicsException if there is none, or the world's own is no regular file in its
+     * @throws PhysicsException if there is none, or the world's own is not a regular file in its
      *     folder
      */
     public Found find(String name) {
@@ -91,7 +95,7 @@ public record LawPath(Path shipped, Optional<Path> folder, Optional<Path> world,
                                                 + suggestion(name)));
     }
 
-    /** Whether the law is found in the world's own folder and may not be opened. */
+    /** Returns whether the law is in the world's own folder and must not be opened. */
     public boolean needsTrust(String name) {
         try {
             return !trusted && find(name).origin() == Origin.WORLD;
@@ -100,7 +104,7 @@ public record LawPath(Path shipped, Optional<Path> folder, Optional<Path> world,
         }
     }
 
-    /** Says that the law is not opened, and why. */
+    /** Returns a message that the law is not opened, with the reason. */
     public static String untrusted(String name) {
         return "law '"
                 + name
@@ -112,7 +116,10 @@ public record LawPath(Path shipped, Optional<Path> folder, Optional<Path> world,
                 + "--trust";
     }
 
-    /** What a name that leads elsewhere hides in the world's own folder, if other bytes do. */
+    /**
+     * Returns a message if the found law hides a library of the same name with other bytes in the
+     * world's own folder.
+     */
     Optional<String> hidden(String name, Found found) {
         try {
             Optional<Path> own =
@@ -135,8 +142,8 @@ public record LawPath(Path shipped, Optional<Path> folder, Optional<Path> world,
     /**
      * Opens the library of a law.
      *
-     * @throws PhysicsException as {@link #find}, and if the operator does not trust the world that
-     *     the library comes with
+     * @throws PhysicsException as {@link #find}, and if the library comes with the world and the
+     *     operator does not trust the world
      */
     PreparedLibrary prepare(PhysicsEngine engine, String name, Found found) {
         if (found.origin() == Origin.WORLD && !trusted) {
@@ -146,10 +153,10 @@ public record LawPath(Path shipped, Optional<Path> folder, Optional<Path> world,
     }
 
     /**
-     * Refuses a name that a library gives itself, or a law in it, if that is the name of a law that
-     * ships: whoever reads it would take one for the other.
+     * Refuses a library if its own name, or the name of one of its laws, is the name of a shipped
+     * law, because users would confuse the two.
      *
-     * @param library bytes of the file; what ships, and its copies, bear their names
+     * @param library bytes of the file; shipped libraries and their copies may have these names
      * @throws PhysicsException naming both files
      */
     void requireOwnName(String name, Path file, byte[] library) {
@@ -167,8 +174,8 @@ public record LawPath(Path shipped, Optional<Path> folder, Optional<Path> world,
     }
 
     /**
-     * Refuses a library of a store or a recording that is neither trusted nor one that the operator
-     * has, nor one that shipped when this account stored a world.
+     * Refuses a library of a store or a recording unless it is trusted, the operator has it, or it
+     * was a shipped library when this account stored a world.
      *
      * @throws PhysicsException naming it
      */
@@ -187,7 +194,7 @@ public record LawPath(Path shipped, Optional<Path> folder, Optional<Path> world,
         }
     }
 
-    /** Keeps in mind which of these libraries, of a world that is stored, ship. Reads files. */
+    /** Adds the shipped ones among a stored world's libraries to the known laws. Reads files. */
     void remember(List<LawLibrary> libraries) {
         KnownLaws.keep(
                 libraries.stream().filter(library -> holds(shipped, library.bytes())).toList());
@@ -210,7 +217,7 @@ public record LawPath(Path shipped, Optional<Path> folder, Optional<Path> world,
                 + world.map(_ -> ", or in the world's own folder " + WORLDS_OWN + "/").orElse("");
     }
 
-    /** The name that was probably meant, or else all that there are. */
+    /** Returns the name that was probably meant, or all names. */
     private String suggestion(String wrong) {
         SortedSet<String> names = new TreeSet<>();
         Stream.concat(
@@ -228,7 +235,7 @@ public record LawPath(Path shipped, Optional<Path> folder, Optional<Path> world,
                     .map(file -> file.substring(PREFIX.length(), file.length() - SUFFIX.length()))
                     .toList();
         } catch (IOException unreadable) {
-            return List.of(); // then it has none that could be meant
+            return List.of(); // an unreadable folder offers no suggestion
         }
     }
 
@@ -244,7 +251,7 @@ public record LawPath(Path shipped, Optional<Path> folder, Optional<Path> world,
         return PREFIX + name + SUFFIX;
     }
 
-    /** A regular file in the world's own folder; a link may not lead out of that. */
+    /** Returns a regular file in the world's own folder. A link must not lead out of the folder. */
     private Optional<Path> worldsOwn(String file) {
         if (world.isEmpty()
                 || !Files.exists(

@@ -8,13 +8,13 @@ import java.nio.file.Path;
 import java.util.Optional;
 
 /**
- * What is kept of a world while it runs.
+ * What is stored of a world while it runs.
  *
  * @param folder of the world file
- * @param recording of the run, if there is to be one
- * @param store file that the world lives in
+ * @param recording of the run; empty for none
+ * @param store file from which the world resumes and to which it is stored; empty for none
  * @param saves folder for world files that are saved while the world runs
- * @param imageSeconds an image goes to the store every so much world time [s]
+ * @param imageSeconds world time between two images in the store [s]
  * @param durability of the store
  */
 public record Persistence(

@@ -21,11 +21,11 @@ import java.util.concurrent.Executors;
 import java.util.concurrent.TimeUnit;
 
 /**
- * Takes pictures of a world at given frames while it runs. The world's thread only notes what is to
- * be seen; a thread of its own draws, and a picture that fails costs nothing else.
+ * Pictures of a running world at given frames. The world's thread only builds the scene; another
+ * thread draws it. A failed picture has no other effect.
  */
 public final class Pictures implements AutoCloseable {
-    /** Size of pictures unless asked otherwise. */
+    /** Default size of pictures. */
     public static final ImageFormat DEFAULT_FORMAT = ImageFormat.of(960, 640);
 
     private static final long PATIENCE_SECONDS = 120;
@@ -41,25 +41,25 @@ public final class Pictures implements AutoCloseable {
     private boolean wanted;
 
     /**
-     * @param folder where the pictures go, named by world and frame
-     * @param frames at whose end to take one
+     * @param folder for the pictures, named by world and frame
+     * @param frames at whose end a picture is taken
      */
     public Pictures(Path folder, List<Long> frames) {
         this.folder = folder;
         this.frames = frames.stream().mapToLong(Long::longValue).sorted().distinct().toArray();
     }
 
-    /** Begins to follow a simulation; once, before its loop runs. */
+    /** Subscribes to a simulation; called once, before its loop runs. */
     void subscribeTo(Simulation simulation, ServerEvents events) {
         simulation.onPublish("pictures", frame -> onFrame(frame, simulation, events));
     }
 
-    /** Takes a picture of the frame that is being made. World's thread, before PUBLISH. */
+    /** Requests a picture of the current frame. World's thread, before PUBLISH. */
     void takeNext() {
         wanted = true;
     }
 
-    /** What a simulation's pictures show, from its camera if it has one. */
+    /** Returns a scene builder for a simulation, with the world's camera if it has one. */
     public static SceneBuilder sceneBuilder(Simulation simulation, ImageFormat format) {
         return new SceneBuilder(
                 format, Environment.STUDIO, simulation.description().camera().map(Camera::of));
@@ -106,7 +106,7 @@ public final class Pictures implements AutoCloseable {
         events.happened("snapshot-failed", fields);
     }
 
-    /** Finishes the pictures that were begun, then ends the renderer. May be called twice. */
+    /** Finishes the pictures in progress, then ends the renderer. Idempotent. */
     @Override
     public void close() {
         artist.shutdown();

@@ -9,9 +9,9 @@ import reve.core.frame.FramePhase;
 import reve.core.frame.Pacing;
 import reve.core.frame.Subscription;
 import reve.core.frame.Timing;
-import reve.core.store.CorruptException;
-import reve.core.store.Trees;
-import reve.core.store.WorldDigest;
+import reve.core.image.CorruptException;
+import reve.core.image.Trees;
+import reve.core.image.WorldDigest;
 import reve.core.world.ItemId;
 import reve.pe.PhysicsException;
 import reve.pe.adapter.LawChange;
@@ -34,8 +34,8 @@ import java.util.function.Consumer;
 import java.util.function.Function;
 
 /**
- * Makes the frames of a journal again: from its image, with what came in then, comparing the digest
- * of each frame. One thread, which owns the world.
+ * A repetition of a journal's frames: starts from its image, applies its inputs, and compares the
+ * digest of each frame. One thread, which owns the world.
  */
 public final class Replay implements AutoCloseable {
     private final Optional<WorldDescription> wanted;
@@ -57,15 +57,15 @@ public final class Replay implements AutoCloseable {
     private long frames;
 
     /**
-     * Where a replay is first another run than the recorded one.
+     * The first difference between a replay and the recorded run.
      *
      * @param item name of the only item that differs, empty if several do
      * @param property that differs, or {@link WorldDigest#ROWS}, or "laws"
-     * @param message one line that says it all
+     * @param message one line that describes the difference
      */
     public record Divergence(
             long frame, String kind, Optional<String> item, String property, String message) {
-        /** For JSON, in order. */
+        /** Returns the fields for JSON, in order. */
         public Map<String, Object> fields() {
             Map<String, Object> fields = new LinkedHashMap<>();
             fields.put("frame", frame);
@@ -77,23 +77,27 @@ public final class Replay implements AutoCloseable {
         }
     }
 
-    /** The same of a journal of laws that ship. */
+    /** Creates a replay of a journal that uses shipped laws only. */
     public Replay(Optional<WorldDescription> description, Pacing pacing) {
         this(description, pacing, LawPath.ofShipped());
     }
 
     /**
-     * @param description of the world, to go on with it later; without, what the journal says
-     * @param laws says which of the journal's law libraries may be opened
+     * Creates a replay.
+     *
+     * @param description of the world, to continue it later; if empty, it is derived from the
+     *     journal
+     * @param laws decides which of the journal's law libraries may be opened
      */
     public Replay(Optional<WorldDescription> description, Pacing pacing, LawPath laws) {
         this(description, pacing, laws, sha256 -> null);
     }
 
     /**
-     * As the other one.
+     * Creates a replay.
      *
-     * @param elsewhere the bytes of law libraries by SHA-256 that the journal has damaged
+     * @param elsewhere returns the bytes of law libraries that are damaged in the journal, by
+     *     SHA-256
      */
     Replay(
             Optional<WorldDescription> description,
@@ -107,7 +111,7 @@ public final class Replay implements AutoCloseable {
     }
 
     /**
-     * Takes the next record of a journal.
+     * Applies the next record of a journal.
      *
      * @return false from the first difference on
      * @throws CorruptException if the record has no meaning, or the journal does not begin with an
@@ -118,7 +122,10 @@ public final class Replay implements AutoCloseable {
         return take(record, Long.MAX_VALUE);
     }
 
-    /** As the other one, but makes no frame after {@code until}; false also when that is made. */
+    /**
+     * Applies the next record, but makes no frame after {@code until}. Returns false also when that
+     * frame is made.
+     */
     public boolean take(JournalRecord record, long until) {
         switch (record) {
             case JournalRecord.Library library -> keep(library);
@@ -136,28 +143,28 @@ public final class Replay implements AutoCloseable {
         return divergence == null && (simulation == null || simulation.loop().frame() < until);
     }
 
-    /** The frame whose end the world is at; -1 without an image. */
+    /** Returns the last frame that was made or restored; -1 before the first image. */
     public long frame() {
         return simulation == null ? -1 : simulation.loop().frame();
     }
 
-    /** How many frames were made. */
+    /** Returns the number of frames that were made. */
     public long frames() {
         return frames;
     }
 
-    /** The first difference, empty as long as all is the same. */
+    /** Returns the first difference; empty while there is none. */
     public Optional<Divergence> divergence() {
         return Optional.ofNullable(divergence);
     }
 
-    /** Ids of the bodies of the agents that are in the world now, by agent. */
+    /** Returns the ids of the bodies of the agents in the world, by agent. */
     public Map<String, Long> members() {
         return members;
     }
 
     /**
-     * Ends the replay and hands its simulation over, to go on from here; the caller closes it.
+     * Ends the replay and returns its simulation at the current frame; the caller closes it.
      *
      * @throws CorruptException if there was no image
      */
@@ -180,7 +187,10 @@ public final class Replay implements AutoCloseable {
         }
     }
 
-    /** By what its bytes are: one that is damaged is missed when it is needed. */
+    /**
+     * Stores a library by the actual hash of its bytes, so a damaged one counts as missing when it
+     * is used.
+     */
     private void keep(JournalRecord.Library library) {
         libraries.put(LawFiles.sha256(library.bytes()), library.bytes());
     }
@@ -218,7 +228,7 @@ public final class Replay implements AutoCloseable {
         subscriptions.add(made.bus().subscribe(FramePhase.PUBLISH, "replay", this::comeLate));
     }
 
-    /** A world that has nothing but what the image brings. */
+    /** Returns a description of a world that has only the content of an image. */
     private static WorldDescription description(WorldHeader header) {
         return WorldDescription.bare(header.name(), header.prototype(), header.timing());
     }
@@ -288,7 +298,7 @@ public final class Replay implements AutoCloseable {
         compare(frame, "digest");
     }
 
-    /** Keeps the first difference. */
+    /** Compares the digest, and stores the first difference. */
     private void compare(JsonNode frame, String name) {
         if (codec != null && digest != null) {
             long[] recorded = codec.readDigest(frame, name);
@@ -302,7 +312,7 @@ public final class Replay implements AutoCloseable {
         }
     }
 
-    /** Last in ACT, as the inputs were noted then. */
+    /** Applies the inputs of the frame. Runs last in ACT, where the journal noted them. */
     private void comeIn(FrameEvent event) {
         apply(
                 event,
@@ -353,7 +363,10 @@ public final class Replay implements AutoCloseable {
         return Objects.requireNonNull(simulation);
     }
 
-    /** A law that failed here did so there too, and was taken out before. */
+    /**
+     * Compares the changes of laws. A law that fails here also failed in the recorded run, and was
+     * removed by then.
+     */
     private void compareLaws(JsonNode frame) {
         for (LawChange change : lawChanges) {
             if (change instanceof LawChange.Failed failed) {

@@ -12,7 +12,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Set;
 
-/** Counts the events of a run and keeps its faults, for the report. World's thread. */
+/** Counter of a run's events and list of its faults, for the report. World's thread. */
 public final class RunEvents implements FrameListener {
     private static final int MAX_FAULTS = 100;
 
@@ -33,17 +33,17 @@ public final class RunEvents implements FrameListener {
         }
     }
 
-    /** How many events of a type there were. */
+    /** Returns the number of events of a type. */
     public long count(String type) {
         return counts.getOrDefault(type, 0L);
     }
 
-    /** Every law library that was ever loaded, in that order. */
+    /** Returns all law libraries that were ever loaded, in order of loading. */
     public List<String> libraries() {
         return List.copyOf(libraries);
     }
 
-    /** The first hundred faults, in order. */
+    /** Returns the first hundred faults, in order. */
     public List<WorldEvent> faults() {
         return List.copyOf(faults);
     }

@@ -17,17 +17,17 @@ import java.util.Locale;
 import java.util.Map;
 
 /**
- * What a run came to.
+ * The result of a run.
  *
- * @param frames frames made
- * @param worldSeconds simulated time they cover [s]
- * @param wallSeconds time they took [s]
+ * @param frames number of frames made
+ * @param worldSeconds simulated time [s]
+ * @param wallSeconds elapsed time [s]
  * @param stateHash of all columns that laws see, at the end
- * @param items of the world, without the one that holds its constants
+ * @param items number of items, without the one that holds the world's constants
  * @param bodies rows of kind {@code body} that laws may move
- * @param laws loaded at the end, with what they cost
- * @param libraries every law library that was ever loaded, in that order
- * @param snapshotNanoseconds spent on copying the world into snapshots [ns]
+ * @param laws loaded at the end, with their cost
+ * @param libraries all law libraries that were ever loaded, in order of loading
+ * @param snapshotNanoseconds time for copying the world into snapshots [ns]
  */
 public record RunReport(
         String world,
@@ -44,13 +44,14 @@ public record RunReport(
         AdapterProfile physics,
         long snapshotNanoseconds) {
 
+    /** Copies the lists. */
     public RunReport {
         laws = List.copyOf(laws);
         libraries = List.copyOf(libraries);
         faults = List.copyOf(faults);
     }
 
-    /** Of a simulation between frames, on its thread. */
+    /** Returns the report of a simulation between frames. World's thread. */
     public static RunReport of(Simulation simulation, double wallSeconds) {
         World world = simulation.world();
         FrameProfile profile = simulation.loop().profile();
@@ -71,12 +72,12 @@ public record RunReport(
                 simulation.snapshotNanoseconds());
     }
 
-    /** Simulated seconds per second of wall time. */
+    /** Returns the simulated seconds per second of wall time. */
     public double realTimeFactor() {
         return worldSeconds / wallSeconds;
     }
 
-    /** For JSON. */
+    /** Returns the fields for JSON. */
     public Map<String, Object> fields() {
         Map<String, Object> fields = new LinkedHashMap<>();
         fields.put("world", world);
@@ -94,7 +95,7 @@ public record RunReport(
         return fields;
     }
 
-    /** A few lines for people. */
+    /** Prints a summary for human readers. */
     public void print(PrintWriter out) {
         out.printf(
                 Locale.ROOT,
@@ -127,7 +128,7 @@ public record RunReport(
         out.printf(Locale.ROOT, "state hash: %s%n", hash());
     }
 
-    /** Where the time went: one line per part of a frame, per frame and per body. */
+    /** Prints the busy time of each part of a frame, per frame and per body, one line each. */
     public void printProfile(PrintWriter out) {
         double busy = profile.busyNanoseconds();
         out.printf(Locale.ROOT, "%-24s %12s %12s %8s%n", "profile", "ns/frame", "ns/body", "share");
@@ -143,7 +144,7 @@ public record RunReport(
         }
     }
 
-    /** Exclusive parts of the busy time [ns]; PHYSICS is split into what the adapter does. */
+    /** Returns disjoint parts of the busy time [ns]; PHYSICS is split into the adapter's parts. */
     Map<String, Long> parts() {
         Map<FramePhase, Long> phases = profile.phaseNanoseconds();
         Map<String, Long> parts = new LinkedHashMap<>();

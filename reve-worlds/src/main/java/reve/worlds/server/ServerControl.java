@@ -5,7 +5,7 @@ import org.jspecify.annotations.Nullable;
 import org.slf4j.Logger;
 import org.slf4j.LoggerFactory;
 
-import reve.core.agent.WorldControl;
+import reve.core.agent.port.WorldControl;
 import reve.core.disk.Reason;
 import reve.core.file.WorldFile;
 import reve.core.world.ActionRefused;
@@ -30,21 +30,22 @@ import java.util.function.Consumer;
 import java.util.regex.Pattern;
 
 /**
- * What a server lets operators do over the network: laws by name, pictures, going back, saving,
- * looking ahead.
+ * The operations that a server offers to operators over the network: loading laws by name,
+ * pictures, rewinding, saving, forks.
  */
 final class ServerControl implements WorldControl, AutoCloseable {
     private static final Logger LOG = LoggerFactory.getLogger("reve.control");
 
-    /**
-     * What names files of the server is for who runs it, not for who controls a world from afar.
-     */
+    /** End of messages to remote operators: file names of the server appear only in its log. */
     private static final String SEE_LOG = "; the server's log says why";
 
-    /** Never a path: who may control the world may not choose which files it runs. */
+    /**
+     * Permitted names of laws. Never a path, because a remote operator must not choose which files
+     * the server runs.
+     */
     private static final Pattern LIBRARY = Pattern.compile("[A-Za-z0-9_]{1,64}");
 
-    /** As little a path. */
+    /** Permitted names of world files; never a path. */
     private static final Pattern FILE = Pattern.compile("[A-Za-z0-9][A-Za-z0-9_-]{0,63}");
 
     private static final long FORESEE_NANOSECONDS = 10_000_000_000L;
@@ -56,7 +57,7 @@ final class ServerControl implements WorldControl, AutoCloseable {
     private @Nullable SimulationImage beginning;
 
     /**
-     * @param saves folder for world files, if any may be written
+     * @param saves folder for world files; empty if saving is not permitted
      */
     ServerControl(
             Simulation simulation, Pictures pictures, Optional<Path> saves, ServerEvents events) {
@@ -221,7 +222,7 @@ final class ServerControl implements WorldControl, AutoCloseable {
         }
     }
 
-    /** Takes an agent's body out of a world, and says which items that took with it. */
+    /** Removes an agent's body from a world, and returns the names of the items removed with it. */
     private static List<String> removed(World world, ItemId body) {
         String name = world.item(body).name();
         return Departure.of(world, body).removed().stream()
@@ -233,7 +234,7 @@ final class ServerControl implements WorldControl, AutoCloseable {
         return new ActionRefused("law-refused", String.valueOf(refused.getMessage()));
     }
 
-    /** A library that is open and waits to be activated. */
+    /** An open library that waits to be activated. */
     private final class Load implements Change {
         private final PreparedLibrary prepared;
         private final Map<String, Double> parameters;

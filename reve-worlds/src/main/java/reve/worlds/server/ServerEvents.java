@@ -4,18 +4,21 @@ package reve.worlds.server;
 import java.util.Map;
 
 /**
- * Hears what happens in a server. Called from the world's and the renderer's thread; must not
+ * A listener for events of a server. Called on the world's and the renderer's thread; must not
  * block.
  */
 @FunctionalInterface
 public interface ServerEvents {
     /**
+     * Receives an event.
+     *
      * @param event {@code ready}, {@code snapshot}, {@code end}, or the type of a world event
-     * @param fields text, numbers, truth, or lists of these, by name, in order; not changed after
+     * @param fields text, numbers, booleans, or lists of these, by name, in order; not changed
+     *     afterwards
      */
     void happened(String event, Map<String, Object> fields);
 
-    /** Whether {@link #happened} is to be told of world events of a type; any thread. */
+    /** Returns whether {@link #happened} receives world events of a type. Any thread. */
     default boolean wants(String event) {
         return true;
     }

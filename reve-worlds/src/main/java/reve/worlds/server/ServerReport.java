@@ -10,12 +10,12 @@ import java.util.Locale;
 import java.util.Map;
 
 /**
- * What a server's run came to: the worlds' part and the agents'.
+ * The result of a server's run, for its worlds and its agents.
  *
- * @param runs of the worlds that did not fail
- * @param worlds how many there were
- * @param unkept what their stores lack
- * @param gaps what their recordings lack
+ * @param runs reports of the worlds that did not fail
+ * @param worlds number of worlds
+ * @param unkept what the stores lack
+ * @param gaps what the recordings lack
  */
 public record ServerReport(
         List<RunReport> runs,
@@ -23,20 +23,21 @@ public record ServerReport(
         AgentStats agents,
         List<String> unkept,
         List<String> gaps) {
+    /** Copies the lists. */
     public ServerReport {
         runs = List.copyOf(runs);
         unkept = List.copyOf(unkept);
         gaps = List.copyOf(gaps);
     }
 
-    /** The same run, of which stores and recordings lack something. */
+    /** Returns this report with what the stores and the recordings lack. */
     public ServerReport lacking(List<String> inStores, List<String> inRecordings) {
         return new ServerReport(runs, worlds, agents, inStores, inRecordings);
     }
 
     /**
-     * True if a world ended by a failure, messages lack their audit record, a store lacks the end
-     * of the run, or a recording lacks frames. A fault event has reported it when it happened.
+     * Returns true if a world failed, messages lack their audit record, a store lacks the end of
+     * the run, or a recording lacks frames. A fault event reported it when it happened.
      */
     public boolean failed() {
         return runs.size() < worlds
@@ -45,7 +46,7 @@ public record ServerReport(
                 || !gaps.isEmpty();
     }
 
-    /** For JSON; the caller may add to it. */
+    /** Returns the fields for JSON; the caller may add fields. */
     public Map<String, Object> fields() {
         Map<String, Object> fields = new LinkedHashMap<>();
         if (worlds > 1) {
@@ -71,7 +72,7 @@ public record ServerReport(
         return fields;
     }
 
-    /** A few lines for people. */
+    /** Prints a summary for human readers. */
     public void print(PrintWriter out) {
         runs.forEach(run -> run.print(out));
         out.printf(

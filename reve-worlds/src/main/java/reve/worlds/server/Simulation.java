@@ -45,8 +45,8 @@ import java.util.function.Consumer;
 import java.util.stream.Collectors;
 
 /**
- * A world with everything that moves it: commands, laws, derived properties, snapshots. The thread
- * that makes it owns it until another one runs its loop.
+ * A world with its commands, laws, derived properties and snapshots. The thread that creates it
+ * owns it until another thread runs its loop.
  */
 public final class Simulation implements AutoCloseable {
     private static final Logger LOG = LoggerFactory.getLogger("laws");
@@ -70,7 +70,7 @@ public final class Simulation implements AutoCloseable {
     private final Set<SimulationImage> kept = ConcurrentHashMap.newKeySet();
     private long snapshotNanoseconds;
 
-    /** The same of a world of laws that ship. */
+    /** Builds a world that uses shipped laws only. */
     public Simulation(WorldDescription description, Pacing pacing) {
         this(description, pacing, LawPath.ofShipped());
     }
@@ -78,22 +78,22 @@ public final class Simulation implements AutoCloseable {
     /**
      * Builds the world and loads its laws.
      *
-     * @param lawPath where they are found
-     * @throws PhysicsException if laws do not load or fit: of each, a line that names its place in
-     *     the world file
+     * @param lawPath search path of the laws
+     * @throws PhysicsException if laws do not load or fit; the message has a line for each, with
+     *     its place in the world file
      */
     public Simulation(WorldDescription description, Pacing pacing, LawPath lawPath) {
         this(description, pacing, lawPath, Optional.empty());
     }
 
     /**
-     * Builds the world that an image shows and goes on from there, to the bit as the simulation
-     * would whose image it is.
+     * Builds the world of an image. It continues, to the bit, as the simulation of which the image
+     * was taken.
      *
-     * @param description what that simulation was made from
-     * @param lawPath where laws are found that are loaded later; those of the image are opened
-     *     without a question
-     * @throws IllegalArgumentException if the image is of a world with another prototype
+     * @param description from which that simulation was built
+     * @param lawPath search path of laws that are loaded later; the image's laws are opened without
+     *     a check
+     * @throws IllegalArgumentException if the image belongs to a world with another prototype
      * @throws PhysicsException if a law of the image does not load
      */
     public Simulation(
@@ -145,7 +145,7 @@ public final class Simulation implements AutoCloseable {
         return new VesperConfig(1, false, List.of(LawPath.ofShipped().shipped()), Simulation::log);
     }
 
-    /** What engine and laws have to say; the log drops lines rather than keep the world waiting. */
+    /** Logs a message of the engine or a law. The log drops lines instead of delaying the world. */
     private static void log(System.Logger.Level level, String message) {
         switch (level) {
             case ERROR -> LOG.error(message);
@@ -155,7 +155,7 @@ public final class Simulation implements AutoCloseable {
         }
     }
 
-    /** As old as it is: laws see the time that the world's age stands for. */
+    /** Starts at the world's age, so that laws see the time that corresponds to it. */
     private void begin() {
         loadAll(description.laws());
         engine.setStepCount(
@@ -163,7 +163,7 @@ public final class Simulation implements AutoCloseable {
                 description.timing().dtSeconds());
     }
 
-    /** Also after a refusal, so that all mistakes are told at once. */
+    /** Loads all laws. Continues after a refusal, so that one exception reports all mistakes. */
     private void loadAll(List<LawReference> laws) {
         List<PhysicsException> refusals = new ArrayList<>();
         for (LawReference law : laws) {
@@ -216,7 +216,7 @@ public final class Simulation implements AutoCloseable {
         return lawPath.prepare(engine, law, lawPath.find(law));
     }
 
-    /** Where the library of a law is; as {@link #prepare}. */
+    /** Returns the file of a law's library; throws as {@link #prepare}. */
     Path fileOf(String law) {
         return lawPath.find(law).file();
     }
@@ -227,16 +227,19 @@ public final class Simulation implements AutoCloseable {
         snapshotNanoseconds += System.nanoTime() - start;
     }
 
-    /** What the world was built from. */
+    /** Returns the description from which the world was built. */
     public WorldDescription description() {
         return description;
     }
 
+    /** Returns the world. World's thread. */
     public World world() {
         return world;
     }
 
-    /** The world as it has become, with the laws that act on it now. World's thread. */
+    /**
+     * Returns a description of the current world, with the laws that act on it now. World's thread.
+     */
     public WorldDescription descriptionNow() {
         return description.of(
                 world,
@@ -250,9 +253,7 @@ public final class Simulation implements AutoCloseable {
                         .toList());
     }
 
-    /**
-     * What the world has now that {@link #descriptionNow} leaves out, for people. World's thread.
-     */
+    /** Returns what {@link #descriptionNow} cannot describe, for messages. World's thread. */
     public List<String> notDescribed() {
         List<String> left = new ArrayList<>();
         for (PhysicsLaw law : physics.laws().loaded()) {
@@ -263,48 +264,52 @@ public final class Simulation implements AutoCloseable {
         return left;
     }
 
+    /** Returns the bus on which components subscribe to phases of the frame. */
     public FrameBus bus() {
         return bus;
     }
 
+    /** Returns the loop that makes the frames. */
     public FrameLoop loop() {
         return loop;
     }
 
-    /** The way into the world from other threads. */
+    /** Returns the queue for commands from other threads. */
     public CommandQueue commands() {
         return commands;
     }
 
-    /** What other threads read. */
+    /** Returns the snapshots, which other threads read. */
     public SnapshotRing snapshots() {
         return snapshots;
     }
 
-    /** Time spent on copying the world into snapshots [ns]. World's thread. */
+    /** Returns the time spent on copying the world into snapshots [ns]. World's thread. */
     public long snapshotNanoseconds() {
         return snapshotNanoseconds;
     }
 
+    /** Returns the engine under the adapter. World's thread. */
     public PhysicsEngine engine() {
         return engine;
     }
 
+    /** Returns the adapter that applies laws in PHYSICS. World's thread. */
     public PhysicsAdapter physics() {
         return physics;
     }
 
-    /** What happened so far. World's thread. */
+    /** Returns the events so far. World's thread. */
     public RunEvents events() {
         return events;
     }
 
     /**
-     * Keeps everything as it is now, to {@link #rewind} to or to {@link #fork} from, until the
-     * image or the simulation is closed. One bulk copy of the columns. World's thread, between
-     * frames.
+     * Takes an image of the current state, to {@link #rewind} to or to {@link #fork} from, until
+     * the image or the simulation is closed. Costs one bulk copy of the columns. World's thread,
+     * between frames.
      *
-     * @throws IllegalStateException if as many images, or as many bytes, are kept as may be
+     * @throws IllegalStateException if the maximum number or size of images is reached
      */
     public SimulationImage keep() {
         long bytes = kept.stream().mapToLong(SimulationImage::bytes).sum();
@@ -327,13 +332,12 @@ public final class Simulation implements AutoCloseable {
     }
 
     /**
-     * Goes back to an image: time, items and laws are as they were, and what happens from there is,
-     * to the bit, what happened then if nobody interferes. Frames are counted on: the next one
-     * shows the world as the image has it. What is said and perceived of the frames before it is
-     * not taken back. World's thread, between frames.
+     * Restores an image: time, items and laws. Without other inputs, the same frames follow, to the
+     * bit. Frame numbers continue; the next frame shows the restored world. Messages and
+     * perceptions of earlier frames are not withdrawn. World's thread, between frames.
      *
-     * @return the number of that frame
-     * @throws IllegalStateException if a frame is being made
+     * @return the number of the next frame
+     * @throws IllegalStateException if a frame is in progress
      */
     public long rewind(SimulationImage image) {
         long frame = loop.frame() + 1;
@@ -341,12 +345,18 @@ public final class Simulation implements AutoCloseable {
         return frame;
     }
 
-    /** Goes on after the frame of an image, which is none before this one. World's thread. */
+    /**
+     * Continues with the frame after that of an image, which is not before the current one. World's
+     * thread.
+     */
     void goOnFrom(SimulationImage image) {
         restore(image, image.frame());
     }
 
-    /** The world as its description has it, before anything happened. Any thread; close it. */
+    /**
+     * Returns an image of the world as described, before its first frame. Any thread; the caller
+     * closes it.
+     */
     SimulationImage beginning() {
         try (Simulation begun = new Simulation(description, Pacing.FAST, lawPath)) {
             begun.loop().run(0);
@@ -357,19 +367,20 @@ public final class Simulation implements AutoCloseable {
     }
 
     /**
-     * A second world that begins as the image shows and shares nothing with this one: what would
-     * happen if? Any thread; the caller runs its loop, reads its snapshots and closes it.
+     * Returns a second world that starts from the image and shares nothing with this one, to
+     * predict what would happen. Any thread; the caller runs its loop, reads its snapshots and
+     * closes it.
      */
     public Simulation fork(SimulationImage image) {
         return new Simulation(description, Pacing.FAST, lawPath, image);
     }
 
     /**
-     * Keeps a journal from the next frame that is published on. World's thread, between frames,
-     * after everybody else has subscribed to ACT; the caller closes it before the simulation.
+     * Starts a journal with the next published frame. World's thread, between frames, after all
+     * other listeners have subscribed to ACT. The caller closes the journal before the simulation.
      *
      * @param folder of the world file
-     * @param members ids of the bodies of agents that are in the world, by agent
+     * @param members ids of the bodies of agents in the world, by agent
      */
     public Journal journal(
             Path folder,
@@ -386,7 +397,8 @@ public final class Simulation implements AutoCloseable {
                         change -> {
                             if (change
                                     instanceof
-                                    LawChange.Loaded added) { // the world waits for no disk
+                                    // file access here would delay the world
+                                    LawChange.Loaded added) {
                                 Thread.ofVirtual()
                                         .start(() -> lawPath.remember(List.of(added.library())));
                             }
@@ -406,7 +418,7 @@ public final class Simulation implements AutoCloseable {
         bus.subscribe(FramePhase.PUBLISH, name, listener);
     }
 
-    /** Frees the engine and the columns; the loop has ended. May be called twice. */
+    /** Frees the engine and the columns, after the loop has ended. Idempotent. */
     @Override
     public void close() {
         closing.close();

@@ -5,7 +5,7 @@ import org.jspecify.annotations.Nullable;
 
 import reve.core.disk.Reason;
 import reve.core.frame.Pacing;
-import reve.core.store.CorruptException;
+import reve.core.image.CorruptException;
 import reve.pe.PhysicsException;
 import reve.worlds.journal.JournalRecord;
 import reve.worlds.journal.JournalSink;
@@ -25,15 +25,15 @@ import java.util.Optional;
 import java.util.stream.Stream;
 
 /**
- * Finds out what of a store can be recovered, by making its frames again, and recovers it. One
- * thread; no other process may have the store open.
+ * The result of checking a store by repeating its frames, and the repair of a store. One thread; no
+ * other process may have the store open.
  *
- * @param store the file it was asked about
- * @param isWhole whether nothing is lost
- * @param frame that the store comes back to, -1 if to none
- * @param knownFrame the newest frame that it is known to have had
- * @param stateHash of the world at that frame
- * @param problems what is damaged or missing, a line each
+ * @param store the checked file
+ * @param isWhole whether no data is lost
+ * @param frame from which a world can resume; -1 for none
+ * @param knownFrame newest frame that the store is known to have contained
+ * @param stateHash of the world at {@code frame}
+ * @param problems damaged or missing parts, one line each
  */
 public record StoreCheck(
         Path store,
@@ -42,31 +42,32 @@ public record StoreCheck(
         long knownFrame,
         long stateHash,
         List<String> problems) {
-    /** Where a replay ended before the journal, and why. */
+    /** The frame before which a replay ended early, and the reason. */
     record End(long frame, String reason) {}
 
-    /** What a replay came to. */
+    /** The result of a replay. */
     private record Made(StoreContents contents, LawFiles laws, StoreCheck check) {}
 
     /**
      * Checks a store without changing it.
      *
-     * @param laws where damaged laws are found, and which of the store's may be opened
-     * @throws CorruptException if it is no store
+     * @param laws where replacements of damaged laws are searched, and which of the store's laws
+     *     may be opened
+     * @throws CorruptException if it is not a store
      * @throws IOException if it cannot be read, or another process has it open
-     * @throws PhysicsException if a law of it may not be opened
+     * @throws PhysicsException if a law of the store may not be opened
      */
     public static StoreCheck of(Path store, LawPath laws) throws IOException {
         return made(store, laws).check();
     }
 
     /**
-     * Puts a whole store that holds what can be recovered in place of a damaged one. The damaged
-     * files move as they are to the folder STORE.damaged-N. A whole store stays as it is.
+     * Replaces a damaged store by a complete one with the recoverable frames. Moves the damaged
+     * files unchanged to the folder STORE.damaged-N. A complete store stays unchanged.
      *
-     * @return what the store was and, if there is one now, the folder
-     * @throws CorruptException if nothing can be recovered; nothing is changed then
-     * @throws IOException if a file cannot be read, written or moved; all is as it was then
+     * @return the result of the check and the folder, if there is one now
+     * @throws CorruptException if nothing can be recovered; no file is changed
+     * @throws IOException if a file cannot be read, written or moved; all changes are undone
      */
     public static Map.Entry<StoreCheck, Optional<Path>> repair(Path store, LawPath laws)
             throws IOException {
@@ -96,7 +97,7 @@ public record StoreCheck(
             for (Path file : made.contents().files()) {
                 moves.put(file, aside.resolve(file.getFileName()));
             }
-            // The database last: until it is there, the store is refused.
+            // The database is moved last: until it exists, the store is refused.
             for (Path file : StoreContents.read(repaired).files().reversed()) {
                 moves.put(file, store.resolveSibling(file.getFileName()));
             }
@@ -110,7 +111,7 @@ public record StoreCheck(
         return Map.entry(made.check(), Optional.of(aside));
     }
 
-    /** All of them, in their order, or none. */
+    /** Moves all files, in order, or none. */
     static void moveAll(Map<Path, Path> moves) throws IOException {
         List<Path> done = new ArrayList<>();
         for (Map.Entry<Path, Path> move : moves.entrySet()) {
@@ -144,7 +145,7 @@ public record StoreCheck(
         Files.delete(folder);
     }
 
-    /** For JSON, in order. */
+    /** Returns the fields for JSON, in order. */
     public Map<String, Object> fields() {
         Map<String, Object> fields = new LinkedHashMap<>();
         fields.put("store", store.toString());
@@ -159,9 +160,9 @@ public record StoreCheck(
     }
 
     /**
-     * Takes the records of a store, up to the first that does not fit.
+     * Applies the records of a store, up to the first that does not fit.
      *
-     * @return where that is; empty if all did
+     * @return the place of that record; empty if all fit
      */
     static Optional<End> make(Replay replay, StoreContents contents) {
         for (JournalRecord record : contents.records()) {

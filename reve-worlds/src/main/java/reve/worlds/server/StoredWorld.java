@@ -3,7 +3,7 @@ package reve.worlds.server;
 
 import reve.core.file.WorldDescription;
 import reve.core.frame.Pacing;
-import reve.core.store.CorruptException;
+import reve.core.image.CorruptException;
 import reve.core.world.Departure;
 import reve.core.world.Item;
 import reve.core.world.ItemId;
@@ -21,19 +21,22 @@ import java.util.Optional;
 import java.util.function.Consumer;
 
 /**
- * A world as its store has it last, or a new one if the store is empty. The caller closes the
+ * A world at the last frame of its store, or a new one if the store is empty. The caller closes the
  * simulation and the store.
  *
- * @param stateHash of the world as the store had it, before agents that are gone were taken out
+ * @param stateHash of the world at that frame, before the bodies of disconnected agents were
+ *     removed
  */
 record StoredWorld(Simulation simulation, SqliteStore store, long stateHash) {
 
     /**
-     * @param laws where the world's laws are found, and which of the store's may be opened
-     * @param problems receives what is damaged and costs nothing
+     * Opens a store and restores its world.
+     *
+     * @param laws search path of the world's laws, and which of the store's laws may be opened
+     * @param problems receives descriptions of damage that loses no data
      * @throws IOException if the store cannot be opened or read
      * @throws PhysicsException if a law of the store may not be opened, or does not load
-     * @throws CorruptException if it is no store, or of another world, or not whole
+     * @throws CorruptException if it is not a store, belongs to another world, or is incomplete
      */
     static StoredWorld open(
             Path file,
@@ -74,7 +77,7 @@ record StoredWorld(Simulation simulation, SqliteStore store, long stateHash) {
         }
     }
 
-    /** Makes all frames of a store, or refuses it before anything of it is changed. */
+    /** Repeats all frames of a store, or refuses the store before it is changed. */
     private static void make(Replay replay, StoreContents contents) {
         Optional<StoreCheck.End> end = StoreCheck.make(replay, contents);
         if (end.isPresent() && replay.frame() < 0) {
@@ -86,7 +89,7 @@ record StoredWorld(Simulation simulation, SqliteStore store, long stateHash) {
                 });
     }
 
-    /** The agents' connections ended with the process that had them. */
+    /** Removes an agent whose connection ended with the previous process. */
     private static void leave(Simulation resumed, String agent, long body) {
         World world = resumed.world();
         long frame = resumed.loop().frame() + 1;

@@ -16,9 +16,9 @@ import java.util.regex.Pattern;
 import java.util.stream.Stream;
 
 /**
- * Reports worlds that stand still: a world that is to make frames and has made none for a time. Its
- * thread reads what the worlds' threads publish anyway, and costs them nothing. A world that is
- * paused, waits for agents in lock-step or for its next frame to be due does not stand still.
+ * A reporter of stalled worlds: worlds that should make frames and have made none for some time.
+ * Its thread only reads counters that the worlds' threads publish anyway. A world does not stall
+ * while it is paused, waits for agents in lock-step, or waits until its next frame is due.
  */
 final class Watchdog implements AutoCloseable {
     private static final Logger LOG = LoggerFactory.getLogger("watchdog");
@@ -33,7 +33,7 @@ final class Watchdog implements AutoCloseable {
     private final Thread thread = new Thread(this::watch, "watchdog");
     private volatile boolean closed;
 
-    /** A world to watch. */
+    /** A watched world. */
     record Subject(String world, FrameLoop loop, ServerEvents events) {}
 
     Watchdog(WatchdogPlan plan, List<Subject> worlds) {
@@ -43,7 +43,7 @@ final class Watchdog implements AutoCloseable {
         thread.setDaemon(true);
     }
 
-    /** Begins to watch; with a limit of 0 there is nothing to do. */
+    /** Starts to watch; does nothing if the limit is 0. */
     void start() {
         if (!plan.limit().isZero()) {
             thread.start();
@@ -61,7 +61,8 @@ final class Watchdog implements AutoCloseable {
         while (!closed) {
             LockSupport.parkNanos(periodNanos);
             long now = System.nanoTime();
-            // A process that was stopped, or starved of processors, saw nothing meanwhile.
+            // Caps the elapsed time: if the whole process was stopped or had no processor, the
+            // worlds could not run either.
             long seen = Math.min(now - last, 2 * periodNanos);
             last = now;
             for (Watched world : worlds) {
@@ -70,7 +71,7 @@ final class Watchdog implements AutoCloseable {
         }
     }
 
-    /** One world. Thread of the watchdog. */
+    /** The state of one watched world. Thread of the watchdog. */
     private final class Watched {
         private final Subject subject;
         private long frame = -1;
@@ -148,7 +149,10 @@ final class Watchdog implements AutoCloseable {
             return Double.parseDouble(String.format(Locale.ROOT, "%.1f", stillNanos * 1e-9));
         }
 
-        /** Methods that the thread is in, innermost first, without those that the JDK calls. */
+        /**
+         * Returns the methods that the thread is in, innermost first, without those called by the
+         * JDK.
+         */
         private static List<String> stackOf(Thread thread) {
             return Stream.of(thread.getStackTrace())
                     .dropWhile(call -> JDK.matcher(call.getClassName()).lookingAt())

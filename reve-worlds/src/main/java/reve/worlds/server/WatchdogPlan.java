@@ -5,12 +5,12 @@ import java.time.Duration;
 import java.util.Optional;
 
 /**
- * When a world counts as standing still, and what happens then beside the report.
+ * The time after which a world counts as stalled, and the reaction besides the report.
  *
- * @param limit time without a frame; 0: worlds are not watched
+ * @param limit time without a frame; 0 disables the watchdog
  * @param onStall called after each report, on the watchdog's thread
  */
 public record WatchdogPlan(Duration limit, Optional<Runnable> onStall) {
-    /** Watches no world. */
+    /** A plan that watches no world. */
     public static final WatchdogPlan OFF = new WatchdogPlan(Duration.ZERO, Optional.empty());
 }

@@ -4,12 +4,12 @@ package reve.worlds.server;
 import reve.core.file.WorldDescription;
 
 /**
- * A world that a server is to run.
+ * The plan of a world that a server runs.
  *
- * @param frames to make, then it ends
- * @param persistence where it comes from, if it is stored, and what is kept of the run
- * @param pictures to be taken of it; closed by the server
- * @param laws where its laws are found
+ * @param frames number of frames after which the world ends
+ * @param persistence the store from which it resumes, if any, and what is stored of the run
+ * @param pictures to take of it; closed by the server
+ * @param laws search path of its laws
  */
 public record WorldPlan(
         WorldDescription description,
@@ -18,7 +18,7 @@ public record WorldPlan(
         Pictures pictures,
         LawPath laws) {
 
-    /** A world of laws that ship. */
+    /** Creates a plan for a world that uses shipped laws only. */
     public WorldPlan(
             WorldDescription description, long frames, Persistence persistence, Pictures pictures) {
         this(description, frames, persistence, pictures, LawPath.ofShipped());

@@ -16,10 +16,10 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * Running worlds that agents join over TCP and law libraries are dropped into. Each world has a
- * thread of its own and shares nothing with the others but the address: what it does is the same,
- * to the bit, as alone, and when it fails the others go on. Made, started, run and closed by one
- * thread; {@link #stop} is for any.
+ * A server of worlds that agents join over TCP and that load law libraries while they run. Each
+ * world has its own thread and shares only the address with the others. It runs as it would alone,
+ * to the bit, and its failure does not affect the others. Created, started, run and closed by one
+ * thread; {@link #stop} may be called on any thread.
  */
 public final class WorldServer implements AutoCloseable {
     private final Closing closing = new Closing();
@@ -28,7 +28,7 @@ public final class WorldServer implements AutoCloseable {
     private final AgentServer agents;
     private final Watchdog watchdog;
 
-    /** The same, without a watchdog. */
+    /** Creates a server without a watchdog. */
     public WorldServer(
             List<WorldPlan> plans,
             Pacing pacing,
@@ -40,12 +40,12 @@ public final class WorldServer implements AutoCloseable {
     }
 
     /**
-     * Builds the worlds, loads their laws, and begins to listen.
+     * Builds the worlds, loads their laws, and starts to listen.
      *
-     * @param plans of worlds of different names, at least one
-     * @param lawsFolder watched for law libraries, which act in every world, if given
-     * @throws IOException if the port cannot be bound, or a file not opened
-     * @throws reve.core.store.CorruptException if a store is damaged, or no store of its world
+     * @param plans at least one; the worlds have different names
+     * @param lawsFolder watched for law libraries, which act in all worlds, if present
+     * @throws IOException if the port cannot be bound, or a file cannot be opened
+     * @throws reve.core.image.CorruptException if a store is damaged or belongs to another world
      * @throws reve.pe.PhysicsException if a law of a world file does not load
      */
     public WorldServer(
@@ -79,7 +79,7 @@ public final class WorldServer implements AutoCloseable {
         }
     }
 
-    /** The fields of a fault that is no matter of one law. */
+    /** Returns the fields of a fault that does not belong to one law. */
     static Map<String, Object> fault(String source, String message) {
         Map<String, Object> fields = new LinkedHashMap<>();
         fields.put("source", source);
@@ -87,7 +87,7 @@ public final class WorldServer implements AutoCloseable {
         return fields;
     }
 
-    /** Says of which world each event is. */
+    /** Returns a listener that adds the name of the world to each event. */
     private ServerEvents eventsOf(String world) {
         return new ServerEvents() {
             @Override
@@ -105,18 +105,18 @@ public final class WorldServer implements AutoCloseable {
         };
     }
 
-    /** The port that agents join at. */
+    /** Returns the port for agents. */
     public int port() {
         return agents.address().getPort();
     }
 
-    /** Begins to watch the laws folder, and says that the worlds are ready. */
+    /** Starts to watch the laws folder, and reports that the worlds are ready. */
     public void start() {
         worlds.forEach(world -> world.start(agents.address()));
         watchdog.start();
     }
 
-    /** Runs the worlds until each has made its frames or was stopped, and reports on them. */
+    /** Runs the worlds until each has made its frames or was stopped, and returns the report. */
     public ServerReport run() {
         List<Run> runs = worlds.stream().map(Run::new).toList();
         runs.forEach(run -> run.thread.start());
@@ -129,7 +129,7 @@ public final class WorldServer implements AutoCloseable {
                 List.of());
     }
 
-    /** One world on a thread of its own. */
+    /** One world on its own thread. */
     private final class Run {
         private final HostedWorld world;
         private final Thread thread;
@@ -140,7 +140,7 @@ public final class WorldServer implements AutoCloseable {
             this.thread = Thread.ofPlatform().name("world " + world.name()).unstarted(this::run);
         }
 
-        /** Whatever goes wrong in a world is no matter of the others. */
+        /** Runs the world. Catches every failure, so that the other worlds continue. */
         private void run() {
             try {
                 report = world.run();
@@ -151,7 +151,7 @@ public final class WorldServer implements AutoCloseable {
             }
         }
 
-        /** An interrupt of the waiting thread stops all worlds. */
+        /** Waits for the world. An interrupt of the waiting thread stops all worlds. */
         private void join() {
             while (thread.isAlive()) {
                 try {
@@ -163,22 +163,25 @@ public final class WorldServer implements AutoCloseable {
         }
     }
 
-    /** Ends {@link #run} after the worlds' frames. Any thread. */
+    /** Ends {@link #run} after the worlds' current frames. Any thread. */
     public void stop() {
         worlds.forEach(HostedWorld::stop);
     }
 
-    /** After close: what the stores of the worlds lack, one message for each such store. */
+    /**
+     * Returns, after close, what the stores of the worlds lack, one message for each incomplete
+     * store.
+     */
     public List<String> unkept() {
         return worlds.stream().flatMap(world -> world.unkept().stream()).toList();
     }
 
-    /** After close: what recordings lack. */
+    /** Returns, after close, what the recordings lack. */
     public List<String> gaps() {
         return worlds.stream().flatMap(world -> world.gap().stream()).toList();
     }
 
-    /** Says goodbye to agents, finishes pictures, frees everything. May be called twice. */
+    /** Disconnects agents, finishes pictures, and frees all resources. Idempotent. */
     @Override
     public void close() {
         closing.close();

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/** Wiring: what makes a world file a running world, with or without agents and dropped laws. */
+/**
+ * Wiring: builds a running world from a world file, with or without agents and a watched laws
+ * folder.
+ */
 @NullMarked
 package reve.worlds.server;
 

@@ -7,7 +7,7 @@ import static org.assertj.core.api.Assertions.assertThatExceptionOfType;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 
-import reve.core.store.CorruptException;
+import reve.core.image.CorruptException;
 
 import java.io.IOException;
 import java.lang.management.ManagementFactory;

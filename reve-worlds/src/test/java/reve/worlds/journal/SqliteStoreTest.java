@@ -10,7 +10,7 @@ import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 
-import reve.core.store.CorruptException;
+import reve.core.image.CorruptException;
 import reve.worlds.journal.SqliteStore.Durability;
 
 import java.io.IOException;
@@ -83,15 +83,28 @@ class SqliteStoreTest {
     @Test
     void aPipeInPlaceOfAFileIsRefused() throws Exception {
         fill();
-        for (String name : List.of("my.db-manifest", "my.db-frames-5", "my.db")) {
+        for (String name : List.of("my.db-journal", "my.db-manifest", "my.db-frames-5", "my.db")) {
             Path pipe = folder.resolve(name);
-            Files.delete(pipe);
+            Files.deleteIfExists(pipe);
             assertThat(new ProcessBuilder("mkfifo", pipe.toString()).start().waitFor()).isZero();
             assertThatThrownBy(this::read)
                     .isInstanceOf(IOException.class)
                     .hasMessageContaining(pipe + " is a device or a pipe");
             Files.delete(pipe);
         }
+    }
+
+    @Test
+    void aNameThatBelongsToAnotherStoreOrHoldsOptionsIsRefused() {
+        for (String name : List.of("my.db-wal", "my.db-shm", "my.db-journal", "my.db-frames-7")) {
+            assertThatThrownBy(() -> StoreContents.read(folder.resolve(name)))
+                    .isInstanceOf(IOException.class)
+                    .hasMessageContaining("belongs to another store");
+        }
+        assertThatThrownBy(() -> StoreContents.read(folder.resolve("my.db?journal_mode=off")))
+                .isInstanceOf(IOException.class)
+                .hasMessageContaining("contains a question mark");
+        assertThat(folder).isEmptyDirectory();
     }
 
     /** As a regular end writes it: it holds what was edited after the last frame. */

@@ -144,13 +144,13 @@ class HostileActsNativeTest {
         Item evil = world.find("evil-" + name).orElseThrow();
         Action action = evil.access().find(name).orElseThrow();
         Object given = SCALARS.containsKey(name) ? value : List.of(value, value, value);
-        action.perform(
-                new ActionCall(
+        new ActionCall(
                         world,
                         WHEN,
                         evil,
                         Optional.of(evil),
-                        Arguments.check(action, Map.of("to", given))));
+                        Arguments.check(action, Map.of("to", given)))
+                .perform(action);
     }
 
     /** What happened in a run in which agents act with a value in one frame. */

@@ -8,9 +8,9 @@ import org.junit.jupiter.api.io.TempDir;
 
 import reve.core.agent.AgentServer;
 import reve.core.agent.AgentServerConfig;
-import reve.core.agent.Cameras;
-import reve.core.agent.WorldControl;
-import reve.core.agent.WorldPort;
+import reve.core.agent.port.Cameras;
+import reve.core.agent.port.WorldControl;
+import reve.core.agent.port.WorldPort;
 import reve.core.file.WorldDescription;
 import reve.core.file.WorldFile;
 import reve.core.frame.Pacing;

@@ -15,8 +15,8 @@ import org.junit.jupiter.params.provider.ValueSource;
 import reve.core.file.WorldDescription;
 import reve.core.file.WorldFile;
 import reve.core.frame.Pacing;
-import reve.core.store.CorruptException;
-import reve.core.world.Forces;
+import reve.core.image.CorruptException;
+import reve.core.world.Force;
 import reve.core.world.Item;
 import reve.core.world.ItemDefinition;
 import reve.core.world.Shape;
@@ -632,7 +632,7 @@ class ReplayNativeTest {
             case 8 ->
                     world.forces()
                             .add(
-                                    new Forces.Force(
+                                    new Force(
                                             corner.id(),
                                             List.of(random.nextGaussian(), 3.0, 0.0),
                                             1 + random.nextInt(5)));

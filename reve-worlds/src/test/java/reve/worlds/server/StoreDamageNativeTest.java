@@ -10,7 +10,7 @@ import org.junit.jupiter.api.io.TempDir;
 import reve.core.file.WorldDescription;
 import reve.core.file.WorldFile;
 import reve.core.frame.Pacing;
-import reve.core.store.CorruptException;
+import reve.core.image.CorruptException;
 import reve.worlds.Product;
 import reve.worlds.journal.Journal;
 import reve.worlds.journal.JournalRecord;

@@ -1,0 +1,398 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.agent.audit;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.core.agent.auth.TokenFile;
+import reve.core.agent.protocol.Encoding;
+import reve.core.agent.protocol.Json;
+import reve.core.agent.protocol.MessagePackReader;
+import reve.core.disk.OwnedFile;
+import reve.core.disk.Reason;
+import reve.core.text.Visible;
+
+import tools.jackson.databind.node.ObjectNode;
+
+import java.io.Closeable;
+import java.io.IOException;
+import java.nio.ByteBuffer;
+import java.nio.channels.FileChannel;
+import java.nio.charset.StandardCharsets;
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.security.MessageDigest;
+import java.security.NoSuchAlgorithmException;
+import java.time.Instant;
+import java.time.InstantSource;
+import java.util.Base64;
+import java.util.HexFormat;
+import java.util.List;
+import java.util.Optional;
+import java.util.function.LongSupplier;
+import java.util.regex.Matcher;
+import java.util.regex.Pattern;
+
+/**
+ * A record of exactly what each client was told, and when: one JSON object per message, appended to
+ * a file at the moment in which the message is written to the connection; of secrets, only that
+ * they were told, and of the pixels of pictures a hash (SHA-256). A file that has its size is
+ * rotated. While the file cannot be written, messages are counted instead, and each second one
+ * write is tried; the first record after such a gap says how many messages it lacks. Any thread.
+ */
+public final class AuditLog implements Closeable {
+
+    private static final List<String> PIXELS = List.of("colour", "depth", "items");
+    private static final Pattern SECRET =
+            Pattern.compile("(?<=\"session\":\\{\"token\":\")[0-9a-f]+");
+    private static final Pattern HEAD =
+            Pattern.compile("\\{\"at\":\"[^\"]{1,40}\",\"(world|unrecorded)\":");
+    private static final int HEAD_BYTES = 80;
+    private static final int READ_BYTES = 1 << 16;
+    private static final long RETRY_NANOS = 1_000_000_000;
+
+    private final AuditPlan plan;
+    private final Path file;
+    private final InstantSource clock;
+    private final LongSupplier nanos;
+    private OwnedFile out;
+    private long size;
+
+    /** Size at which the file is rotated [bytes]. */
+    private long fullSize;
+
+    /** The file ends in the middle of a record. */
+    private boolean torn;
+
+    /** Messages without a record since the file could not be written. */
+    private long missing;
+
+    private Instant missingSince = Instant.EPOCH;
+    private long triedNanos;
+    private @Nullable String failure;
+    private @Nullable String rotationFailure;
+    private String lastGap = "";
+    private long unrecorded;
+
+    /**
+     * @throws IOException if the file cannot be appended to, or holds something else
+     */
+    public AuditLog(AuditPlan plan) throws IOException {
+        this(plan, InstantSource.system(), System::nanoTime);
+    }
+
+    /**
+     * @param nanos what {@link System#nanoTime} is
+     */
+    public AuditLog(AuditPlan plan, InstantSource clock, LongSupplier nanos) throws IOException {
+        this.plan = plan;
+        this.file = plan.file();
+        this.clock = clock;
+        this.nanos = nanos;
+        try {
+            out = open();
+        } catch (IOException e) {
+            throw new IOException(
+                    "the audit record " + file + " could not be opened: " + Reason.of(e), e);
+        }
+    }
+
+    /** A crash may have left the file in the middle of a record, which is looked at unlocked. */
+    private OwnedFile open() throws IOException {
+        boolean regular = !Files.exists(file) || Files.isRegularFile(file);
+        boolean cut = regular && Files.exists(file) && !endsWithLine();
+        OwnedFile opened = OwnedFile.open(file, TokenFile.PRIVATE);
+        size = opened.channel().size();
+        fullSize = regular ? plan.maxBytes() : Long.MAX_VALUE;
+        torn = cut;
+        return opened;
+    }
+
+    /** A file of another kind that was named by mistake stays as it is. */
+    private boolean endsWithLine() throws IOException {
+        try (FileChannel in = FileChannel.open(file)) {
+            long end = in.size();
+            long next = lineBefore(in, end);
+            if (!isRecord(in, 0) || next > 0 && !isRecord(in, lineBefore(in, next - 1))) {
+                throw new IOException(
+                        "it is there already and holds something else than an audit "
+                                + "record; name another file, or move it away");
+            }
+            return next == end;
+        }
+    }
+
+    /** Where the line begins that goes on up to a place. */
+    private static long lineBefore(FileChannel in, long place) throws IOException {
+        ByteBuffer some = ByteBuffer.allocate(READ_BYTES);
+        for (long end = place; end > 0; end -= some.capacity()) {
+            long from = Math.max(0, end - some.capacity());
+            int count = in.read(some.clear().limit((int) (end - from)), from);
+            for (int i = count - 1; i >= 0; i--) {
+                if (some.get(i) == '\n') {
+                    return from + i + 1;
+                }
+            }
+        }
+        return 0;
+    }
+
+    /** Whether a line begins as a record, or as the part of one that a crash left. */
+    private static boolean isRecord(FileChannel in, long start) throws IOException {
+        ByteBuffer some = ByteBuffer.allocate(HEAD_BYTES);
+        in.read(some, start);
+        String line =
+                new String(some.array(), 0, some.position(), StandardCharsets.UTF_8)
+                        .lines()
+                        .findFirst()
+                        .orElse("");
+        Matcher head = HEAD.matcher(line);
+        return some.position() == 0 || !line.isEmpty() && (head.lookingAt() || head.hitEnd());
+    }
+
+    /**
+     * Records a message that is about to be written.
+     *
+     * @return false if that was not possible, and the message must not be sent without
+     */
+    public synchronized boolean told(
+            String world, String client, Encoding encoding, ByteBuffer line) {
+        if (!isWritable()) {
+            return leaveOut();
+        }
+        String json =
+                encoding == Encoding.JSON
+                        ? withoutPixels(
+                                StandardCharsets.UTF_8
+                                        .decode(line.slice(0, line.remaining() - 1))
+                                        .toString())
+                        : MessagePackReader.read(
+                                        line.slice(
+                                                Encoding.LENGTH_BYTES,
+                                                line.remaining() - Encoding.LENGTH_BYTES),
+                                        AuditLog::hash)
+                                .toString();
+        return write(
+                        "{\"at\":\""
+                                + clock.instant()
+                                + "\",\"world\":\""
+                                + world
+                                + "\",\"client\":\""
+                                + client
+                                + "\",\"message\":"
+                                + withoutSecret(json)
+                                + "}")
+                || leaveOut();
+    }
+
+    private boolean leaveOut() {
+        if (plan.required()) {
+            return false;
+        }
+        missing++;
+        unrecorded++;
+        return true;
+    }
+
+    /** Whether clients may be served: the record can be written, or need not be. */
+    public synchronized boolean isServing() {
+        return !plan.required() || isWritable();
+    }
+
+    /**
+     * Why the record cannot be written or rotated, or is no longer where it was, if so. A file that
+     * was moved or removed takes the record along: a new one begins in its place.
+     */
+    public synchronized Optional<String> problem() {
+        if (failure == null && !out.isInPlace()) {
+            beginAnew();
+            if (failure == null) {
+                return Optional.of(
+                        "the audit record "
+                                + file
+                                + " was moved or removed; a new one"
+                                + " begins there, which lacks what was recorded before");
+            }
+        }
+        return isWritable()
+                ? Optional.ofNullable(rotationFailure)
+                : Optional.of(
+                        "what clients are sent cannot be recorded in "
+                                + file
+                                + ": "
+                                + failure
+                                + (plan.required()
+                                        ? "; clients are disconnected until it can"
+                                        : "; they are served without a record"));
+    }
+
+    /** What to say when there is no problem any more. */
+    public synchronized String solved() {
+        return "what clients are sent is recorded in " + file + " again" + lastGap;
+    }
+
+    /** Messages that were sent without a record so far. */
+    public synchronized long unrecorded() {
+        return unrecorded;
+    }
+
+    private void beginAnew() {
+        lastGap = "";
+        closeQuietly(out);
+        try {
+            out = open();
+            rotationFailure = null;
+        } catch (IOException e) {
+            failed(e);
+        }
+    }
+
+    /** After a failure, opens the file again once a second, which may be another one then. */
+    private boolean isWritable() {
+        if (failure == null) {
+            return true;
+        }
+        if (nanos.getAsLong() - triedNanos < RETRY_NANOS) {
+            return false;
+        }
+        triedNanos = nanos.getAsLong();
+        closeQuietly(out); // unlocks it
+        try {
+            out = open();
+        } catch (IOException e) {
+            failure = Reason.of(e);
+            return false;
+        }
+        failure = null;
+        if (write(
+                "{\"at\":\""
+                        + clock.instant()
+                        + "\",\"unrecorded\":"
+                        + missing
+                        + ",\"since\":\""
+                        + missingSince
+                        + "\"}")) {
+            lastGap =
+                    plan.required()
+                            ? ""
+                            : "; "
+                                    + missing
+                                    + " messages since "
+                                    + missingSince
+                                    + " have no record";
+            missing = 0;
+            return true;
+        }
+        return false;
+    }
+
+    private boolean write(String record) {
+        ByteBuffer bytes =
+                ByteBuffer.wrap(
+                        ((torn ? "\n" : "") + Visible.json(record) + "\n")
+                                .getBytes(StandardCharsets.UTF_8));
+        if (size > 0 && size + bytes.remaining() > fullSize) {
+            rotate();
+        }
+        try {
+            while (bytes.hasRemaining()) {
+                size += out.channel().write(bytes);
+            }
+            torn = false;
+            return true;
+        } catch (IOException e) {
+            failed(e);
+            takeBack(size - bytes.position());
+            return false;
+        }
+    }
+
+    private void failed(IOException e) {
+        if (missing == 0) {
+            missingSince = clock.instant();
+        }
+        failure = Reason.of(e);
+        triedNanos = nanos.getAsLong();
+    }
+
+    private void takeBack(long end) {
+        try {
+            out.channel().truncate(end);
+            size = end;
+        } catch (IOException e) {
+            torn = true;
+        }
+    }
+
+    /** The older files move on by one, the oldest is removed. Without success, the file grows. */
+    private void rotate() {
+        try {
+            OwnedFile.rotate(file, plan.keep());
+        } catch (IOException e) {
+            rotationFailed(e);
+            return;
+        }
+        OwnedFile full = out;
+        try {
+            out = open();
+            rotationFailure = null;
+        } catch (IOException e) { // goes on in the full one, by whatever name
+            out = full;
+            rotationFailed(e);
+            return;
+        }
+        closeQuietly(full);
+    }
+
+    private static void closeQuietly(OwnedFile closing) {
+        try {
+            closing.close();
+        } catch (IOException e) {
+            // Nothing waits to be written.
+        }
+    }
+
+    private void rotationFailed(IOException e) {
+        fullSize = size + plan.maxBytes();
+        rotationFailure =
+                "the audit record "
+                        + file
+                        + " cannot be rotated: "
+                        + Reason.of(e)
+                        + "; it grows beyond "
+                        + plan.maxBytes()
+                        + " bytes";
+    }
+
+    private static String withoutPixels(String json) {
+        if (!json.startsWith("{\"t\":\"image\"")) {
+            return json;
+        }
+        var image = (ObjectNode) Json.MAPPER.readTree(json);
+        for (String layer : PIXELS) {
+            if (image.has(layer)) {
+                image.put(layer, hash(Base64.getDecoder().decode(image.get(layer).stringValue())));
+            }
+        }
+        return image.toString();
+    }
+
+    private static String hash(byte[] bytes) {
+        try {
+            byte[] digest = MessageDigest.getInstance("SHA-256").digest(bytes);
+            return "sha256:" + HexFormat.of().formatHex(digest);
+        } catch (NoSuchAlgorithmException impossible) {
+            throw new AssertionError("every JDK has SHA-256", impossible);
+        }
+    }
+
+    private static String withoutSecret(String json) {
+        return json.startsWith("{\"t\":\"welcome\"")
+                ? SECRET.matcher(json).replaceFirst("…")
+                : json;
+    }
+
+    @Override
+    public void close() throws IOException {
+        out.close();
+    }
+}

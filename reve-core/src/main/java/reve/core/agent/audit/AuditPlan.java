@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.agent.audit;
+
+import java.nio.file.Path;
+
+/**
+ * Where and how a server records what it sends to clients.
+ *
+ * @param file records are appended to it
+ * @param maxBytes size at which the file becomes {@code FILE.1} and a new one begins [bytes]
+ * @param keep older files {@code FILE.1} to {@code FILE.keep} that are kept
+ * @param required whether a client that cannot be recorded is disconnected; else the server goes on
+ *     without the record
+ */
+public record AuditPlan(Path file, long maxBytes, int keep, boolean required) {
+
+    public static final long DEFAULT_BYTES = 64L * 1024 * 1024;
+    public static final int DEFAULT_KEEP = 8;
+
+    /**
+     * @throws IllegalArgumentException if the size is less than 1 byte or no file is kept
+     */
+    public AuditPlan {
+        if (maxBytes < 1 || keep < 1) {
+            throw new IllegalArgumentException(
+                    "an audit record of "
+                            + maxBytes
+                            + " bytes and "
+                            + keep
+                            + " older files, expected 1 or more of each");
+        }
+    }
+
+    /** The default limits; the server goes on where the record cannot be written. */
+    public static AuditPlan of(Path file) {
+        return new AuditPlan(file, DEFAULT_BYTES, DEFAULT_KEEP, false);
+    }
+}

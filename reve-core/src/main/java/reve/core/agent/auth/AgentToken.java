@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.agent.auth;
+
+import reve.core.agent.protocol.ClientMessage;
+import reve.core.agent.protocol.Role;
+import reve.core.agent.protocol.Text;
+
+import java.nio.charset.StandardCharsets;
+import java.security.MessageDigest;
+import java.security.NoSuchAlgorithmException;
+import java.security.SecureRandom;
+import java.time.Instant;
+import java.util.HexFormat;
+import java.util.Optional;
+
+/**
+ * What the server keeps of a token: not the secret, only its SHA-256. That is enough: the secret is
+ * 128 random bits, so there is no list of likely ones to try, which is what salts and slow hashes
+ * are against.
+ *
+ * @param name that the client has to have
+ * @param sha256 of the secret's text, in hexadecimal
+ * @param rights that it gives
+ * @param expires when it ceases to open anything
+ */
+public record AgentToken(String name, String sha256, Rights rights, Optional<Instant> expires) {
+
+    private static final SecureRandom RANDOM = new SecureRandom();
+    private static final int SECRET_BYTES = 16;
+    private static final int ID_LENGTH = 8;
+
+    /**
+     * @throws IllegalArgumentException naming what is wrong
+     */
+    public AgentToken {
+        if (!ClientMessage.Hello.isName(name)) {
+            throw new IllegalArgumentException(
+                    Text.quote(name)
+                            + " is no name for a client; expected 1 to 64 of A-Z a-z"
+                            + " 0-9 _ . -, beginning with a letter or digit");
+        }
+        if (!sha256.matches("[0-9a-f]{64}")) {
+            throw new IllegalArgumentException(
+                    "sha256 of the token of " + name + " is not 64 hexadecimal digits");
+        }
+        if (rights.roles().isEmpty()) {
+            throw new IllegalArgumentException(
+                    "the token of " + name + " has no role; expected some of " + Role.names());
+        }
+    }
+
+    /** A token with a new secret. */
+    public static Issued issue(String name, Rights rights, Optional<Instant> expires) {
+        String secret = newSecret();
+        return new Issued(secret, new AgentToken(name, hash(secret), rights, expires));
+    }
+
+    /**
+     * @param secret for the client, kept nowhere else
+     */
+    public record Issued(String secret, AgentToken token) {
+        @Override
+        public String toString() {
+            return token.toString();
+        }
+    }
+
+    /** 128 random bits in hexadecimal. */
+    public static String newSecret() {
+        byte[] bytes = new byte[SECRET_BYTES];
+        RANDOM.nextBytes(bytes);
+        return HexFormat.of().formatHex(bytes);
+    }
+
+    static String hash(String secret) {
+        try {
+            return HexFormat.of()
+                    .formatHex(
+                            MessageDigest.getInstance("SHA-256")
+                                    .digest(secret.getBytes(StandardCharsets.UTF_8)));
+        } catch (NoSuchAlgorithmException e) {
+            throw new IllegalStateException("every Java runtime has SHA-256", e);
+        }
+    }
+
+    /** Says which token it is and gives nothing away. */
+    public String id() {
+        return sha256.substring(0, ID_LENGTH);
+    }
+
+    /** True from the moment on at which the token expires. */
+    public boolean hasExpired(Instant now) {
+        return expires.isPresent() && !now.isBefore(expires.get());
+    }
+}

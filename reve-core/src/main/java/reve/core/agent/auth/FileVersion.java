@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.agent.auth;
+
+import java.io.IOException;
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.nio.file.attribute.FileTime;
+import java.nio.file.attribute.PosixFileAttributes;
+import java.nio.file.attribute.PosixFilePermission;
+import java.nio.file.attribute.PosixFilePermissions;
+import java.util.EnumSet;
+import java.util.Set;
+
+/** Distinguishes one content of a file from the next, and says whose it is. */
+record FileVersion(
+        FileTime modified,
+        long bytes,
+        Object inode,
+        boolean isFolder,
+        boolean isFile,
+        Set<PosixFilePermission> permissions) {
+
+    /** Mode 600. */
+    static final Set<PosixFilePermission> OWNERS =
+            EnumSet.of(PosixFilePermission.OWNER_READ, PosixFilePermission.OWNER_WRITE);
+
+    /**
+     * @throws IOException if there is no such file
+     */
+    static FileVersion of(Path path) throws IOException {
+        PosixFileAttributes file = Files.readAttributes(path, PosixFileAttributes.class);
+        return new FileVersion(
+                file.lastModifiedTime(),
+                file.size(),
+                file.fileKey(),
+                file.isDirectory(),
+                file.isRegularFile(),
+                file.permissions());
+    }
+
+    /** Whether others than the owner may read or write it. */
+    boolean isOpenToOthers() {
+        return permissions.stream()
+                .anyMatch(
+                        permission ->
+                                switch (permission) {
+                                    case OWNER_READ, OWNER_WRITE, OWNER_EXECUTE -> false;
+                                    case GROUP_READ,
+                                            GROUP_WRITE,
+                                            GROUP_EXECUTE,
+                                            OTHERS_READ,
+                                            OTHERS_WRITE,
+                                            OTHERS_EXECUTE ->
+                                            true;
+                                });
+    }
+
+    /** What is wrong with a file that is open to others, and what to do. */
+    String openToOthers(Path path) {
+        return path
+                + " is open to others (mode "
+                + PosixFilePermissions.toString(permissions)
+                + "); run `chmod 600 "
+                + path
+                + "`";
+    }
+}

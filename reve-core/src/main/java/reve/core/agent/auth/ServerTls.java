@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.agent.auth;
+
+import org.slf4j.Logger;
+import org.slf4j.LoggerFactory;
+
+import java.io.IOException;
+import java.io.InputStream;
+import java.nio.charset.StandardCharsets;
+import java.nio.file.FileSystemException;
+import java.nio.file.Files;
+import java.nio.file.NoSuchFileException;
+import java.nio.file.Path;
+import java.security.GeneralSecurityException;
+import java.security.KeyFactory;
+import java.security.KeyStore;
+import java.security.PrivateKey;
+import java.security.Signature;
+import java.security.cert.Certificate;
+import java.security.cert.CertificateException;
+import java.security.cert.CertificateFactory;
+import java.security.cert.X509Certificate;
+import java.security.spec.PKCS8EncodedKeySpec;
+import java.time.Instant;
+import java.time.InstantSource;
+import java.util.Base64;
+import java.util.List;
+import java.util.Optional;
+import java.util.regex.Matcher;
+import java.util.regex.Pattern;
+
+import javax.net.ssl.KeyManagerFactory;
+import javax.net.ssl.SSLContext;
+import javax.net.ssl.SSLEngine;
+
+/**
+ * Keeps connections private, with TLS 1.3, and shows clients the server's certificate. Both files
+ * are read again when they change: new connections use the new pair, and a pair that cannot be used
+ * leaves the one before it. {@link #engine} is for any thread, the rest for the event loop's.
+ */
+public final class ServerTls {
+
+    private static final Logger LOG = LoggerFactory.getLogger("reve.agents");
+    private static final String[] PROTOCOLS = {"TLSv1.3"};
+    private static final char[] IN_MEMORY = "in memory".toCharArray();
+    private static final Pattern KEY =
+            Pattern.compile(
+                    "-----BEGIN PRIVATE KEY-----([A-Za-z0-9+/=\\s]+)-----END PRIVATE KEY-----");
+
+    private final Path certificate;
+    private final Path key;
+    private final InstantSource clock;
+    private volatile Pair pair;
+    private Versions read;
+    private Versions seen;
+    private Optional<String> problem = Optional.empty();
+
+    /**
+     * @param expires when clients begin to refuse the certificate
+     */
+    private record Pair(SSLContext context, Instant expires) {}
+
+    /** Versions of the certificate's and the key's file; empty for one that is not there. */
+    private record Versions(Optional<FileVersion> certificate, Optional<FileVersion> key) {}
+
+    private ServerTls(Path certificate, Path key, InstantSource clock) throws IOException {
+        this.certificate = certificate;
+        this.key = key;
+        this.clock = clock;
+        this.read = versions();
+        this.seen = read;
+        this.pair = read(certificate, key);
+    }
+
+    /**
+     * Reads both from PEM files.
+     *
+     * @param certificate the server's own first, then those that vouch for it
+     * @param key the private one of the first certificate: PKCS#8, not encrypted, for its owner
+     *     alone
+     * @throws IOException naming the file and what is wrong with it
+     */
+    public static ServerTls of(Path certificate, Path key) throws IOException {
+        return of(certificate, key, InstantSource.system());
+    }
+
+    /** Reads the files as the method without a clock does; the clock decides about validity. */
+    public static ServerTls of(Path certificate, Path key, InstantSource clock) throws IOException {
+        return new ServerTls(certificate, key, clock);
+    }
+
+    /**
+     * Reads both files again if one has changed since they were read, and neither since the last
+     * call: they are replaced one after the other.
+     */
+    public void refresh() {
+        Versions now = versions();
+        if (now.equals(seen) && !now.equals(read)) {
+            read = now;
+            try {
+                pair = read(certificate, key);
+                problem = Optional.empty();
+                LOG.info("{} and {} were read again", certificate, key);
+            } catch (IOException e) {
+                problem =
+                        Optional.of(
+                                "connections go on with the certificate read before: "
+                                        + e.getMessage());
+            }
+        }
+        seen = now;
+    }
+
+    /** Why clients do not get the certificate of the file, or refuse it, if so. */
+    public Optional<String> problem() {
+        Instant expires = pair.expires;
+        return problem.isPresent() || clock.instant().isBefore(expires)
+                ? problem
+                : Optional.of(
+                        "the certificate of "
+                                + certificate
+                                + " has expired ("
+                                + expires
+                                + "), and clients refuse it; replace it and its key");
+    }
+
+    /** What to say when there is no problem any more. */
+    public String solved() {
+        return "new connections use the certificate of "
+                + certificate
+                + ", which expires "
+                + pair.expires;
+    }
+
+    private Versions versions() {
+        return new Versions(version(certificate), version(key));
+    }
+
+    private static Optional<FileVersion> version(Path file) {
+        try {
+            return Optional.of(FileVersion.of(file));
+        } catch (IOException e) {
+            return Optional.empty();
+        }
+    }
+
+    private static Pair read(Path certificate, Path key) throws IOException {
+        requireFile(certificate);
+        requireFile(key);
+        Certificate[] chain = chain(certificate);
+        PrivateKey secret = key(key, chain[0].getPublicKey().getAlgorithm());
+        try {
+            if (!fit(secret, chain[0])) {
+                throw new FileSystemException(
+                        key + " is not the key of the certificate in " + certificate);
+            }
+            var store = KeyStore.getInstance("PKCS12");
+            store.load(null, IN_MEMORY);
+            store.setKeyEntry("server", secret, IN_MEMORY, chain);
+            var keys = KeyManagerFactory.getInstance(KeyManagerFactory.getDefaultAlgorithm());
+            keys.init(store, IN_MEMORY);
+            var context = SSLContext.getInstance("TLS");
+            context.init(keys.getKeyManagers(), null, null);
+            return new Pair(context, ((X509Certificate) chain[0]).getNotAfter().toInstant());
+        } catch (GeneralSecurityException e) {
+            throw new IOException(
+                    "TLS with " + certificate + " and " + key + ": " + e.getMessage(), e);
+        }
+    }
+
+    /** The server's side of a new connection. */
+    public SSLEngine engine() {
+        SSLEngine engine = pair.context.createSSLEngine();
+        engine.setUseClientMode(false);
+        engine.setEnabledProtocols(PROTOCOLS);
+        return engine;
+    }
+
+    private static void requireFile(Path file) throws IOException {
+        if (!Files.exists(file) || Files.isDirectory(file)) {
+            throw new NoSuchFileException("there is no file " + file + ", expected one in PEM");
+        }
+        if (!Files.isRegularFile(file)) { // reading a pipe waits for a writer
+            throw new FileSystemException(
+                    file + " is a pipe or a device, expected a file in PEM; " + "name that file");
+        }
+    }
+
+    private static Certificate[] chain(Path file) throws IOException {
+        try (InputStream in = Files.newInputStream(file)) {
+            var certificates =
+                    List.copyOf(CertificateFactory.getInstance("X.509").generateCertificates(in));
+            if (certificates.isEmpty()) {
+                throw new FileSystemException(file + " holds no certificate, expected PEM");
+            }
+            ((X509Certificate) certificates.getFirst()).checkValidity();
+            return certificates.toArray(Certificate[]::new);
+        } catch (CertificateException e) {
+            throw new FileSystemException(
+                    file + ": " + e.getMessage() + "; expected valid certificates in PEM");
+        }
+    }
+
+    private static PrivateKey key(Path file, String algorithm) throws IOException {
+        FileVersion version = FileVersion.of(file);
+        if (version.isOpenToOthers()) {
+            throw new FileSystemException(version.openToOthers(file));
+        }
+        Matcher pem = KEY.matcher(Files.readString(file, StandardCharsets.ISO_8859_1));
+        if (!pem.find()) {
+            throw new FileSystemException(
+                    file
+                            + " holds no `BEGIN PRIVATE KEY`; run `openssl pkcs8 -topk8 -nodes -in "
+                            + file
+                            + " -out NEW` and use that");
+        }
+        try {
+            byte[] bytes = Base64.getMimeDecoder().decode(pem.group(1));
+            return KeyFactory.getInstance(algorithm)
+                    .generatePrivate(new PKCS8EncodedKeySpec(bytes));
+        } catch (GeneralSecurityException | IllegalArgumentException e) {
+            throw new FileSystemException(
+                    file
+                            + " holds no key of the certificate's kind ("
+                            + algorithm
+                            + "): "
+                            + e.getMessage());
+        }
+    }
+
+    private static boolean fit(PrivateKey key, Certificate certificate)
+            throws GeneralSecurityException {
+        byte[] text = "signed".getBytes(StandardCharsets.US_ASCII);
+        var signature =
+                Signature.getInstance(
+                        switch (key.getAlgorithm()) {
+                            case "RSA" -> "SHA256withRSA";
+                            case "EC" -> "SHA256withECDSA";
+                            default -> key.getAlgorithm();
+                        });
+        signature.initSign(key);
+        signature.update(text);
+        byte[] signed = signature.sign();
+        signature.initVerify(certificate.getPublicKey());
+        signature.update(text);
+        return signature.verify(signed);
+    }
+}

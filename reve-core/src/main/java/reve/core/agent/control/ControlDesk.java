@@ -1,0 +1,339 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.agent.control;
+
+import reve.core.agent.embodiment.AgentCommand;
+import reve.core.agent.embodiment.AgentInput;
+import reve.core.agent.embodiment.Embodiment;
+import reve.core.agent.embodiment.Outcome;
+import reve.core.agent.embodiment.Rewound;
+import reve.core.agent.net.RateLimitedLog;
+import reve.core.agent.port.WorldControl;
+import reve.core.agent.port.WorldPort;
+import reve.core.agent.protocol.ClientMessage;
+import reve.core.agent.protocol.ServerMessage;
+import reve.core.agent.protocol.Text;
+import reve.core.agent.publish.Publisher;
+import reve.core.frame.Command;
+import reve.core.frame.FrameEvent;
+import reve.core.world.ActionRefused;
+import reve.core.world.World;
+
+import java.util.Optional;
+import java.util.concurrent.atomic.AtomicBoolean;
+import java.util.concurrent.atomic.AtomicLong;
+import java.util.function.Consumer;
+
+/**
+ * Has commands done, each where it belongs: the world's queue, its frame loop, or the program. Any
+ * thread.
+ */
+public final class ControlDesk {
+
+    private final WorldPort port;
+    private final Publisher publisher;
+    private final Embodiment embodiment;
+    private final Images images;
+    private final ForkAndSave forkAndSave;
+    private final RateLimitedLog log;
+    private final AtomicLong sequence = new AtomicLong();
+    private final AtomicBoolean promptDue = new AtomicBoolean();
+
+    /** World's thread. */
+    private boolean executesPrompt;
+
+    /** A desk for the commands to one world. */
+    public ControlDesk(WorldPort port, Publisher publisher, RateLimitedLog log) {
+        this.port = port;
+        this.publisher = publisher;
+        this.embodiment = new Embodiment(port.agents(), port.framesPerSecond());
+        this.images = new Images(port, embodiment);
+        this.forkAndSave = new ForkAndSave(port, embodiment, log);
+        this.log = log;
+    }
+
+    /**
+     * The command that does this to the world.
+     *
+     * @param done told how it went, on the world's thread
+     */
+    public AgentCommand command(AgentInput input, Consumer<Outcome> done) {
+        return new AgentCommand(embodiment, sequence.incrementAndGet(), input, done);
+    }
+
+    /** Has a command done and its result sent. */
+    public void submit(Requester requester, ClientMessage.Request request) {
+        switch (request) {
+            case ClientMessage.Act act -> {
+                if (offer(
+                        requester,
+                        act,
+                        new AgentInput.Act(
+                                requester.name(), act.item(), act.action(), act.arguments()))) {
+                    act.ready().ifPresent(requester::endRound);
+                }
+            }
+            case ClientMessage.Edit edit ->
+                    offer(
+                            requester,
+                            edit,
+                            new AgentInput.Edit(
+                                    requester.name(), edit.item(), edit.property(), edit.value()));
+            case ClientMessage.Pause pause -> accept(requester, pause, port.loop().pause());
+            case ClientMessage.Run run -> {
+                accept(requester, run, port.loop().frame());
+                port.loop().resume();
+                executePrompt();
+            }
+            case ClientMessage.Step step ->
+                    between(
+                            requester,
+                            step,
+                            () -> {
+                                long last = port.loop().resume(step.frames());
+                                executePrompt();
+                                return last;
+                            });
+            case ClientMessage.Snapshot snapshot ->
+                    between(requester, snapshot, () -> images.keep(snapshot.image()));
+            case ClientMessage.Rewind rewind -> rewind(requester, rewind);
+            case ClientMessage.Save save -> forkAndSave.save(requester, save);
+            case ClientMessage.Fork fork -> forkAndSave.fork(requester, fork);
+            case ClientMessage.ShutDown shutDown -> {
+                accept(requester, shutDown, port.loop().frame());
+                port.loop().stop();
+            }
+            case ClientMessage.LoadLaw load ->
+                    change(
+                            requester,
+                            load,
+                            true,
+                            () -> port.control().loadLaw(load.library(), load.parameters()));
+            case ClientMessage.UnloadLaw unload ->
+                    change(
+                            requester,
+                            unload,
+                            true,
+                            () -> port.control().unloadLaw(unload.library()));
+            case ClientMessage.Picture picture ->
+                    change(requester, picture, false, () -> port.control().picture());
+        }
+    }
+
+    private static void accept(Requester requester, ClientMessage.Request request, long frame) {
+        requester.finish(request, new ServerMessage.Accepted(request.id(), frame), 0);
+    }
+
+    /**
+     * An agent in lock-step was late, or came back. Loop's thread; done in the frame that begins
+     * now, if that has room for it.
+     */
+    public void lockStep(AgentInput news) {
+        port.commands()
+                .offer(
+                        command(
+                                news,
+                                outcome -> {
+                                    if (outcome instanceof Outcome.Failed failed) {
+                                        publisher.withFrame(
+                                                () ->
+                                                        log.error(
+                                                                "the fallback of agent "
+                                                                        + news.agent()
+                                                                        + " failed",
+                                                                failed.cause()));
+                                    }
+                                }));
+    }
+
+    private boolean offer(Requester requester, ClientMessage.Request request, AgentInput input) {
+        return offer(
+                requester,
+                request,
+                command(input, outcome -> deliver(requester, request, outcome)));
+    }
+
+    private boolean offer(Requester requester, ClientMessage.Request request, Command command) {
+        boolean taken = port.commands().offer(command);
+        if (!taken) {
+            requester.refuse(
+                    request, "world-busy", "the world has more to do than fits into a frame");
+        } else if (command.isPrompt()) {
+            executePrompt();
+        }
+        return taken;
+    }
+
+    /** Sends the result of a command with its frame or, if that is not being made, at once. */
+    private void deliver(Requester requester, ClientMessage.Request request, Outcome outcome) {
+        if (executesPrompt) {
+            publisher.later(() -> answer(requester, request, outcome));
+        } else {
+            publisher.withFrame(() -> answer(requester, request, outcome));
+        }
+    }
+
+    /** Has operators' commands executed before the next frame, which agents may hold up. */
+    private void executePrompt() {
+        if (!promptDue.getAndSet(true)) {
+            port.loop()
+                    .betweenFrames(
+                            () -> {
+                                promptDue.set(false);
+                                executesPrompt = true;
+                                try {
+                                    port.loop().executePrompt(port.commands());
+                                } finally {
+                                    executesPrompt = false;
+                                }
+                            });
+        }
+    }
+
+    // ---- between frames ----
+
+    /** Something done between frames. */
+    private interface Errand {
+        /**
+         * @return the frame that it took effect in
+         */
+        long run() throws ActionRefused;
+    }
+
+    /** The answer is on its way before the next frame is made. */
+    private void between(Requester requester, ClientMessage.Request request, Errand errand) {
+        port.loop()
+                .betweenFrames(
+                        () -> {
+                            Outcome outcome = outcome(errand);
+                            publisher.later(() -> answer(requester, request, outcome));
+                        });
+    }
+
+    private Outcome outcome(Errand errand) {
+        try {
+            return new Outcome.Done(errand.run());
+        } catch (ActionRefused e) {
+            return refused(e, port.loop().frame());
+        } catch (RuntimeException e) {
+            return new Outcome.Failed(port.loop().frame(), e);
+        }
+    }
+
+    private void rewind(Requester requester, ClientMessage.Rewind rewind) {
+        try {
+            Optional<WorldControl.Image> beginning =
+                    rewind.image().isPresent()
+                            ? Optional.empty()
+                            : Optional.of(port.control().beginning());
+            between(
+                    requester,
+                    rewind,
+                    () -> {
+                        Rewound rewound =
+                                images.rewind(requester.name(), rewind.image(), beginning);
+                        publisher.later(() -> publisher.tellRewound(rewound));
+                        return rewound.frame();
+                    });
+        } catch (ActionRefused e) {
+            answer(requester, rewind, refused(e, 0));
+        } catch (RuntimeException e) {
+            answer(requester, rewind, new Outcome.Failed(0, e));
+        }
+    }
+
+    // ---- changes of the program's own ----
+
+    private interface Preparation {
+        WorldControl.Change prepare() throws ActionRefused;
+    }
+
+    /**
+     * @param isPrompt false if it is about the next frame itself
+     */
+    private void change(
+            Requester requester,
+            ClientMessage.Request request,
+            boolean isPrompt,
+            Preparation preparation) {
+        try {
+            WorldControl.Change change = preparation.prepare();
+            var command =
+                    new ChangeCommand(
+                            requester.name(),
+                            sequence.incrementAndGet(),
+                            isPrompt,
+                            change,
+                            outcome -> deliver(requester, request, outcome));
+            if (!offer(requester, request, command)) {
+                change.drop();
+            }
+        } catch (ActionRefused e) {
+            answer(requester, request, refused(e, 0));
+        } catch (RuntimeException e) {
+            answer(requester, request, new Outcome.Failed(0, e));
+        }
+    }
+
+    private static Outcome refused(ActionRefused e, long frame) {
+        return new Outcome.Refused(frame, e.code(), e.getMessage(), Optional.empty());
+    }
+
+    /** A prepared change on its way through the world's queue. */
+    private record ChangeCommand(
+            String origin,
+            long sequence,
+            boolean isPrompt,
+            WorldControl.Change change,
+            Consumer<Outcome> done)
+            implements Command {
+
+        @Override
+        public void execute(World world, FrameEvent event) {
+            try {
+                change.make(world, event.frame());
+                done.accept(new Outcome.Done(event.frame()));
+            } catch (ActionRefused e) {
+                done.accept(refused(e, event.frame()));
+            } catch (RuntimeException e) {
+                done.accept(new Outcome.Failed(event.frame(), e));
+            }
+        }
+    }
+
+    // ---- answers ----
+
+    private void answer(Requester requester, ClientMessage.Request request, Outcome outcome) {
+        switch (outcome) {
+            case Outcome.Done done ->
+                    requester.finish(
+                            request,
+                            new ServerMessage.Accepted(request.id(), done.frame()),
+                            done.frame());
+            case Outcome.Refused refused ->
+                    requester.finish(
+                            request,
+                            new ServerMessage.Refused(
+                                    request.id(), refused.code(), refused.reason()),
+                            refused.frame());
+            case Outcome.Failed failed -> {
+                String what = describe(request);
+                log.error(what + " failed", failed.cause());
+                requester.finish(
+                        request,
+                        new ServerMessage.Refused(
+                                request.id(),
+                                "action-failed",
+                                what + " failed; the server's log says why"),
+                        failed.frame());
+            }
+            case Outcome.Joined joined -> {}
+            case Outcome.Absent absent -> {}
+        }
+    }
+
+    private static String describe(ClientMessage.Request request) {
+        return request instanceof ClientMessage.Act act
+                ? "the action " + Text.quote(act.action()) + " of item " + Text.quote(act.item())
+                : request.type();
+    }
+}

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.agent.control;
+
+import reve.core.agent.embodiment.Embodiment;
+import reve.core.agent.embodiment.Rewound;
+import reve.core.agent.port.WorldControl;
+import reve.core.agent.port.WorldPort;
+import reve.core.agent.protocol.Text;
+import reve.core.world.ActionRefused;
+import reve.core.world.ItemId;
+import reve.core.world.World;
+import reve.core.world.WorldEvent;
+
+import java.util.LinkedHashMap;
+import java.util.Map;
+import java.util.Optional;
+import java.util.TreeMap;
+
+/**
+ * What clients of the role control keep of a world by name, to go back to. World's thread, between
+ * frames.
+ */
+final class Images {
+
+    /**
+     * Less than a world can have, so that there is room for the copies that `save` and `fork` take.
+     */
+    private static final int MAX_NAMES = 32;
+
+    private final WorldPort port;
+    private final Embodiment embodiment;
+    private final Map<String, Kept> kept = new TreeMap<>();
+
+    /**
+     * @param bodies of the agents that were in the world
+     */
+    private record Kept(WorldControl.Image image, Map<String, ItemId> bodies) {}
+
+    Images(WorldPort port, Embodiment embodiment) {
+        this.port = port;
+        this.embodiment = embodiment;
+    }
+
+    /**
+     * Keeps the world as it is, in place of what was kept under that name.
+     *
+     * @return the frame at whose end it is like this
+     */
+    long keep(String name) throws ActionRefused {
+        if (kept.size() >= MAX_NAMES && !kept.containsKey(name)) {
+            throw new ActionRefused(
+                    "too-many-images",
+                    MAX_NAMES
+                            + " images are kept, which is the most; a snapshot under one of"
+                            + " their names replaces it: "
+                            + kept.keySet());
+        }
+        Kept before = kept.remove(name);
+        if (before != null) {
+            before.image.close();
+        }
+        kept.put(name, new Kept(port.control().keep(), embodiment.bodies()));
+        return port.loop().frame();
+    }
+
+    /**
+     * Goes back.
+     *
+     * @param agent who wants it
+     * @param name of what was kept, or none and where the world began
+     */
+    Rewound rewind(String agent, Optional<String> name, Optional<WorldControl.Image> beginning)
+            throws ActionRefused {
+        Kept target =
+                name.isPresent() ? find(name.get()) : new Kept(beginning.orElseThrow(), Map.of());
+        long frame = target.image.rewind();
+        World world = port.loop().world();
+        var fields = new LinkedHashMap<String, Object>();
+        fields.put("agent", agent);
+        name.ifPresent(image -> fields.put("image", image));
+        world.raise(new WorldEvent(frame, "rewound", fields));
+        return new Rewound(frame, embodiment.rewound(world, frame, target.bodies));
+    }
+
+    private Kept find(String name) throws ActionRefused {
+        Kept found = kept.get(name);
+        if (found == null) {
+            throw new ActionRefused(
+                    "no-such-image",
+                    "no image is called "
+                            + Text.quote(name)
+                            + (kept.isEmpty() ? "; none is kept" : "; kept are " + kept.keySet()));
+        }
+        return found;
+    }
+}

@@ -1,0 +1,619 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.agent.embodiment;
+
+import reve.core.agent.auth.Rights;
+import reve.core.agent.perception.SensedWorld;
+import reve.core.agent.protocol.ClientMessage;
+import reve.core.agent.protocol.CloseReason;
+import reve.core.agent.protocol.Text;
+import reve.core.file.AgentPolicy;
+import reve.core.text.Visible;
+import reve.core.world.Action;
+import reve.core.world.ActionCall;
+import reve.core.world.ActionRefused;
+import reve.core.world.Arguments;
+import reve.core.world.Departure;
+import reve.core.world.EventBudget;
+import reve.core.world.Item;
+import reve.core.world.ItemDefinition;
+import reve.core.world.ItemId;
+import reve.core.world.ItemQuota;
+import reve.core.world.Parameter;
+import reve.core.world.ParameterType;
+import reve.core.world.Sensor;
+import reve.core.world.Table;
+import reve.core.world.World;
+import reve.core.world.WorldEvent;
+import reve.core.world.WorldPrototype;
+
+import java.util.HashMap;
+import java.util.HashSet;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.OptionalInt;
+import java.util.Set;
+import java.util.TreeMap;
+import java.util.TreeSet;
+import java.util.stream.Collectors;
+
+/**
+ * The agents that are in a world, and the one place where what they want is checked and done. The
+ * same inputs in the same frames and order give the same world, whether they come from connections
+ * or from a recording. World's thread only.
+ */
+public final class Embodiment {
+
+    /** Codes of the world's own refusals whose reasons tell more of it than that. */
+    private static final Set<String> TELLING =
+            Set.of(
+                    "condition-failed",
+                    "no-value",
+                    "immovable",
+                    "no-physics",
+                    "not-a-body",
+                    "attached",
+                    "not-attached",
+                    "cannot-attach",
+                    "cannot-create",
+                    "cannot-remove",
+                    "no-such-item",
+                    "no-such-property",
+                    "out-of-range",
+                    "not-a-rotation",
+                    "not-a-colour",
+                    "not-a-symbol");
+
+    /** The action has an error of its own, which is for the log. */
+    private static final String ACTION_FAILED = "action-failed";
+
+    private final AgentPolicy policy;
+    private final Map<String, Body> bodies = new HashMap<>();
+    private final Set<String> lent = new HashSet<>();
+    private final SensedWorld sensed = new SensedWorld();
+    private final EventBudget events;
+    private final StepBudget steps = new StepBudget();
+
+    /**
+     * @param name what it was called when the agent came
+     * @param made true if the item exists for this agent only and goes with it
+     * @param place where it was made, by the order of the world's places; empty if it has none
+     * @param sensors what the agent perceives with; none for everything
+     * @param ofActions those of them that perceive actions
+     * @param needsSight true if one of them needs a line of sight
+     * @param rights of the agent
+     */
+    private record Body(
+            ItemId id,
+            String name,
+            boolean made,
+            OptionalInt place,
+            List<Sensor> sensors,
+            List<Sensor> ofActions,
+            boolean needsSight,
+            Rights rights) {
+
+        Body(
+                ItemId id,
+                String name,
+                boolean made,
+                OptionalInt place,
+                List<Sensor> sensors,
+                Rights rights) {
+            this(
+                    id,
+                    name,
+                    made,
+                    place,
+                    sensors,
+                    sensors.stream()
+                            .filter(sensor -> sensor.aspects().contains(Sensor.Aspect.ACCESS))
+                            .toList(),
+                    sensors.stream().anyMatch(Sensor::lineOfSight),
+                    rights);
+        }
+
+        Optional<Item> in(World world) {
+            return world.find(id);
+        }
+
+        /** Those of the item that the agent may use. */
+        List<String> capabilities(Item item) {
+            List<String> all = item.access().capabilities();
+            return rights.capabilities().isEmpty()
+                    ? all
+                    : all.stream().filter(rights::opensCapability).toList();
+        }
+    }
+
+    /**
+     * @param policy which bodies the world grants
+     * @param framesPerSecond frames of one second of world time
+     */
+    public Embodiment(AgentPolicy policy, int framesPerSecond) {
+        this.policy = policy;
+        this.events =
+                new EventBudget(policy.eventBytes(), policy.worldEventBytes(), framesPerSecond);
+    }
+
+    /** Checks and does what an agent wants, outside PHYSICS; either all of it happens or none. */
+    public Outcome apply(World world, long frame, AgentInput input) {
+        try {
+            return switch (input) {
+                case AgentInput.Join join -> join(world, frame, join);
+                case AgentInput.Act act -> act(world, frame, act);
+                case AgentInput.Edit edit -> {
+                    ItemEdit.apply(world, edit);
+                    yield new Outcome.Done(frame);
+                }
+                case AgentInput.Late late -> late(world, frame, late);
+                case AgentInput.Back back -> back(world, frame, back);
+                case AgentInput.Leave leave -> leave(world, frame, leave);
+            };
+        } catch (CloseReason e) {
+            return new Outcome.Refused(frame, e.code(), e.getMessage(), e.hint());
+        } catch (ActionRefused e) {
+            return e.code().equals(ACTION_FAILED)
+                    ? new Outcome.Failed(frame, e)
+                    : new Outcome.Refused(
+                            frame,
+                            e.code(),
+                            Visible.line(String.valueOf(e.getMessage())),
+                            Optional.empty());
+        } catch (RuntimeException e) {
+            return new Outcome.Failed(frame, e);
+        }
+    }
+
+    // ---- going back ----
+
+    /** The ids of the agents' bodies, by agent. */
+    public Map<String, ItemId> bodies() {
+        var ids = new TreeMap<String, ItemId>();
+        bodies.forEach((agent, body) -> ids.put(agent, body.id()));
+        return ids;
+    }
+
+    /** The bodies that were made for agents. */
+    public List<ItemId> made() {
+        return bodies.values().stream().filter(Body::made).map(Body::id).sorted().toList();
+    }
+
+    /**
+     * The world has become one that it was. Who is in it now stays: with the body lent to it; or
+     * with the one that was made for it, as it was then, or made anew if there was none. Bodies of
+     * others who were there then go.
+     *
+     * @param then what {@link #bodies} were when the world was like this
+     * @return Joined for each who is there now, or Refused for those who cannot have a body any
+     *     more and have left
+     */
+    public Map<String, Outcome> rewound(World world, long frame, Map<String, ItemId> then) {
+        then.forEach(
+                (agent, id) -> {
+                    Body now = bodies.get(agent);
+                    if ((now == null || !now.made()) && isMade(world, id)) {
+                        String body = world.item(id).name();
+                        Departure.of(world, id).raise(world, frame, agent, body);
+                    }
+                });
+        var outcomes = new TreeMap<String, Outcome>();
+        for (String agent : List.copyOf(new TreeMap<>(bodies).keySet())) {
+            outcomes.put(agent, rewound(world, frame, agent, Optional.ofNullable(then.get(agent))));
+        }
+        return outcomes;
+    }
+
+    private Outcome rewound(World world, long frame, String agent, Optional<ItemId> then) {
+        Body before = bodies.get(agent);
+        try {
+            Body now = before.made() ? embody(world, agent, then, before) : before;
+            bodies.put(agent, now);
+            if (!now.id().equals(before.id())) {
+                raiseJoined(world, frame, agent, now);
+            }
+            return new Outcome.Joined(frame, now.name(), now.id(), now.sensors());
+        } catch (CloseReason e) {
+            bodies.remove(agent);
+            raiseLeft(world, frame, agent, before, "rewound");
+            return new Outcome.Refused(frame, e.code(), e.getMessage(), e.hint());
+        }
+    }
+
+    private Body embody(World world, String agent, Optional<ItemId> then, Body before)
+            throws CloseReason {
+        Optional<Item> own = then.filter(id -> isMade(world, id)).flatMap(world::find);
+        if (own.isPresent()) {
+            return new Body(
+                    own.get().id(),
+                    own.get().name(),
+                    true,
+                    before.place(),
+                    own.get().sensors(),
+                    before.rights());
+        }
+        return make(world, agent, policy.template().orElseThrow(), before.place(), before.rights());
+    }
+
+    private boolean isMade(World world, ItemId id) {
+        return world.find(id).filter(item -> !policy.bodies().contains(item.name())).isPresent();
+    }
+
+    // ---- acting ----
+
+    /** False if the agent has to wait for a later frame with what it wants to do. */
+    boolean mayAct(String agent, long frame) {
+        return steps.hasLeft(agent, frame);
+    }
+
+    private Outcome act(World world, long frame, AgentInput.Act act) throws ActionRefused {
+        Body body = bodies.get(act.agent());
+        if (body == null) {
+            return new Outcome.Absent();
+        }
+        perform(world, frame, body, act);
+        raiseActed(world, frame, act);
+        return new Outcome.Done(frame);
+    }
+
+    private static void raiseActed(World world, long frame, AgentInput.Act act) {
+        world.raise(
+                new WorldEvent(
+                        frame,
+                        "acted",
+                        fields("agent", act.agent(), "item", act.item(), "action", act.action())));
+    }
+
+    private Outcome late(World world, long frame, AgentInput.Late late) throws ActionRefused {
+        Body body = bodies.get(late.agent());
+        if (body == null) {
+            return new Outcome.Absent();
+        }
+        if (late.told()) {
+            Map<String, Object> fields = fields("agent", late.agent(), "body", body.name());
+            fields.put("count", late.count());
+            world.raise(new WorldEvent(frame, "late", fields));
+        }
+        if (late.away()) {
+            world.raise(
+                    new WorldEvent(
+                            frame, "away", fields("agent", late.agent(), "body", body.name())));
+        }
+        if (late.fallback().isPresent() && mayAct(late.agent(), frame)) {
+            ClientMessage.Fallback fallback = late.fallback().get();
+            var act =
+                    new AgentInput.Act(
+                            late.agent(),
+                            fallback.item().orElse(body.name()),
+                            fallback.action(),
+                            fallback.arguments());
+            perform(world, frame, body, act);
+            if (late.told()) {
+                raiseActed(world, frame, act);
+            }
+        }
+        return new Outcome.Done(frame);
+    }
+
+    private Outcome back(World world, long frame, AgentInput.Back back) {
+        Body body = bodies.get(back.agent());
+        if (body == null) {
+            return new Outcome.Absent();
+        }
+        world.raise(
+                new WorldEvent(frame, "back", fields("agent", back.agent(), "body", body.name())));
+        return new Outcome.Done(frame);
+    }
+
+    private void perform(World world, long frame, Body body, AgentInput.Act act)
+            throws ActionRefused {
+        long before = world.activity().steps();
+        int seen = body.needsSight ? world.table(WorldPrototype.BODY).rowCount() : 0;
+        try {
+            act(world, frame, body, act);
+        } finally {
+            steps.spend(act.agent(), frame, seen + world.activity().steps() - before);
+        }
+    }
+
+    private void act(World world, long frame, Body body, AgentInput.Act act) throws ActionRefused {
+        Item item = find(world, body, act.item());
+        if (!sensesActions(world, body, item)) {
+            throw new ActionRefused(
+                    "no-such-action",
+                    "you sense no actions of the item " + Text.quote(item.name()));
+        }
+        Action action =
+                item.access()
+                        .find(act.action())
+                        .orElseThrow(() -> noSuchAction(item, act.action()));
+        Arguments arguments = Arguments.check(action, act.arguments());
+        for (Parameter parameter : action.parameters()) {
+            if (parameter.type() == ParameterType.ITEM && !body.sensors.isEmpty()) {
+                find(world, body, arguments.text(parameter.name()));
+            }
+        }
+        Optional<Item> actor = body.in(world);
+        perform(
+                action,
+                body,
+                new ActionCall(
+                        world,
+                        frame,
+                        item,
+                        actor,
+                        arguments,
+                        actor.map(body::capabilities).orElse(List.of()),
+                        new ItemQuota(act.agent(), policy.items(), policy.worldItems()),
+                        events));
+    }
+
+    /** To who senses only some things, a refusal does not tell what the action found. */
+    private static void perform(Action action, Body body, ActionCall call) throws ActionRefused {
+        try {
+            call.perform(action);
+        } catch (ActionRefused e) {
+            if (body.sensors.isEmpty() || !TELLING.contains(e.code())) {
+                throw e;
+            }
+            throw new ActionRefused(
+                    e.code(),
+                    "the action "
+                            + Text.quote(action.name())
+                            + " of item "
+                            + Text.quote(call.target().name())
+                            + " cannot be done now",
+                    e);
+        }
+    }
+
+    /**
+     * An item that an agent does not sense is none to it; the refusal must not tell the difference.
+     */
+    private Item find(World world, Body body, String name) throws ActionRefused {
+        Optional<Item> item = world.find(name);
+        if (body.sensors.isEmpty()) {
+            return item.orElseThrow(
+                    () ->
+                            new ActionRefused(
+                                    "no-such-item", "the world has no item " + Text.quote(name)));
+        }
+        return item.filter(there -> senses(world, body, body.sensors, there.id()))
+                .orElseThrow(
+                        () ->
+                                new ActionRefused(
+                                        "no-such-item", "you sense no item " + Text.quote(name)));
+    }
+
+    private boolean sensesActions(World world, Body body, Item item) {
+        return body.ofActions.size() == body.sensors.size()
+                || senses(world, body, body.ofActions, item.id());
+    }
+
+    private boolean senses(World world, Body body, List<Sensor> sensors, ItemId item) {
+        Table bodies = world.table(WorldPrototype.BODY);
+        int eye = bodies.rowOf(body.id());
+        int row = bodies.rowOf(item);
+        if (eye >= 0 && row >= 0) {
+            if (body.needsSight) {
+                sensed.load(bodies);
+            } else {
+                sensed.load(bodies, eye, row);
+            }
+        }
+        if (item.equals(body.id())) {
+            return true;
+        }
+        for (Sensor sensor : sensors) {
+            if (sensor.isUnlimited() || eye >= 0 && row >= 0 && sensed.senses(sensor, eye, row)) {
+                return true;
+            }
+        }
+        return false;
+    }
+
+    private static ActionRefused noSuchAction(Item item, String wanted) {
+        List<String> names = item.access().actions().stream().map(Action::name).toList();
+        return new ActionRefused(
+                "no-such-action",
+                "the item "
+                        + Text.quote(item.name())
+                        + " has no action "
+                        + Text.quote(wanted)
+                        + (names.isEmpty() ? "; it has none" : "; it has " + names));
+    }
+
+    // ---- joining and leaving ----
+
+    private Outcome join(World world, long frame, AgentInput.Join join) throws CloseReason {
+        if (bodies.containsKey(join.agent())) {
+            throw CloseReason.nameTaken(join.agent());
+        }
+        if (bodies.size() >= Math.max(policy.most(), policy.bodies().size())) {
+            throw CloseReason.refused(
+                    "world-full",
+                    "world "
+                            + world.name()
+                            + " has "
+                            + bodies.size()
+                            + " agents, which is all it takes",
+                    "try again when an agent has left");
+        }
+        Body body = take(world, join);
+        bodies.put(join.agent(), body);
+        raiseJoined(world, frame, join.agent(), body);
+        return new Outcome.Joined(frame, body.name(), body.id(), body.sensors());
+    }
+
+    /** A body may be gone from the world already. */
+    private Outcome leave(World world, long frame, AgentInput.Leave leave) {
+        Body body = bodies.remove(leave.agent());
+        if (body == null) {
+            return new Outcome.Absent();
+        }
+        lent.remove(body.name());
+        if (body.made() && body.in(world).isPresent()) {
+            Departure.of(world, body.id()).raise(world, frame, leave.agent(), body.name());
+        }
+        raiseLeft(world, frame, leave.agent(), body, leave.reason());
+        return new Outcome.Done(frame);
+    }
+
+    private static void raiseJoined(World world, long frame, String agent, Body body) {
+        world.raise(new WorldEvent(frame, "joined", fields("agent", agent, "body", body.name())));
+    }
+
+    private static void raiseLeft(World world, long frame, String agent, Body body, String reason) {
+        world.raise(
+                new WorldEvent(
+                        frame,
+                        "left",
+                        fields("agent", agent, "body", body.name(), "reason", reason)));
+    }
+
+    /**
+     * The lent item that an agent asks for, else any free one, else a new item. An agent that is
+     * called like an item has this item or none: others could not distinguish the two.
+     */
+    private Body take(World world, AgentInput.Join join) throws CloseReason {
+        Rights rights = join.rights();
+        if (policy.bodies().isEmpty() && policy.template().isEmpty()) {
+            throw CloseReason.refused(
+                    "no-bodies",
+                    "world " + world.name() + " grants agents no body",
+                    "add `agents: {body: {...}}` or `agents: {bodies: [item, ...]}` "
+                            + "to the world file");
+        }
+        Optional<Item> namesake = world.find(join.agent());
+        if (namesake.isPresent()) {
+            String name = join.agent();
+            if (!policy.bodies().contains(name)
+                    || lent.contains(name)
+                    || !rights.opensBody(name)
+                    || !join.body().orElse(name).equals(name)) {
+                throw CloseReason.nameTaken(name);
+            }
+            return lend(namesake.get(), rights);
+        }
+        if (join.body().isPresent()) {
+            return lend(requireFree(world, join.body().get(), rights), rights);
+        }
+        for (String name : policy.bodies()) {
+            Optional<Item> item = world.find(name);
+            if (item.isPresent() && !lent.contains(name) && rights.opensBody(name)) {
+                return lend(item.get(), rights);
+            }
+        }
+        if (rights.bodies().isPresent()) {
+            throw CloseReason.refused(
+                    "no-body-free",
+                    "no body that your token opens is free in world " + world.name(),
+                    "it opens " + new TreeSet<>(rights.bodies().get()));
+        }
+        ItemDefinition template =
+                policy.template()
+                        .orElseThrow(
+                                () ->
+                                        CloseReason.refused(
+                                                "no-body-free",
+                                                "all bodies that world "
+                                                        + world.name()
+                                                        + " lends to agents are taken",
+                                                "try again when an agent has left"));
+        return make(world, join.agent(), template, freePlace(world), rights);
+    }
+
+    private Item requireFree(World world, String name, Rights rights) throws CloseReason {
+        if (!rights.opensBody(name)) {
+            throw CloseReason.refused(
+                    "not-permitted",
+                    "your token does not open the body " + Text.quote(name),
+                    "it opens " + new TreeSet<>(rights.bodies().orElseThrow()));
+        }
+        if (!policy.bodies().contains(name)) {
+            throw CloseReason.refused(
+                    "no-such-body",
+                    "world " + world.name() + " lends agents no item " + Text.quote(name),
+                    "it lends " + policy.bodies());
+        }
+        if (lent.contains(name)) {
+            throw CloseReason.refused(
+                    "body-taken",
+                    "another agent has the body " + Text.quote(name),
+                    "leave out body to get any that is free");
+        }
+        return world.find(name)
+                .orElseThrow(
+                        () ->
+                                CloseReason.refused(
+                                        "no-such-body",
+                                        "the item "
+                                                + Text.quote(name)
+                                                + " is no longer in world "
+                                                + world.name(),
+                                        "leave out body to get any that is free"));
+    }
+
+    private Body lend(Item item, Rights rights) {
+        lent.add(item.name());
+        return new Body(item.id(), item.name(), false, OptionalInt.empty(), item.sensors(), rights);
+    }
+
+    /** The first place that nobody who is here has come to. */
+    private OptionalInt freePlace(World world) throws CloseReason {
+        if (policy.places().isEmpty()) {
+            return OptionalInt.empty();
+        }
+        Set<Integer> taken =
+                bodies.values().stream()
+                        .flatMapToInt(body -> body.place().stream())
+                        .boxed()
+                        .collect(Collectors.toSet());
+        for (int place = 0; place < policy.places().size(); place++) {
+            if (!taken.contains(place)) {
+                return OptionalInt.of(place);
+            }
+        }
+        throw CloseReason.refused(
+                "no-body-free",
+                "all "
+                        + policy.places().size()
+                        + " places of agents' bodies in world "
+                        + world.name()
+                        + " are taken",
+                "try again when an agent has left");
+    }
+
+    private Body make(
+            World world, String agent, ItemDefinition template, OptionalInt place, Rights rights)
+            throws CloseReason {
+        if (world.find(agent).isPresent()) {
+            throw CloseReason.nameTaken(agent);
+        }
+        try {
+            ItemDefinition.Builder body = template.copy(agent);
+            place.ifPresent(
+                    number -> {
+                        AgentPolicy.Place at = policy.places().get(number);
+                        body.at(at.x(), at.y(), at.z());
+                    });
+            Item item = world.add(body.build());
+            return new Body(item.id(), item.name(), true, place, item.sensors(), rights);
+        } catch (RuntimeException e) {
+            throw CloseReason.refused(
+                    "no-body-free",
+                    "the body could not be made: " + e.getMessage(),
+                    "correct agents.body in the world file");
+        }
+    }
+
+    /** An event's fields from names and values in turn, in the order given. */
+    private static Map<String, Object> fields(String... namesAndValues) {
+        var fields = new LinkedHashMap<String, Object>();
+        for (int i = 0; i < namesAndValues.length; i += 2) {
+            fields.put(namesAndValues[i], namesAndValues[i + 1]);
+        }
+        return fields;
+    }
+}

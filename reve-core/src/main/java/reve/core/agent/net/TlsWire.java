@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.agent.net;
+
+import org.jspecify.annotations.Nullable;
+
+import java.io.IOException;
+import java.net.InetSocketAddress;
+import java.nio.ByteBuffer;
+import java.nio.channels.SelectionKey;
+import java.nio.channels.SocketChannel;
+import java.util.Objects;
+
+import javax.net.ssl.SSLEngine;
+import javax.net.ssl.SSLEngineResult;
+import javax.net.ssl.SSLEngineResult.HandshakeStatus;
+import javax.net.ssl.SSLException;
+
+/** TLS over a TCP connection. What takes time in a handshake is computed on another thread. */
+final class TlsWire implements Wire {
+
+    /** The first byte of a client that speaks TLS; no message of the protocol begins with it. */
+    static final int HANDSHAKE = 0x16;
+
+    private static final ByteBuffer NOTHING = ByteBuffer.allocate(0);
+
+    /** Of the few threads that work for all connections. */
+    private static final ThreadLocal<Scratch> SCRATCH = ThreadLocal.withInitial(Scratch::new);
+
+    /** More than the 16 KiB and their frame that TLS allows. */
+    private static final int RECORD_BYTES = 18 * 1024;
+
+    private final SocketChannel channel;
+    private final Plain plain;
+    private final SSLEngine engine;
+
+    // Set when it is registered.
+    private @Nullable EventLoop loop;
+    private @Nullable SelectionKey key;
+    private @Nullable Runnable readable;
+
+    /** From the socket, not whole yet; decrypted, not taken yet; and encrypted, for the socket. */
+    private ByteBuffer incoming = NOTHING;
+
+    private ByteBuffer received = NOTHING;
+    private ByteBuffer outgoing = NOTHING;
+
+    private boolean begun;
+    private boolean shaken;
+    private boolean computing;
+    private boolean bypassed;
+
+    /** Buffers for use in one call, shared by all connections. */
+    private static final class Scratch {
+        private final ByteBuffer incoming = ByteBuffer.allocate(2 * RECORD_BYTES);
+        private final ByteBuffer received = ByteBuffer.allocate(2 * RECORD_BYTES);
+        private final ByteBuffer outgoing = ByteBuffer.allocate(RECORD_BYTES);
+    }
+
+    /** The client does not speak TLS; what is written from now on is plain text. */
+    static final class PlainTextException extends IOException {
+        private static final long serialVersionUID = 1;
+    }
+
+    TlsWire(SocketChannel channel, SSLEngine engine) {
+        this.channel = channel;
+        this.plain = new Plain(channel);
+        this.engine = engine;
+    }
+
+    @Override
+    public InetSocketAddress peer() throws IOException {
+        return plain.peer();
+    }
+
+    @Override
+    public SelectionKey register(
+            EventLoop eventLoop, EventLoop.Handler handler, Runnable whenReadable)
+            throws IOException {
+        loop = eventLoop;
+        readable = whenReadable;
+        key = plain.register(eventLoop, handler, whenReadable);
+        return key;
+    }
+
+    // ---- reading ----
+
+    @Override
+    public boolean hasReceived() {
+        return received.hasRemaining();
+    }
+
+    @Override
+    public void expectMuch() throws IOException {
+        plain.expectMuch();
+    }
+
+    @Override
+    public int read(ByteBuffer into) throws IOException {
+        if (bypassed) {
+            return plain.read(into);
+        }
+        boolean open = hasReceived() || computing || decrypt();
+        int count = Math.min(into.remaining(), received.remaining());
+        into.put(received.slice().limit(count));
+        received.position(received.position() + count);
+        return count == 0 && !open ? -1 : count;
+    }
+
+    /** Decrypts what has arrived. @return false if nothing more will come */
+    private boolean decrypt() throws IOException {
+        ByteBuffer in = SCRATCH.get().incoming.clear().put(incoming);
+        incoming = NOTHING;
+        boolean open = channel.read(in) >= 0;
+        in.flip();
+        if (!begun && in.hasRemaining()) {
+            begun = true;
+            if (in.get(0) != HANDSHAKE) {
+                bypassed = true;
+                throw new PlainTextException();
+            }
+        }
+        try {
+            open &= unwrap(in);
+        } catch (SSLException e) {
+            tellWhy();
+            throw e;
+        }
+        return open;
+    }
+
+    /**
+     * @return false if the client has said that nothing more will come
+     */
+    private boolean unwrap(ByteBuffer in) throws IOException {
+        ByteBuffer out = SCRATCH.get().received.clear();
+        boolean open = true;
+        boolean more = true;
+        while (open && more && !computing) {
+            switch (engine.getHandshakeStatus()) {
+                case NEED_TASK -> compute();
+                case NEED_WRAP -> more = wrap(NOTHING);
+                default -> {
+                    SSLEngineResult result = engine.unwrap(in, out);
+                    shaken |= result.getHandshakeStatus() == HandshakeStatus.FINISHED;
+                    open = result.getStatus() != SSLEngineResult.Status.CLOSED;
+                    more = result.getStatus() == SSLEngineResult.Status.OK;
+                }
+            }
+        }
+        incoming = copy(in);
+        received = copy(out.flip());
+        return open;
+    }
+
+    /** Signs and checks on another thread; nothing is read meanwhile. */
+    private void compute() {
+        computing = true;
+        interest(SelectionKey.OP_READ, false);
+        EventLoop told = Objects.requireNonNull(loop);
+        Thread.ofVirtual()
+                .name("tls")
+                .start(
+                        () -> {
+                            for (Runnable task = engine.getDelegatedTask();
+                                    task != null;
+                                    task = engine.getDelegatedTask()) {
+                                task.run();
+                            }
+                            told.later(this::computed);
+                        });
+    }
+
+    private void computed() {
+        computing = false;
+        if (channel.isOpen()) {
+            interest(SelectionKey.OP_READ, true);
+            Objects.requireNonNull(readable).run();
+        }
+    }
+
+    // ---- writing ----
+
+    @Override
+    public boolean hasUnsent() {
+        return outgoing.hasRemaining();
+    }
+
+    @Override
+    public int write(ByteBuffer bytes) throws IOException {
+        if (bypassed) {
+            return plain.write(bytes);
+        }
+        int before = bytes.remaining();
+        if (flush() && bytes.hasRemaining() && !shaken) {
+            throw new SSLException("the client has not shaken hands");
+        }
+        while ((bytes.hasRemaining() || isToWrap()) && wrap(bytes)) {
+            // A record at a time.
+        }
+        if (bytes.hasRemaining() && engine.isOutboundDone()) {
+            throw new SSLException("the connection is closed");
+        }
+        return before - bytes.remaining();
+    }
+
+    private boolean isToWrap() {
+        return engine.getHandshakeStatus() == HandshakeStatus.NEED_WRAP;
+    }
+
+    /** Encrypts a record. @return false if the socket does not take it all now */
+    private boolean wrap(ByteBuffer bytes) throws IOException {
+        if (!flush()) {
+            return false;
+        }
+        ByteBuffer out = SCRATCH.get().outgoing.clear();
+        SSLEngineResult result = engine.wrap(bytes, out);
+        shaken |= result.getHandshakeStatus() == HandshakeStatus.FINISHED;
+        channel.write(out.flip());
+        outgoing = copy(out);
+        if (hasUnsent()) {
+            interest(SelectionKey.OP_WRITE, true);
+        }
+        return !hasUnsent() && result.getStatus() == SSLEngineResult.Status.OK;
+    }
+
+    private boolean flush() throws IOException {
+        if (hasUnsent()) {
+            channel.write(outgoing);
+        }
+        return !hasUnsent();
+    }
+
+    /** Sends the alert that says what was wrong, if the socket takes it now. */
+    private void tellWhy() {
+        try {
+            wrap(NOTHING);
+        } catch (IOException e) {
+            // It was to be told why the connection ends, not to keep it.
+        }
+    }
+
+    @Override
+    public void shutdownOutput() throws IOException {
+        if (!bypassed) {
+            engine.closeOutbound();
+            wrap(NOTHING);
+            bypassed = true; // what still comes is thrown away
+        }
+        plain.shutdownOutput();
+    }
+
+    @Override
+    public boolean isOpen() {
+        return channel.isOpen();
+    }
+
+    @Override
+    public void close() throws IOException {
+        channel.close();
+    }
+
+    private void interest(int operation, boolean wanted) {
+        SelectionKey mine = Objects.requireNonNull(key);
+        if (mine.isValid()) {
+            mine.interestOps(
+                    wanted ? mine.interestOps() | operation : mine.interestOps() & ~operation);
+        }
+    }
+
+    private static ByteBuffer copy(ByteBuffer rest) {
+        return rest.hasRemaining()
+                ? ByteBuffer.allocate(rest.remaining()).put(rest).flip()
+                : NOTHING;
+    }
+}

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.agent.perception;
+
+import reve.core.agent.protocol.MessageWriter;
+
+import java.util.ArrayList;
+import java.util.List;
+
+/** What one view shows other than another. Used again and again; one thread. */
+public final class Difference {
+
+    private final List<String> left = new ArrayList<>();
+    private final List<PerceivedItem> entered = new ArrayList<>();
+
+    /** Pairs: as an item was and as it is. */
+    private final List<PerceivedItem> changed = new ArrayList<>();
+
+    /** Compares two lists in the order of ids. */
+    void find(List<PerceivedItem> before, List<PerceivedItem> now) {
+        left.clear();
+        entered.clear();
+        changed.clear();
+        int old = 0;
+        for (int i = 0; i < now.size(); i++) {
+            PerceivedItem seen = now.get(i);
+            if (old < before.size() && before.get(old) == seen) {
+                old++;
+                continue;
+            }
+            for (; old < before.size() && before.get(old).id().compareTo(seen.id()) < 0; old++) {
+                left.add(before.get(old).name());
+            }
+            if (old < before.size() && before.get(old).id().equals(seen.id())) {
+                compare(before.get(old), seen);
+                old++;
+            } else {
+                entered.add(seen);
+            }
+        }
+        for (; old < before.size(); old++) {
+            left.add(before.get(old).name());
+        }
+    }
+
+    private void compare(PerceivedItem before, PerceivedItem now) {
+        if (now.isNewTo(before)) {
+            left.add(before.name());
+            entered.add(now);
+        } else if (now.isChanged(before)) {
+            changed.add(before);
+            changed.add(now);
+        }
+    }
+
+    /** How many of the lists hold anything; the others are not told. */
+    int lists() {
+        return (left.isEmpty() ? 0 : 1) + (entered.isEmpty() ? 0 : 1) + (changed.isEmpty() ? 0 : 1);
+    }
+
+    void write(MessageWriter writer) {
+        if (!left.isEmpty()) {
+            writer.key("left");
+            writer.value(left);
+        }
+        if (!entered.isEmpty()) {
+            writer.key("entered");
+            writer.beginList(entered.size());
+            for (int i = 0; i < entered.size(); i++) {
+                writer.fragment(entered.get(i).whole());
+            }
+            writer.endList();
+        }
+        if (!changed.isEmpty()) {
+            writer.key("changed");
+            writer.beginList(changed.size() / 2);
+            for (int i = 0; i < changed.size(); i += 2) {
+                writer.fragment(changed.get(i + 1).changeFrom(changed.get(i)));
+            }
+            writer.endList();
+        }
+    }
+}

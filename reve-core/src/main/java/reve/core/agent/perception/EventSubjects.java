@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.agent.perception;
+
+import reve.core.world.ItemId;
+import reve.core.world.WorldEvent;
+
+import java.util.ArrayList;
+import java.util.HashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.Set;
+import java.util.function.Function;
+
+/**
+ * The items that an event is about, looked up once for all who may hear of it.
+ *
+ * @param byField what the fields name that name items; {@value #AGENT} stands for the agent's body
+ * @param items those that it is about, and not only because its agent has them as a body
+ */
+public record EventSubjects(Map<String, Mention> byField, List<Mention> items) {
+
+    /** Field of an event that names an agent. */
+    public static final String AGENT = "agent";
+
+    private static final Set<String> ITEM_FIELDS = Set.of("item", "body", "actor", "target");
+
+    /**
+     * @param id empty if there is no such item any more
+     */
+    public record Mention(String name, Optional<ItemId> id) {}
+
+    /**
+     * @param bodyOf the body's name of an agent, by its name
+     */
+    public static EventSubjects in(
+            WorldEvent event, Observatory world, Function<String, Optional<String>> bodyOf) {
+        var byField = new HashMap<String, Mention>();
+        var items = new ArrayList<Mention>(2);
+        event.fields()
+                .forEach(
+                        (field, value) -> {
+                            if (ITEM_FIELDS.contains(field)) {
+                                Mention item = mention(String.valueOf(value), world);
+                                byField.put(field, item);
+                                items.add(item);
+                            }
+                        });
+        Object agent = event.fields().get(AGENT);
+        if (byField.containsKey("body")) {
+            byField.put(AGENT, byField.get("body"));
+        } else if (agent != null) {
+            bodyOf.apply(String.valueOf(agent))
+                    .ifPresent(name -> byField.put(AGENT, mention(name, world)));
+        }
+        return new EventSubjects(byField, items);
+    }
+
+    private static Mention mention(String name, Observatory world) {
+        return new Mention(name, world.find(name));
+    }
+}

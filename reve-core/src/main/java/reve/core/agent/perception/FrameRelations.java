@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.agent.perception;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.core.space.RelatedBoxes;
+import reve.core.world.Sensor;
+import reve.core.world.Shape;
+
+import java.util.ArrayList;
+import java.util.Arrays;
+import java.util.BitSet;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.function.BooleanSupplier;
+
+/**
+ * What all items of one frame are near, on, inside and touching. Found item by item, in slices of
+ * time if need be, in boxes that are copied here: later frames do not change what is found. The
+ * event loop's thread.
+ */
+final class FrameRelations {
+
+    private static final List<String> NAMES = List.of("inside", "near", "on", "touching");
+    private static final int NO_BOX = -1;
+
+    /** Items between two looks at the clock. */
+    private static final int BATCH = 16;
+
+    private final RelatedBoxes boxes = new RelatedBoxes();
+    private View everything = new View(-1, 0, List.of());
+
+    // By the place in the order of ids.
+    private long[] ids = {};
+    private int[] boxOf = {};
+
+    // By box.
+    private String[] names = {};
+    private int[][] found = {};
+    private List<Map<String, List<String>>> told = new ArrayList<>();
+    private int done;
+
+    /** The view of all items with relations; null until it is wanted in this frame. */
+    private @Nullable View everythingRelated;
+
+    /** Items of the last such view, in the order of ids. */
+    private List<PerceivedItem> related = List.of();
+
+    /**
+     * Begins with another frame. What was found before remains if no box is another one.
+     *
+     * @param inOrder ids of the items of the view; never changed
+     * @param rows of the items, negative for those that are no bodies
+     */
+    void begin(View view, long[] inOrder, int[] rows, SensedWorld bodies) {
+        everything = view;
+        everythingRelated = null;
+        ids = inOrder;
+        boxOf = new int[inOrder.length];
+        double[] lows = new double[3 * inOrder.length];
+        double[] highs = new double[3 * inOrder.length];
+        String[] theirNames = new String[inOrder.length];
+        int count = 0;
+        for (int place = 0; place < inOrder.length; place++) {
+            boxOf[place] = NO_BOX;
+            if (rows[place] >= 0 && bodies.shape(rows[place]) != Shape.NONE) {
+                boxOf[place] = count;
+                theirNames[count] = view.items().get(place).name();
+                bodies.copyBox(rows[place], lows, highs, 3 * count++);
+            }
+        }
+        boolean renamed =
+                count != names.length || !Arrays.equals(names, 0, count, theirNames, 0, count);
+        if (renamed) {
+            names = Arrays.copyOf(theirNames, count);
+            found = new int[count][];
+            told = new ArrayList<>(count);
+        }
+        if (boxes.load(lows, highs, count) || renamed) {
+            done = 0;
+        }
+    }
+
+    /** Whether this is about a frame. */
+    boolean isOf(View view) {
+        return everything == view;
+    }
+
+    /**
+     * Finds more, as long as time is left.
+     *
+     * @return true if all was found
+     */
+    boolean advance(BooleanSupplier isTimeLeft) {
+        while (done < names.length && isTimeLeft.getAsBoolean()) {
+            advance();
+        }
+        return done == names.length;
+    }
+
+    /** Finds all. */
+    void complete() {
+        while (done < names.length) {
+            advance();
+        }
+    }
+
+    private void advance() {
+        int end = Math.min(names.length, done + BATCH);
+        for (; done < end; done++) {
+            boxes.find(done);
+            int[] now = packed();
+            if (done == told.size()) {
+                told.add(named(now));
+            } else if (!Arrays.equals(now, found[done])) {
+                told.set(done, named(now));
+            }
+            found[done] = now;
+        }
+    }
+
+    /** How many boxes were found for each relation, then these boxes. */
+    private int[] packed() {
+        int size = RelatedBoxes.RELATIONS;
+        for (int relation = 0; relation < RelatedBoxes.RELATIONS; relation++) {
+            size += boxes.found(relation);
+        }
+        int[] packed = new int[size];
+        int at = RelatedBoxes.RELATIONS;
+        for (int relation = 0; relation < RelatedBoxes.RELATIONS; relation++) {
+            packed[relation] = boxes.found(relation);
+            for (int i = 0; i < packed[relation]; i++) {
+                packed[at++] = boxes.found(relation, i);
+            }
+        }
+        return packed;
+    }
+
+    private Map<String, List<String>> named(int[] packed) {
+        var all = new LinkedHashMap<String, List<String>>();
+        int at = RelatedBoxes.RELATIONS;
+        for (int relation = 0; relation < RelatedBoxes.RELATIONS; relation++) {
+            String[] others = new String[packed[relation]];
+            for (int i = 0; i < others.length; i++) {
+                others[i] = names[packed[at++]];
+            }
+            all.put(NAMES.get(relation), List.of(others));
+        }
+        return all;
+    }
+
+    /**
+     * A view of this frame with what is near, on, inside and touching among the items of the view.
+     * All must have been found.
+     */
+    View addTo(View view) {
+        if (view == everything && everythingRelated != null) {
+            return everythingRelated;
+        }
+        List<PerceivedItem> items = relate(view);
+        View whole = new View(view.frame(), view.time(), items);
+        if (view == everything) {
+            related = items;
+            everythingRelated = whole;
+        }
+        return whole;
+    }
+
+    private List<PerceivedItem> relate(View view) {
+        int[] theirs = new int[view.items().size()];
+        var perceived = new BitSet();
+        for (int i = 0; i < theirs.length; i++) {
+            int place = Arrays.binarySearch(ids, view.items().get(i).id().value());
+            theirs[i] = place < 0 ? NO_BOX : boxOf[place];
+            if (theirs[i] != NO_BOX) {
+                perceived.set(theirs[i]);
+            }
+        }
+        boolean all = perceived.cardinality() == names.length;
+        var items = new ArrayList<PerceivedItem>(theirs.length);
+        int before = 0;
+        for (int i = 0; i < theirs.length; i++) {
+            PerceivedItem seen = view.items().get(i);
+            PerceivedItem now =
+                    theirs[i] != NO_BOX && seen.shown().has(Sensor.Aspect.SEMANTIC)
+                            ? seen.with(relationsOf(theirs[i], seen.shown(), perceived, all))
+                            : seen;
+            while (before < related.size() && related.get(before).id().compareTo(seen.id()) < 0) {
+                before++;
+            }
+            items.add(
+                    before < related.size() && related.get(before).isSame(now)
+                            ? related.get(before)
+                            : now);
+        }
+        return List.copyOf(items);
+    }
+
+    private Map<String, List<String>> relationsOf(
+            int box, Visibility shown, BitSet perceived, boolean all) {
+        Map<String, List<String>> whole = told.get(box);
+        if (shown.symbols().isEmpty() && (all || perceivesAll(found[box], perceived))) {
+            return whole;
+        }
+        var part = new LinkedHashMap<String, List<String>>();
+        int at = RelatedBoxes.RELATIONS;
+        for (int relation = 0; relation < RelatedBoxes.RELATIONS; relation++) {
+            String name = NAMES.get(relation);
+            int end = at + found[box][relation];
+            if (shown.symbols().map(symbols -> symbols.contains(name)).orElse(true)) {
+                var others = new ArrayList<String>(end - at);
+                for (int i = at; i < end; i++) {
+                    if (perceived.get(found[box][i])) {
+                        others.add(names[found[box][i]]);
+                    }
+                }
+                part.put(name, others);
+            }
+            at = end;
+        }
+        return part;
+    }
+
+    private static boolean perceivesAll(int[] packed, BitSet perceived) {
+        for (int i = RelatedBoxes.RELATIONS; i < packed.length; i++) {
+            if (!perceived.get(packed[i])) {
+                return false;
+            }
+        }
+        return true;
+    }
+}

@@ -1,0 +1,390 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.agent.perception;
+
+import org.jspecify.annotations.Nullable;
+import org.pcollections.PMap;
+import org.pcollections.TreePMap;
+
+import reve.core.space.Box;
+import reve.core.space.Found;
+import reve.core.world.ItemId;
+import reve.core.world.ItemSymbols;
+import reve.core.world.Sensor;
+import reve.core.world.TableSnapshot;
+import reve.core.world.WorldPrototype;
+import reve.core.world.WorldSnapshot;
+
+import java.lang.foreign.MemorySegment;
+import java.lang.foreign.ValueLayout;
+import java.util.ArrayList;
+import java.util.Arrays;
+import java.util.HashMap;
+import java.util.IdentityHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+
+/**
+ * The newest frame as the publisher has read it: all that there is to perceive, and what sensors
+ * make of it. What did not change since the frame before is the same object as there. The event
+ * loop's thread.
+ */
+public final class Observatory {
+
+    /** What is looked for reaches a little further than the sensor, whose own test decides. */
+    private static final double WIDER = 1 + 1e-9;
+
+    private static final int NO_ROW = -1;
+
+    /** A longer sum of ways would lose the short ones [m]. */
+    private static final double LONGEST_PATH = 1000;
+
+    private final SensedWorld bodies = new SensedWorld();
+    private final Found found = new Found();
+
+    /** From anybody, where not one body looks at all. */
+    private final Hiders hiders = new Hiders();
+
+    private PMap<ItemId, ItemSymbols> symbols = TreePMap.empty();
+    private Map<String, ItemId> idByName = Map.of();
+    private View everything = new View(0, 0, List.of());
+
+    // By the place in the order of ids.
+    private long[] inOrder = {};
+    private EncodedItem[] items = {};
+    private int[] rows = {};
+    private PerceivedItem[] seen = {};
+
+    /** What sensors show, as far as somebody has sensed it. */
+    private final Map<Visibility, PerceivedItem[]> sensed = new HashMap<>();
+
+    private final Map<Sensor, PerceivedItem[]> shownBy = new IdentityHashMap<>();
+
+    // By row.
+    private long[] ids = {};
+    private int[] places = {};
+    private PerceivedItem[] gathered = {};
+    private int gatheredCount;
+
+    /** Raised when items come, go or change their rows. */
+    private long arrangement;
+
+    /** The way that nothing has gone further than in this frame, and since the beginning [m]. */
+    private double moved;
+
+    private double path;
+
+    /**
+     * Reads a frame.
+     *
+     * @return false if the snapshot was lost meanwhile; then nothing here is to be used
+     */
+    public boolean read(WorldSnapshot snapshot) {
+        try {
+            TableSnapshot table = snapshot.table(WorldPrototype.BODY);
+            boolean others = snapshot.symbols() != symbols;
+            if (others) {
+                readItems(snapshot.symbols());
+            }
+            boolean rearranged =
+                    others || table.ids().segment().mismatch(MemorySegment.ofArray(ids)) >= 0;
+            if (rearranged) {
+                findRows(table);
+            }
+            follow(table, rearranged);
+            readPlaces();
+            everything = new View(snapshot.frame(), snapshot.timeSeconds(), List.of(seen));
+        } catch (RuntimeException e) {
+            if (snapshot.lost()) {
+                forget();
+                return false; // what we read was being overwritten, and cannot make sense
+            }
+            throw e;
+        }
+        if (snapshot.lost()) {
+            forget();
+            return false;
+        }
+        return true;
+    }
+
+    /** What was read of the rows may be wrong. */
+    private void forget() {
+        ids = new long[0];
+        symbols = TreePMap.empty();
+    }
+
+    private void readItems(PMap<ItemId, ItemSymbols> now) {
+        var known = new HashMap<ItemId, PerceivedItem>();
+        for (PerceivedItem before : seen) {
+            known.put(before.id(), before);
+        }
+        var present = new ArrayList<EncodedItem>(now.size());
+        var names = new HashMap<String, ItemId>();
+        var same = new ArrayList<@Nullable PerceivedItem>(now.size());
+        for (ItemSymbols item : now.values()) {
+            if (!item.kind().equals(WorldPrototype.WORLD)) {
+                PerceivedItem before = known.get(item.id());
+                same.add(before);
+                present.add(
+                        before != null && before.item().source() == item
+                                ? before.item()
+                                : new EncodedItem(item));
+                names.put(item.name(), item.id());
+            }
+        }
+        items = present.toArray(EncodedItem[]::new);
+        inOrder = present.stream().mapToLong(item -> item.source().id().value()).toArray();
+        seen = same.toArray(PerceivedItem[]::new);
+        sensed.clear();
+        sensed.put(Visibility.EVERYTHING, seen);
+        shownBy.clear();
+        idByName = names;
+        symbols = now;
+    }
+
+    private void follow(TableSnapshot table, boolean rearranged) {
+        moved = bodies.follow(table, rearranged);
+        path += moved;
+        if (!(path < LONGEST_PATH)) {
+            path = 0;
+            arrangement++;
+        }
+    }
+
+    private void findRows(TableSnapshot table) {
+        arrangement++;
+        ids = table.ids().segment().toArray(ValueLayout.JAVA_LONG);
+        rows = new int[items.length];
+        places = new int[ids.length];
+        for (int i = 0; i < items.length; i++) {
+            rows[i] = table.rowOf(items[i].source().id());
+            if (rows[i] != NO_ROW) {
+                places[rows[i]] = i;
+            }
+        }
+    }
+
+    private void readPlaces() {
+        for (int i = 0; i < items.length; i++) {
+            if (seen[i] == null || !isSame(seen[i], items[i], rows[i])) {
+                seen[i] =
+                        new PerceivedItem(
+                                items[i],
+                                rows[i] == NO_ROW ? null : bodies.place(rows[i]),
+                                Visibility.EVERYTHING,
+                                Map.of());
+            }
+        }
+    }
+
+    private boolean isSame(PerceivedItem before, EncodedItem now, int row) {
+        double[] place = before.place();
+        return before.item() == now
+                && (row == NO_ROW
+                        ? place == null
+                        : place != null
+                                && (!bodies.hasMoved(row, bodies.moment() - 1)
+                                        || bodies.isAt(row, place)));
+    }
+
+    /** All there is. */
+    public View everything() {
+        return everything;
+    }
+
+    /** Begins to find the relations of this frame's items. */
+    void begin(FrameRelations relations) {
+        relations.begin(everything, inOrder, rows, bodies);
+    }
+
+    Optional<ItemId> find(String name) {
+        return Optional.ofNullable(idByName.get(name));
+    }
+
+    /**
+     * What one sensor of a body senses now, and the body itself, in the order of ids.
+     *
+     * @param around of the body, as far as that sensor reaches; kept up to date
+     * @param before what it sensed before; the same list if it senses the same now
+     */
+    List<PerceivedItem> sense(
+            Sensor sensor, ItemId body, Surroundings around, List<PerceivedItem> before) {
+        int eye = place(body);
+        gather(sensor, eye, around);
+        return isGathered(before) ? before : List.of(Arrays.copyOf(gathered, gatheredCount));
+    }
+
+    private boolean isGathered(List<PerceivedItem> items) {
+        if (items.size() != gatheredCount) {
+            return false;
+        }
+        for (int i = 0; i < gatheredCount; i++) {
+            if (items.get(i) != gathered[i]) {
+                return false;
+            }
+        }
+        return true;
+    }
+
+    private void gather(Sensor sensor, int eye, Surroundings around) {
+        PerceivedItem[] shown =
+                shownBy.computeIfAbsent(
+                        sensor,
+                        one ->
+                                sensed.computeIfAbsent(
+                                        Visibility.by(one),
+                                        unknown -> new PerceivedItem[items.length]));
+        gatheredCount = 0;
+        if (sensor.isCamera()) {
+            if (eye >= 0) {
+                gather(seen[eye]);
+            }
+            return;
+        }
+        if (eye < 0
+                || rows[eye] == NO_ROW
+                || sensor.isUnlimited()
+                || Double.isInfinite(sensor.range())) {
+            for (int i = 0; i < items.length; i++) {
+                gather(sensed(sensor, eye, i, shown, around.hiders));
+            }
+            return;
+        }
+        lookAround(sensor, rows[eye], around);
+        boolean anew =
+                sensor.lineOfSight()
+                        ? bodies.haveAnyMoved(around.sensedIn)
+                        : bodies.hasMoved(rows[eye], around.sensedIn);
+        boolean itself = false;
+        for (int k = 0; k < around.count; k++) {
+            int i = around.items[k];
+            if (i > eye && !itself) {
+                gather(seen[eye]);
+                itself = true;
+            }
+            itself |= i == eye;
+            if (anew || bodies.hasMoved(rows[i], around.sensedIn)) {
+                around.sensed[k] = sensed(sensor, eye, i, shown, around.hiders);
+            }
+            gather(around.sensed[k]);
+        }
+        if (!itself) {
+            gather(seen[eye]);
+        }
+        around.sensedIn = bodies.moment();
+    }
+
+    private void gather(@Nullable PerceivedItem item) {
+        if (item != null) {
+            if (gatheredCount == gathered.length) {
+                gathered = Arrays.copyOf(gathered, Math.max(64, 2 * gatheredCount));
+            }
+            gathered[gatheredCount++] = item;
+        }
+    }
+
+    /** What a sensor makes of an item, null if it does not sense it. */
+    private @Nullable PerceivedItem sensed(
+            Sensor sensor, int eye, int i, PerceivedItem[] shown, Hiders hiders) {
+        if (i == eye) {
+            return seen[i];
+        }
+        if (!senses(sensor, eye < 0 ? NO_ROW : rows[eye], rows[i], hiders)) {
+            return null;
+        }
+        PerceivedItem known = shown[i];
+        if (known == null || known.item() != seen[i].item() || known.place() != seen[i].place()) {
+            known =
+                    new PerceivedItem(
+                            seen[i].item(), seen[i].place(), Visibility.by(sensor), Map.of());
+            shown[i] = known;
+        }
+        return known;
+    }
+
+    /**
+     * Finds all that a sensor of limited range can sense, and perhaps more, in the order of ids.
+     */
+    private void lookAround(Sensor sensor, int eye, Surroundings around) {
+        double range = sensor.range();
+        if (around.holds(range, arrangement, path)) {
+            return;
+        }
+        if (Surroundings.isWithinMargin(range, moved)) {
+            bodies.find(eye, sensor, WIDER * range * (1 + Surroundings.MARGIN), found);
+            around.foundIn(arrangement, path);
+        } else {
+            bodies.find(eye, sensor, WIDER * range, found);
+            around.foundOnce();
+        }
+        around.reserve(found.size());
+        for (int k = 0; k < around.count; k++) {
+            around.items[k] = places[(int) found.key(k)];
+        }
+        Arrays.sort(around.items, 0, around.count);
+    }
+
+    /** Whether any of a body's sensors senses an item now. */
+    boolean senses(List<Sensor> sensors, ItemId body, ItemId item) {
+        if (item.equals(body)) {
+            return true;
+        }
+        int place = place(item);
+        if (place < 0) {
+            return false;
+        }
+        int eye = row(body);
+        for (Sensor sensor : sensors) {
+            if (senses(sensor, eye, rows[place], hiders)) {
+                return true;
+            }
+        }
+        return false;
+    }
+
+    /**
+     * Writes a box outside of which none of a body's sensors reaches anything, with the body
+     * itself.
+     *
+     * @param at where its three numbers go in both arrays
+     * @return false if there is none
+     */
+    boolean reach(List<Sensor> sensors, ItemId body, double[] lows, double[] highs, int at) {
+        int row = row(body);
+        if (row == NO_ROW) {
+            return false;
+        }
+        bodies.reach(row, lows, highs, at);
+        for (Sensor sensor : sensors) {
+            if (!sensor.isCamera()) {
+                if (Double.isInfinite(sensor.range())) {
+                    return false;
+                }
+                bodies.extendReach(sensor, WIDER * sensor.range(), row, lows, highs, at);
+            }
+        }
+        return true;
+    }
+
+    /** The box around an item; empty for what has no place. */
+    public Optional<Box> box(ItemId item) {
+        int row = row(item);
+        return row == NO_ROW ? Optional.empty() : Optional.of(bodies.box(row));
+    }
+
+    private boolean senses(Sensor sensor, int eye, int row, Hiders known) {
+        return sensor.isUnlimited()
+                || eye != NO_ROW && row != NO_ROW && bodies.senses(sensor, eye, row, known);
+    }
+
+    private int row(ItemId id) {
+        int place = place(id);
+        return place < 0 ? NO_ROW : rows[place];
+    }
+
+    /** In the order of ids; negative if there is no such item. */
+    private int place(ItemId id) {
+        return Arrays.binarySearch(inOrder, id.value());
+    }
+}

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.agent.perception;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.core.agent.protocol.Encoding;
+import reve.core.agent.protocol.Fragment;
+import reve.core.agent.protocol.MessageWriter;
+import reve.core.world.ItemId;
+import reve.core.world.Sensor.Aspect;
+
+import java.util.Arrays;
+import java.util.List;
+import java.util.Map;
+
+/**
+ * What is perceived of one item in one frame. What did not change since the frame before is the
+ * same object as there, and what is told of it is encoded once for all who perceive the same.
+ * Threads that tell it at the same time may each encode it, and tell the same.
+ */
+public final class PerceivedItem {
+
+    private static final double[] NOT_TURNED = {0, 0, 0, 1};
+
+    private final EncodedItem item;
+    private final double @Nullable [] place;
+    private final Visibility shown;
+    private final Map<String, List<String>> relations;
+    private @Nullable Fragment whole;
+    private @Nullable Change change;
+
+    /** What was told of it to who was told another one before. Never changed, so in one piece. */
+    private record Change(PerceivedItem from, Fragment told) {}
+
+    /**
+     * @param place location (3) [m] and orientation (4), null for what has no place; never changed
+     * @param relations names of items by relation, where the agent asked for them
+     */
+    PerceivedItem(
+            EncodedItem item,
+            double @Nullable [] place,
+            Visibility shown,
+            Map<String, List<String>> relations) {
+        this.item = item;
+        this.place = place;
+        this.shown = shown;
+        this.relations = relations;
+    }
+
+    PerceivedItem with(Map<String, List<String>> itsRelations) {
+        return new PerceivedItem(item, place, shown, itsRelations);
+    }
+
+    EncodedItem item() {
+        return item;
+    }
+
+    double @Nullable [] place() {
+        return place;
+    }
+
+    Visibility shown() {
+        return shown;
+    }
+
+    /** Empty unless the agent asked for them. */
+    Map<String, List<String>> relations() {
+        return relations;
+    }
+
+    /** Returns the id of the item. */
+    public ItemId id() {
+        return item.source().id();
+    }
+
+    String name() {
+        return item.source().name();
+    }
+
+    /** The same in all that is told of it. */
+    boolean isSame(PerceivedItem other) {
+        return item == other.item
+                && place == other.place
+                && shown.equals(other.shown)
+                && relations.equals(other.relations);
+    }
+
+    /** Another item, or one of which something else is perceived: it is told as if new. */
+    boolean isNewTo(PerceivedItem before) {
+        return !name().equals(before.name())
+                || !shown.equals(before.shown)
+                || (place == null) != (before.place == null);
+    }
+
+    boolean isChanged(PerceivedItem before) {
+        return isMoved(before, 0, 7) || hasOtherSymbols(before) || hasOtherActions(before);
+    }
+
+    /** All of it. */
+    Fragment whole() {
+        Fragment known = whole;
+        if (known == null) {
+            known = new Fragment(this::writeWhole);
+            whole = known;
+        }
+        return known;
+    }
+
+    /** Its name and what is different from what was told before. */
+    Fragment changeFrom(PerceivedItem before) {
+        Change known = change;
+        if (known == null || known.from != before) {
+            known = new Change(before, new Fragment(writer -> writeChange(writer, before)));
+            change = known;
+            before.change = null; // or each would keep all that were before it
+        }
+        return known.told;
+    }
+
+    private boolean isMoved(PerceivedItem before, int first, int count) {
+        return shown.has(Aspect.PHYSICAL)
+                && place != null
+                && before.place != null
+                && place != before.place
+                && !Arrays.equals(place, first, first + count, before.place, first, first + count);
+    }
+
+    private boolean hasOtherSymbols(PerceivedItem before) {
+        return shown.has(Aspect.SEMANTIC)
+                && (!relations.equals(before.relations)
+                        || item != before.item && !Arrays.equals(symbols(), before.symbols()));
+    }
+
+    private byte[] symbols() {
+        return item.symbols(shown.symbols()).in(Encoding.JSON);
+    }
+
+    private boolean hasOtherActions(PerceivedItem before) {
+        return shown.has(Aspect.ACCESS)
+                && item.source().actions() != before.item.source().actions();
+    }
+
+    private void writeWhole(MessageWriter writer) {
+        double[] known = shown.has(Aspect.PHYSICAL) ? place : null;
+        boolean turned = known != null && !Arrays.equals(known, 3, 7, NOT_TURNED, 0, 4);
+        boolean access = shown.has(Aspect.ACCESS);
+        write(
+                writer,
+                new Fields(
+                        known != null,
+                        turned,
+                        shown.has(Aspect.SEMANTIC),
+                        access,
+                        access && !item.needs().isEmpty(),
+                        access && !item.source().capabilities().isEmpty()));
+    }
+
+    private void writeChange(MessageWriter writer, PerceivedItem before) {
+        boolean actions = hasOtherActions(before);
+        write(
+                writer,
+                new Fields(
+                        isMoved(before, 0, 3),
+                        isMoved(before, 3, 4),
+                        hasOtherSymbols(before),
+                        actions,
+                        actions && !item.needs().equals(before.item.needs()),
+                        false));
+    }
+
+    /** Which fields of an item are told, beside its name. */
+    private record Fields(
+            boolean location,
+            boolean orientation,
+            boolean symbols,
+            boolean actions,
+            boolean needs,
+            boolean capabilities) {
+
+        int count() {
+            return count(location)
+                    + count(orientation)
+                    + count(symbols)
+                    + count(actions)
+                    + count(needs)
+                    + count(capabilities);
+        }
+
+        private static int count(boolean field) {
+            return field ? 1 : 0;
+        }
+    }
+
+    private void write(MessageWriter writer, Fields fields) {
+        writer.beginMap(1 + fields.count());
+        writer.key("name");
+        writer.text(name());
+        if (fields.location && place != null) {
+            writer.key("location");
+            writer.numbers(place, 0, 3);
+        }
+        if (fields.orientation && place != null) {
+            writer.key("orientation");
+            writer.numbers(place, 3, 4);
+        }
+        if (fields.symbols) {
+            writer.key("symbols");
+            writeSymbols(writer);
+        }
+        if (fields.actions) {
+            writer.key("actions");
+            writer.fragment(item.actions());
+        }
+        if (fields.needs) {
+            writer.key("needs");
+            writer.value(item.needs());
+        }
+        if (fields.capabilities) {
+            writer.key("capabilities");
+            writer.value(item.source().capabilities());
+        }
+        writer.endMap();
+    }
+
+    private void writeSymbols(MessageWriter writer) {
+        if (relations.isEmpty()) {
+            writer.fragment(item.symbols(shown.symbols()));
+        } else {
+            Map<String, Object> symbols = item.symbolValues(shown.symbols());
+            symbols.putAll(relations);
+            writer.value(symbols);
+        }
+    }
+}

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.agent.perception;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.core.agent.protocol.Bytes;
+import reve.core.agent.protocol.Encoding;
+import reve.core.agent.protocol.MessageWriter;
+import reve.core.agent.protocol.Rope;
+
+import java.util.EnumMap;
+import java.util.IdentityHashMap;
+import java.util.List;
+import java.util.Map;
+
+/** Writes perceptions; what several agents are told alike of a frame is encoded once. */
+public final class PerceptionEncoder {
+
+    /** Guarded by this. */
+    private final Map<View, Map<Encoding, Fields>> told = new IdentityHashMap<>();
+
+    private @Nullable View shared;
+
+    /** The fields of a perception behind its {@code t} and {@code id}. */
+    private record Fields(int count, Rope encoded) {}
+
+    /**
+     * A frame is told, or more of it; nobody writes.
+     *
+     * @param everything what all agents without sensors perceive
+     */
+    public synchronized void begin(View everything) {
+        if (everything != shared) {
+            told.clear();
+            shared = everything;
+        }
+    }
+
+    /**
+     * Appends a perception as it goes over the wire. Several threads may at the same time.
+     *
+     * @param difference used for this
+     * @param id the message that the perception answers
+     * @param before what the client was told last; null if it is told all there is
+     */
+    public void write(
+            Bytes out,
+            Difference difference,
+            Encoding encoding,
+            long id,
+            View view,
+            @Nullable View before) {
+        int start = out.size();
+        if (view == shared) {
+            Fields fields = sharedFields(difference, encoding, view, before);
+            encoding.begin(out, "perception", id, fields.count);
+            out.put(fields.encoded);
+        } else if (before == null) {
+            writeWhole(encoding.begin(out, "perception", id, 3), view);
+        } else {
+            difference.find(before.items(), view.items());
+            writeDifference(
+                    encoding.begin(out, "perception", id, 3 + difference.lists()),
+                    difference,
+                    view,
+                    before);
+        }
+        encoding.end(out, start);
+    }
+
+    /**
+     * The whole of the shared view is kept under the view itself, a difference under what it is to.
+     */
+    private synchronized Fields sharedFields(
+            Difference difference, Encoding encoding, View view, @Nullable View before) {
+        return told.computeIfAbsent(
+                        before == null ? view : before, unknown -> new EnumMap<>(Encoding.class))
+                .computeIfAbsent(encoding, unknown -> fields(difference, encoding, view, before));
+    }
+
+    private static Fields fields(
+            Difference difference, Encoding encoding, View view, @Nullable View before) {
+        var out = new Bytes();
+        MessageWriter writer = encoding.fields(out);
+        if (before == null) {
+            writeWhole(writer, view);
+            return new Fields(3, out.rope(0));
+        }
+        difference.find(before.items(), view.items());
+        writeDifference(writer, difference, view, before);
+        return new Fields(3 + difference.lists(), out.rope(0));
+    }
+
+    private static void writeWhole(MessageWriter writer, View view) {
+        writeTime(writer, view);
+        writer.key("items");
+        List<PerceivedItem> items = view.items();
+        writer.beginList(items.size());
+        for (int i = 0; i < items.size(); i++) {
+            writer.fragment(items.get(i).whole());
+        }
+        writer.endList();
+    }
+
+    private static void writeDifference(
+            MessageWriter writer, Difference difference, View view, View before) {
+        writeTime(writer, view);
+        writer.key("since");
+        writer.integer(before.frame());
+        difference.write(writer);
+    }
+
+    private static void writeTime(MessageWriter writer, View view) {
+        writer.key("frame");
+        writer.integer(view.frame());
+        writer.key("time");
+        writer.number(view.time());
+    }
+}

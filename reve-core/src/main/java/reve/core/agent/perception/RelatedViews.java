@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.agent.perception;
+
+import reve.core.world.ItemId;
+
+import java.util.IdentityHashMap;
+import java.util.Map;
+import java.util.Optional;
+import java.util.Set;
+import java.util.function.LongSupplier;
+import java.util.function.Predicate;
+import java.util.function.Supplier;
+
+/**
+ * Views with relations. Relations of a frame are found in slices of time, between which the event
+ * loop serves other sessions and newer frames. A session in real time whose relations take longer
+ * than a slice gets the view of the frame that it asked in, later; the relations in it are of that
+ * frame, too. A session in lock-step gets its view at once, because the world waits for it. See
+ * docs/decisions/0006. The event loop's thread.
+ *
+ * @param <C> who perceives
+ */
+public final class RelatedViews<C extends RelatedViews.Client> {
+
+    /** What may be spent on relations before other sessions are served [ns]. */
+    private static final long SLICE_NANOS = 10_000_000;
+
+    private final LongSupplier clock;
+    private final FrameRelations relations = new FrameRelations();
+
+    /** Views of the frame whose relations are being found. */
+    private final Map<C, Wanted> waiting = new IdentityHashMap<>();
+
+    private long until;
+
+    /** A client that perceives. */
+    public interface Client {
+        /** Returns whether the world waits for it. */
+        boolean isInLockStep();
+
+        /** Whether what it is to perceive in a frame has relations. */
+        boolean wantsRelations(long frame);
+
+        /** See {@link Senses#sensedIn}. */
+        Optional<Set<ItemId>> sensedIn(long frame);
+
+        /** Keeps the older relations of what was not sensed again, see {@link Senses#relate}. */
+        View relate(View view, Optional<Set<ItemId>> fresh);
+    }
+
+    /**
+     * @param fresh what was sensed in the frame of the view; empty if that is all of it
+     */
+    private record Wanted(View view, Optional<Set<ItemId>> fresh) {}
+
+    /**
+     * @param clock tells nanoseconds, see {@link System#nanoTime}
+     */
+    public RelatedViews(LongSupplier clock) {
+        this.clock = clock;
+    }
+
+    /**
+     * A slice begins.
+     *
+     * @param isThere false for sessions that have left
+     */
+    public void begin(Predicate<C> isThere) {
+        until = clock.getAsLong() + SLICE_NANOS;
+        waiting.entrySet()
+                .removeIf(
+                        entry ->
+                                !isThere.test(entry.getKey())
+                                        || !entry.getKey()
+                                                .wantsRelations(entry.getValue().view.frame()));
+    }
+
+    /**
+     * Returns a session's view with relations.
+     *
+     * @param look the session's view of the newest frame
+     * @return empty if the slice was too short; a later one goes on
+     */
+    public Optional<View> of(C member, Supplier<View> look, Observatory world) {
+        if (member.isInLockStep()) {
+            if (!relations.isOf(world.everything())) {
+                waiting.clear();
+                world.begin(relations);
+            }
+            relations.complete();
+            return Optional.of(relate(member, wanted(member, look.get())));
+        }
+        Wanted wanted = waiting.get(member);
+        if (wanted == null) {
+            if (!relations.isOf(world.everything())) {
+                if (!waiting.isEmpty()) {
+                    return Optional.empty(); // first those who wait for the frame before
+                }
+                world.begin(relations);
+            }
+            wanted = wanted(member, look.get());
+            waiting.put(member, wanted);
+        }
+        if (!relations.advance(() -> clock.getAsLong() - until < 0)) {
+            return Optional.empty();
+        }
+        waiting.remove(member);
+        return Optional.of(relate(member, wanted));
+    }
+
+    private static Wanted wanted(Client member, View view) {
+        return new Wanted(view, member.sensedIn(view.frame()));
+    }
+
+    private View relate(Client member, Wanted wanted) {
+        return member.relate(relations.addTo(wanted.view), wanted.fresh);
+    }
+}

@@ -1,0 +1,440 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.agent.perception;
+
+import reve.core.space.Box;
+import reve.core.space.BoxIndex;
+import reve.core.space.Found;
+import reve.core.world.ColumnView;
+import reve.core.world.ScalarType;
+import reve.core.world.Sensor;
+import reve.core.world.Shape;
+import reve.core.world.TableView;
+
+import java.lang.foreign.MemorySegment;
+import java.lang.foreign.ValueLayout;
+import java.util.Arrays;
+import java.util.function.LongPredicate;
+import java.util.stream.LongStream;
+
+/**
+ * Where all bodies are, and which of them a sensor reaches. Holds a copy of the columns in plain
+ * arrays, reused from one frame to the next. One thread.
+ *
+ * <p>A sensor that looks senses an item if at least one of ten points is in its range, in its field
+ * of view and not hidden: the point of the item's bounding box that is nearest to the eye, the
+ * box's centre, and its eight corners. Hidden is what lies behind the bounding box of a third item
+ * that has a shape and does not hold the eye.
+ */
+public final class SensedWorld {
+
+    /** A moment since which everything has moved. */
+    static final long BEFORE_ALL = -1;
+
+    /** No row. */
+    static final int NOTHING = -1;
+
+    private static final int CORNERS = 8;
+
+    /** A line of sight that only touches a box at its very ends is free. */
+    private static final double END = 1e-9;
+
+    private int rows;
+    private double[] position = {};
+    private double[] orientation = {};
+    private double[] low = {};
+    private double[] high = {};
+    private int[] shape = {};
+
+    // As they were when they were last followed.
+    private double[] positionBefore = {};
+    private double[] orientationBefore = {};
+    private double[] lowBefore = {};
+    private double[] highBefore = {};
+
+    /** How often they were followed. */
+    private long moment;
+
+    /** By row: the moment in which its place or box was last another than before. */
+    private long[] movedIn = {};
+
+    private long lastMoved;
+
+    /** Boxes by row, as far as somebody has asked since they were loaded. */
+    private final BoxIndex index = new BoxIndex();
+
+    private boolean indexed;
+    private long[] keys = {};
+
+    // The point and line of sight that are being looked at.
+    private final double[] eye = new double[3];
+    private final double[] point = new double[3];
+    private final double[] ahead = new double[3];
+    private double view = Double.NaN;
+    private double cosHalfView;
+    private int looker;
+    private int target;
+    private final LongPredicate found = this::findHider;
+    private Hiders hiders = new Hiders();
+    private final Hiders ofAnybody = hiders;
+
+    /** Takes the bodies as they are now. */
+    public void load(TableView bodies) {
+        reserve(bodies.rowCount());
+        read(bodies.column("position"), position, 0, 3 * rows);
+        read(bodies.column("orientation"), orientation, 0, 4 * rows);
+        read(bodies.column("boundsMin"), low, 0, 3 * rows);
+        read(bodies.column("boundsMax"), high, 0, 3 * rows);
+        MemorySegment.copy(
+                bodies.column("shape").segment(), ValueLayout.JAVA_INT, 0, shape, 0, rows);
+    }
+
+    /**
+     * Takes the bodies as they are now.
+     *
+     * @param rearranged true if rows may hold others than before, or there are more or fewer: then
+     *     all have moved
+     * @return a way that none of them, nor any corner of its box, has gone further than [m]; NaN or
+     *     infinite if there is none
+     */
+    double follow(TableView bodies, boolean rearranged) {
+        positionBefore = keep(position, positionBefore);
+        orientationBefore = keep(orientation, orientationBefore);
+        lowBefore = keep(low, lowBefore);
+        highBefore = keep(high, highBefore);
+        load(bodies);
+        moment++;
+        if (rearranged) {
+            Arrays.fill(movedIn, moment);
+            lastMoved = moment;
+            return Double.POSITIVE_INFINITY;
+        }
+        markMoved(orientation, orientationBefore, 4);
+        return Math.sqrt(3)
+                * Math.max(
+                        markMoved(position, positionBefore, 3),
+                        Math.max(markMoved(low, lowBefore, 3), markMoved(high, highBefore, 3)));
+    }
+
+    private static double[] keep(double[] numbers, double[] into) {
+        double[] kept = into.length < numbers.length ? new double[numbers.length] : into;
+        System.arraycopy(numbers, 0, kept, 0, numbers.length);
+        return kept;
+    }
+
+    /**
+     * @return the largest difference of a number
+     */
+    private double markMoved(double[] now, double[] before, int components) {
+        double most = 0;
+        for (int i = 0; i < components * rows; i++) {
+            if (now[i] != before[i]) {
+                movedIn[i / components] = moment;
+                lastMoved = moment;
+                most = Math.max(most, Math.abs(now[i] - before[i]));
+            }
+        }
+        return most;
+    }
+
+    /** How often the bodies were followed. */
+    long moment() {
+        return moment;
+    }
+
+    /** Whether anything has moved since a {@link #moment}. */
+    boolean haveAnyMoved(long since) {
+        return lastMoved > since;
+    }
+
+    /** Whether a body's place or box has changed since a {@link #moment}. */
+    boolean hasMoved(int row, long since) {
+        return movedIn[row] > since;
+    }
+
+    private void reserve(int rowCount) {
+        rows = rowCount;
+        if (shape.length < rows) {
+            int capacity = Math.max(rows, 2 * shape.length);
+            position = new double[3 * capacity];
+            orientation = new double[4 * capacity];
+            low = new double[3 * capacity];
+            high = new double[3 * capacity];
+            shape = new int[capacity];
+            movedIn = new long[capacity];
+            keys = LongStream.range(0, capacity).toArray();
+        }
+        indexed = false;
+    }
+
+    private void buildIndex() {
+        if (!indexed) {
+            index.build(
+                    MemorySegment.ofArray(keys),
+                    MemorySegment.ofArray(low),
+                    MemorySegment.ofArray(high),
+                    rows);
+            indexed = true;
+        }
+    }
+
+    /** Takes only two of the bodies, which is enough for sensors that need no line of sight. */
+    public void load(TableView bodies, int a, int b) {
+        reserve(bodies.rowCount());
+        readRows(bodies.column("position"), position, a, b);
+        readRows(bodies.column("orientation"), orientation, a, b);
+        readRows(bodies.column("boundsMin"), low, a, b);
+        readRows(bodies.column("boundsMax"), high, a, b);
+    }
+
+    private static void readRows(ColumnView column, double[] into, int a, int b) {
+        read(column, into, column.components() * a, column.components());
+        read(column, into, column.components() * b, column.components());
+    }
+
+    private static void read(ColumnView column, double[] into, int first, int count) {
+        if (column.type() == ScalarType.F64) {
+            MemorySegment.copy(
+                    column.segment(),
+                    ValueLayout.JAVA_DOUBLE,
+                    (long) Double.BYTES * first,
+                    into,
+                    first,
+                    count);
+            return;
+        }
+        for (int i = first; i < first + count; i++) {
+            into[i] = column.getDouble(i / column.components(), i % column.components());
+        }
+    }
+
+    /** Location (3) [m] and orientation (4) of a row. */
+    double[] place(int row) {
+        double[] place = new double[7];
+        System.arraycopy(position, 3 * row, place, 0, 3);
+        System.arraycopy(orientation, 4 * row, place, 3, 4);
+        return place;
+    }
+
+    /** True if the row has exactly this place. */
+    boolean isAt(int row, double[] place) {
+        for (int i = 0; i < 7; i++) {
+            double now = i < 3 ? position[3 * row + i] : orientation[4 * row + i - 3];
+            if (now != place[i]) {
+                return false;
+            }
+        }
+        return true;
+    }
+
+    /** See {@link Shape}. */
+    int shape(int row) {
+        return shape[row];
+    }
+
+    /** Copies the corners of a row's box [m]. */
+    void copyBox(int row, double[] lows, double[] highs, int at) {
+        System.arraycopy(low, 3 * row, lows, at, 3);
+        System.arraycopy(high, 3 * row, highs, at, 3);
+    }
+
+    Box box(int row) {
+        int at = 3 * row;
+        return new Box(low[at], low[at + 1], low[at + 2], high[at], high[at + 1], high[at + 2]);
+    }
+
+    /** Begins the box of all that a body may reach: its own. */
+    void reach(int body, double[] lows, double[] highs, int at) {
+        System.arraycopy(low, 3 * body, lows, at, 3);
+        System.arraycopy(high, 3 * body, highs, at, 3);
+    }
+
+    /** Extends it by what a sensor could reach with that range. */
+    void extendReach(Sensor sensor, double range, int body, double[] lows, double[] highs, int at) {
+        double[] from = sensor.touch() ? low : position;
+        double[] to = sensor.touch() ? high : position;
+        for (int axis = 0; axis < 3; axis++) {
+            lows[at + axis] = Math.min(lows[at + axis], from[3 * body + axis] - range);
+            highs[at + axis] = Math.max(highs[at + axis], to[3 * body + axis] + range);
+        }
+    }
+
+    /**
+     * Finds the rows of all boxes that a sensor could reach with that range, seen from the body in
+     * a row.
+     */
+    void find(int body, Sensor sensor, double range, Found found) {
+        buildIndex();
+        int at = 3 * body;
+        if (sensor.touch()) {
+            index.inBox(
+                    new Box(
+                            low[at] - range,
+                            low[at + 1] - range,
+                            low[at + 2] - range,
+                            high[at] + range,
+                            high[at + 1] + range,
+                            high[at + 2] + range),
+                    found);
+        } else {
+            index.inSphere(position[at], position[at + 1], position[at + 2], range, found);
+        }
+    }
+
+    /** Whether a sensor of the body in one row senses the item in another. */
+    public boolean senses(Sensor sensor, int body, int row) {
+        return senses(sensor, body, row, ofAnybody);
+    }
+
+    /**
+     * @param known from that body; kept up to date
+     */
+    public boolean senses(Sensor sensor, int body, int row, Hiders known) {
+        hiders = known;
+        if (sensor.isCamera()) {
+            return false;
+        }
+        return sensor.touch()
+                ? gapSquared(body, row) <= sensor.range() * sensor.range()
+                : sees(sensor, body, row);
+    }
+
+    private double gapSquared(int a, int b) {
+        double sum = 0;
+        for (int axis = 0; axis < 3; axis++) {
+            double gap =
+                    Math.max(
+                            0,
+                            Math.max(
+                                    low[3 * a + axis] - high[3 * b + axis],
+                                    low[3 * b + axis] - high[3 * a + axis]));
+            sum += gap * gap;
+        }
+        return sum;
+    }
+
+    private boolean sees(Sensor sensor, int body, int row) {
+        lookAhead(sensor, body);
+        for (int axis = 0; axis < 3; axis++) {
+            point[axis] =
+                    Math.clamp(
+                            position[3 * body + axis], low[3 * row + axis], high[3 * row + axis]);
+        }
+        double nearest = distance(body);
+        if (nearest > sensor.range()) {
+            return false;
+        }
+        if (isSeen(sensor, body, row, nearest)) {
+            return true;
+        }
+        for (int axis = 0; axis < 3; axis++) {
+            point[axis] = 0.5 * (low[3 * row + axis] + high[3 * row + axis]);
+        }
+        boolean seen = isSeen(sensor, body, row, distance(body));
+        for (int corner = 0; corner < CORNERS && !seen; corner++) {
+            for (int axis = 0; axis < 3; axis++) {
+                point[axis] =
+                        (corner >> axis & 1) == 0 ? low[3 * row + axis] : high[3 * row + axis];
+            }
+            seen = isSeen(sensor, body, row, distance(body));
+        }
+        return seen;
+    }
+
+    /**
+     * @param distance of the point from the eye [m]; whatever holds the eye does not hide
+     */
+    private boolean isSeen(Sensor sensor, int body, int row, double distance) {
+        return distance <= sensor.range()
+                && isInView(sensor, body, distance)
+                && !(sensor.lineOfSight() && distance > 0 && isHidden(body, row));
+    }
+
+    private double distance(int body) {
+        double x = point[0] - position[3 * body];
+        double y = point[1] - position[3 * body + 1];
+        double z = point[2] - position[3 * body + 2];
+        return Math.sqrt(x * x + y * y + z * z);
+    }
+
+    private boolean isInView(Sensor sensor, int body, double distance) {
+        if (sensor.fieldOfView() >= Sensor.ALL_ROUND) {
+            return true;
+        }
+        double ahead =
+                this.ahead[0] * (point[0] - position[3 * body])
+                        + this.ahead[1] * (point[1] - position[3 * body + 1])
+                        + this.ahead[2] * (point[2] - position[3 * body + 2]);
+        return ahead >= distance * cosHalfView;
+    }
+
+    /** The body's own +Z axis, turned: the third column of its rotation matrix. */
+    private void lookAhead(Sensor sensor, int body) {
+        double x = orientation[4 * body];
+        double y = orientation[4 * body + 1];
+        double z = orientation[4 * body + 2];
+        double w = orientation[4 * body + 3];
+        ahead[0] = 2 * (x * z + w * y);
+        ahead[1] = 2 * (y * z - w * x);
+        ahead[2] = 1 - 2 * (x * x + y * y);
+        if (sensor.fieldOfView() != view) {
+            view = sensor.fieldOfView();
+            cosHalfView = Math.cos(0.5 * view);
+        }
+    }
+
+    private boolean isHidden(int body, int row) {
+        buildIndex();
+        looker = body;
+        target = row;
+        for (int i = 0; i < hiders.count(); i++) {
+            int known = hiders.get(i);
+            if (known != NOTHING && known < rows && hides(known)) {
+                hiders.toFront(i);
+                return true;
+            }
+        }
+        System.arraycopy(position, 3 * body, eye, 0, 3);
+        return index.isOnWay(eye, point, END, found);
+    }
+
+    private boolean hides(int box) {
+        return box != looker && box != target && shape[box] != Shape.NONE && isBetween(looker, box);
+    }
+
+    private boolean findHider(long box) {
+        boolean hides = hides((int) box);
+        if (hides) {
+            hiders.add((int) box);
+        }
+        return hides;
+    }
+
+    /**
+     * Whether the line from the eye to the point crosses a box that does not hold the eye (slab
+     * method).
+     */
+    private boolean isBetween(int body, int box) {
+        double enter = 0;
+        double leave = 1;
+        boolean holdsEye = true;
+        for (int axis = 0; axis < 3; axis++) {
+            double from = position[3 * body + axis];
+            double way = point[axis] - from;
+            double min = low[3 * box + axis];
+            double max = high[3 * box + axis];
+            boolean inside = from >= min && from <= max;
+            holdsEye &= inside;
+            if (way == 0) {
+                if (!inside) {
+                    return false;
+                }
+            } else {
+                double a = (min - from) / way;
+                double b = (max - from) / way;
+                enter = Math.max(enter, Math.min(a, b));
+                leave = Math.min(leave, Math.max(a, b));
+            }
+        }
+        return !holdsEye && enter <= leave && enter < 1 - END && leave > END;
+    }
+}

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.agent.perception;
+
+import reve.core.world.ItemId;
+
+import java.util.List;
+
+/**
+ * What an agent perceives in one frame, in the order of the items' ids. Immutable.
+ *
+ * @param time of the world [s]
+ */
+public record View(long frame, double time, List<PerceivedItem> items) {
+
+    /** Where an item is in the list; negative if it is not there. */
+    int indexOf(ItemId id) {
+        int low = 0;
+        int high = items.size() - 1;
+        while (low <= high) {
+            int middle = (low + high) >>> 1;
+            int order = items.get(middle).id().compareTo(id);
+            if (order == 0) {
+                return middle;
+            }
+            if (order < 0) {
+                low = middle + 1;
+            } else {
+                high = middle - 1;
+            }
+        }
+        return -1;
+    }
+
+    boolean holds(String name) {
+        return items.stream().anyMatch(seen -> seen.name().equals(name));
+    }
+}

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.agent.perception;
+
+import reve.core.world.Sensor;
+import reve.core.world.Sensor.Aspect;
+
+import java.util.EnumSet;
+import java.util.Optional;
+import java.util.Set;
+import java.util.SortedSet;
+import java.util.TreeSet;
+
+/**
+ * What an agent perceives of one item.
+ *
+ * @param symbols names of the symbols; empty for all
+ */
+record Visibility(Set<Aspect> aspects, Optional<SortedSet<String>> symbols) {
+
+    static final Visibility EVERYTHING =
+            new Visibility(EnumSet.allOf(Aspect.class), Optional.empty());
+
+    static Visibility by(Sensor sensor) {
+        return new Visibility(sensor.aspects(), sensor.symbols());
+    }
+
+    boolean has(Aspect aspect) {
+        return aspects.contains(aspect);
+    }
+
+    /** True if another one shows no symbols and no actions that this one does not. */
+    boolean isAllThatIsSymbolicOf(Visibility other) {
+        return has(Aspect.SEMANTIC) == other.has(Aspect.SEMANTIC)
+                && has(Aspect.ACCESS) == other.has(Aspect.ACCESS)
+                && symbols.equals(other.symbols);
+    }
+
+    /** What both together show. */
+    Visibility and(Visibility other) {
+        if (equals(other)) {
+            return this;
+        }
+        var both = EnumSet.noneOf(Aspect.class);
+        both.addAll(aspects);
+        both.addAll(other.aspects);
+        if (!has(Aspect.SEMANTIC)) {
+            return new Visibility(both, other.symbols);
+        }
+        if (!other.has(Aspect.SEMANTIC)) {
+            return new Visibility(both, symbols);
+        }
+        if (symbols.isEmpty() || other.symbols.isEmpty()) {
+            return new Visibility(both, Optional.empty());
+        }
+        var names = new TreeSet<>(symbols.get());
+        names.addAll(other.symbols.get());
+        return new Visibility(both, Optional.of(names));
+    }
+}

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.agent.protocol;
+
+import java.nio.ByteBuffer;
+import java.nio.charset.StandardCharsets;
+import java.util.Arrays;
+
+/**
+ * Bytes that are being written, in memory that grows and is used again. Large {@link Rope}s among
+ * them are kept by reference. One thread.
+ */
+public final class Bytes {
+
+    private ByteBuffer bytes = ByteBuffer.allocate(64);
+
+    /** The ropes that were put, and how many bytes of {@link #bytes} come before each. */
+    private Rope[] strands = new Rope[8];
+
+    private int[] bytesBefore = new int[8];
+    private int strandCount;
+    private int strandBytes;
+
+    /** Removes all bytes. */
+    public Bytes clear() {
+        bytes.clear();
+        dropStrands(0);
+        return this;
+    }
+
+    /** Returns how many there are. */
+    public int size() {
+        return bytes.position() + strandBytes;
+    }
+
+    /** True if some of it is kept by reference. */
+    public boolean hasStrands() {
+        return strandCount > 0;
+    }
+
+    /** Returns a copy of all. */
+    public byte[] toArray() {
+        return rope(0).flat();
+    }
+
+    /** Returns what was written from a place on, to be kept. */
+    public Rope rope(int start) {
+        int first = firstStrand(start);
+        int from = ownPlace(start, first);
+        byte[] own = Arrays.copyOfRange(bytes.array(), from, bytes.position());
+        if (first == strandCount) {
+            return new Rope(own);
+        }
+        int[] before = Arrays.copyOfRange(bytesBefore, first, strandCount);
+        for (int i = 0; i < before.length; i++) {
+            before[i] -= from;
+        }
+        return new Rope(own, Arrays.copyOfRange(strands, first, strandCount), before);
+    }
+
+    /** What was written from a place on: valid until more is written. */
+    public ByteBuffer view(int start) {
+        return hasStrands()
+                ? ByteBuffer.wrap(rope(start).flat())
+                : ByteBuffer.wrap(bytes.array(), start, size() - start).slice();
+    }
+
+    /**
+     * Puts what was written from a place on into a buffer, as far as it has room. Without strands.
+     */
+    public void get(int start, ByteBuffer into) {
+        into.put(bytes.array(), start, Math.min(into.remaining(), size() - start));
+    }
+
+    /** Discards what was written from a place on. */
+    void truncate(int start) {
+        int first = firstStrand(start);
+        bytes.position(ownPlace(start, first));
+        dropStrands(first);
+    }
+
+    /** Writes over what is there, between strands. */
+    void setInt(int at, int number) {
+        bytes.putInt(ownPlace(at, firstStrand(at)), number);
+    }
+
+    /** Keeps a large rope by reference, and copies a small one. */
+    public Bytes put(Rope rope) {
+        if (rope.size() < Rope.LEAST_BYTES) {
+            return put(rope.flat());
+        }
+        if (strandCount == strands.length) {
+            strands = Arrays.copyOf(strands, 2 * strandCount);
+            bytesBefore = Arrays.copyOf(bytesBefore, 2 * strandCount);
+        }
+        bytesBefore[strandCount] = bytes.position();
+        strands[strandCount++] = rope;
+        strandBytes = Math.addExact(strandBytes, rope.size());
+        return this;
+    }
+
+    /** Returns the first strand that begins at a place or behind it. */
+    private int firstStrand(int place) {
+        int first = strandCount;
+        int start = strandBytes;
+        while (first > 0) {
+            start -= strands[first - 1].size();
+            if (bytesBefore[first - 1] + start < place) {
+                break;
+            }
+            first--;
+        }
+        return first;
+    }
+
+    /** Returns where a place is among the own bytes, if this strand is the first behind it. */
+    private int ownPlace(int place, int firstStrand) {
+        int before = strandBytes;
+        for (int i = firstStrand; i < strandCount; i++) {
+            before -= strands[i].size();
+        }
+        return place - before;
+    }
+
+    private void dropStrands(int first) {
+        for (int i = first; i < strandCount; i++) {
+            strandBytes -= strands[i].size();
+        }
+        Arrays.fill(strands, first, strandCount, null);
+        strandCount = first;
+    }
+
+    /** Appends one. */
+    public Bytes put(int octet) {
+        room(1).put((byte) octet);
+        return this;
+    }
+
+    /** Appends some, which are copied. */
+    public Bytes put(byte[] octets) {
+        room(octets.length).put(octets);
+        return this;
+    }
+
+    /** In UTF-8. */
+    public Bytes put(String text) {
+        int length = text.length();
+        ByteBuffer room = room(length);
+        for (int i = 0; i < length; i++) {
+            char c = text.charAt(i);
+            if (c >= 0x80) {
+                return put(text.substring(i).getBytes(StandardCharsets.UTF_8));
+            }
+            room.put((byte) c);
+        }
+        return this;
+    }
+
+    /** In decimal digits. */
+    public Bytes put(long number) {
+        return put(Long.toString(number));
+    }
+
+    Bytes putShort(int number) {
+        room(Short.BYTES).putShort((short) number);
+        return this;
+    }
+
+    /** Appends 4 bytes, the highest first. */
+    public Bytes putInt(int number) {
+        room(Integer.BYTES).putInt(number);
+        return this;
+    }
+
+    Bytes putLong(long number) {
+        room(Long.BYTES).putLong(number);
+        return this;
+    }
+
+    Bytes putDouble(double number) {
+        room(Double.BYTES).putDouble(number);
+        return this;
+    }
+
+    private ByteBuffer room(int count) {
+        if (bytes.remaining() < count) {
+            int needed = Math.addExact(bytes.position(), count);
+            int doubled = (int) Math.min(2L * bytes.capacity(), Integer.MAX_VALUE - 8);
+            byte[] larger = Arrays.copyOf(bytes.array(), Math.max(needed, doubled));
+            bytes = ByteBuffer.wrap(larger).position(bytes.position());
+        }
+        return bytes;
+    }
+}

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.agent.protocol;
+
+import java.util.Arrays;
+import java.util.Optional;
+import java.util.function.Consumer;
+
+/** How messages are written: the same fields in either. */
+public enum Encoding {
+    /** One JSON object per line. */
+    JSON("json") {
+        @Override
+        MessageWriter writer(Bytes out) {
+            return new JsonWriter(out);
+        }
+
+        @Override
+        public MessageWriter fields(Bytes out) {
+            return JsonWriter.behindField(out);
+        }
+
+        @Override
+        public MessageWriter begin(Bytes out, String type, long id, int fields) {
+            out.put("{\"t\":\"").put(type).put('"');
+            if (id != ClientMessage.NO_ID) {
+                out.put(",\"id\":").put(id);
+            }
+            return fields(out);
+        }
+
+        @Override
+        public void end(Bytes out, int start) {
+            out.put("}\n");
+        }
+    },
+    /** A MessagePack map behind its length in 4 bytes, the highest first. */
+    MESSAGEPACK("msgpack") {
+        @Override
+        MessageWriter writer(Bytes out) {
+            return new MessagePackWriter(out);
+        }
+
+        @Override
+        public MessageWriter fields(Bytes out) {
+            return writer(out);
+        }
+
+        @Override
+        public MessageWriter begin(Bytes out, String type, long id, int fields) {
+            boolean answers = id != ClientMessage.NO_ID;
+            MessageWriter writer = writer(out.putInt(0));
+            writer.beginMap(fields + (answers ? 2 : 1));
+            writer.key("t");
+            writer.text(type);
+            if (answers) {
+                writer.key("id");
+                writer.integer(id);
+            }
+            return writer;
+        }
+
+        @Override
+        public void end(Bytes out, int start) {
+            out.setInt(start, out.size() - start - LENGTH_BYTES);
+        }
+    };
+
+    /** Length in front of a message in MessagePack [bytes]. */
+    public static final int LENGTH_BYTES = 4;
+
+    private final String wireName;
+
+    Encoding(String wireName) {
+        this.wireName = wireName;
+    }
+
+    /** As the protocol writes it. */
+    public String wireName() {
+        return wireName;
+    }
+
+    /** Finds an encoding by the name that the protocol writes. */
+    public static Optional<Encoding> of(String wireName) {
+        return Arrays.stream(values())
+                .filter(encoding -> encoding.wireName.equals(wireName))
+                .findFirst();
+    }
+
+    /** One value. */
+    public byte[] value(Consumer<MessageWriter> content) {
+        var out = new Bytes();
+        content.accept(writer(out));
+        return out.toArray();
+    }
+
+    abstract MessageWriter writer(Bytes out);
+
+    /** Writes fields that follow others in a message. */
+    public abstract MessageWriter fields(Bytes out);
+
+    /**
+     * Begins a message as it goes over the wire.
+     *
+     * @param fields how many come next, each a key and a value, before its {@link #end}
+     */
+    public abstract MessageWriter begin(Bytes out, String type, long id, int fields);
+
+    /** Ends the message that begins at a place of the bytes. */
+    public abstract void end(Bytes out, int start);
+}

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.agent.protocol;
+
+import org.jspecify.annotations.Nullable;
+
+import java.util.function.Consumer;
+
+/**
+ * A value that is encoded when first needed, for all messages that hold it. Threads that need it at
+ * the same time encode the same bytes.
+ */
+public final class Fragment {
+
+    private final Consumer<MessageWriter> content;
+    private volatile @Nullable Rope json;
+    private volatile @Nullable Rope packed;
+
+    /** A value that the content writes. */
+    public Fragment(Consumer<MessageWriter> content) {
+        this.content = content;
+    }
+
+    /** The caller does not change the bytes. */
+    public byte[] in(Encoding encoding) {
+        Rope known = known(encoding);
+        return known != null
+                ? known.flat()
+                : keep(encoding, new Rope(encoding.value(content))).flat();
+    }
+
+    /** Writes the value where the writer is. @param out what the writer writes to */
+    void write(MessageWriter writer, Bytes out) {
+        Encoding encoding = writer.encoding();
+        Rope known = known(encoding);
+        if (known == null) {
+            int start = out.size();
+            content.accept(writer);
+            known = keep(encoding, out.rope(start));
+            out.truncate(start);
+        }
+        out.put(known);
+    }
+
+    private @Nullable Rope known(Encoding encoding) {
+        return encoding == Encoding.JSON ? json : packed;
+    }
+
+    private Rope keep(Encoding encoding, Rope encoded) {
+        if (encoding == Encoding.JSON) {
+            json = encoded;
+        } else {
+            packed = encoded;
+        }
+        return encoded;
+    }
+}

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.agent.protocol;
+
+import tools.jackson.core.StreamReadConstraints;
+import tools.jackson.core.StreamReadFeature;
+import tools.jackson.core.json.JsonFactory;
+import tools.jackson.databind.json.JsonMapper;
+
+/** The one JSON set-up of the server: strict, bounded, and finite numbers only. */
+public final class Json {
+
+    static final int MAX_DEPTH = 32;
+    static final int MAX_NUMBER_LENGTH = 100;
+
+    private static final JsonFactory FACTORY =
+            JsonFactory.builder()
+                    .streamReadConstraints(
+                            StreamReadConstraints.builder()
+                                    .maxNestingDepth(MAX_DEPTH)
+                                    .maxNumberLength(MAX_NUMBER_LENGTH)
+                                    .build())
+                    .enable(StreamReadFeature.STRICT_DUPLICATE_DETECTION)
+                    .build();
+
+    /** Reads and writes JSON. */
+    public static final JsonMapper MAPPER = new JsonMapper(FACTORY);
+
+    private Json() {}
+}

@@ -1,0 +1,469 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.agent.protocol;
+
+import static reve.core.agent.protocol.ClientMessage.NO_ID;
+
+import org.jspecify.annotations.Nullable;
+
+import tools.jackson.core.JacksonException;
+import tools.jackson.databind.JsonNode;
+
+import java.nio.ByteBuffer;
+import java.nio.charset.CharacterCodingException;
+import java.util.ArrayList;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.OptionalLong;
+import java.util.Set;
+
+/** Reads what a client says. Any thread. */
+public final class MessageReader {
+
+    static final int MAX_EVERY = 1_000_000;
+
+    private static final double MAX_SECONDS = 1e6;
+    private static final double DEFAULT_DEADLINE_SECONDS = 1;
+    private static final long MAX_ID = (1L << 53) - 1;
+    private static final int MAX_REASON = 200;
+    private static final int MAX_IMAGE_NAME = 64;
+    private static final String EXAMPLE =
+            "send one JSON object per line, such as "
+                    + "{\"t\":\"hello\",\"protocol\":1,\"name\":\"ada\"}";
+
+    private MessageReader() {}
+
+    /**
+     * @param bytes in an array
+     * @throws BadMessage saying what is wrong, with the id of the message where it has a good one
+     */
+    public static ClientMessage read(ByteBuffer bytes, Encoding encoding) throws BadMessage {
+        JsonNode message = encoding == Encoding.JSON ? parse(decode(bytes)) : unpack(bytes);
+        if (!message.isObject()) {
+            throw new BadMessage(NO_ID, "not-an-object", "the message is no object", EXAMPLE);
+        }
+        return read(message);
+    }
+
+    private static JsonNode unpack(ByteBuffer bytes) throws BadMessage {
+        try {
+            return MessagePackReader.read(bytes);
+        } catch (IllegalArgumentException e) {
+            throw new BadMessage(
+                    NO_ID,
+                    "bad-msgpack",
+                    "this is no MessagePack: " + e.getMessage(),
+                    "send 4 bytes of length, the highest first, and one map");
+        }
+    }
+
+    private static String decode(ByteBuffer line) throws BadMessage {
+        try {
+            return Text.decode(
+                    line.array(), line.arrayOffset() + line.position(), line.remaining());
+        } catch (CharacterCodingException e) {
+            throw new BadMessage(NO_ID, "bad-utf8", "the line is not UTF-8", EXAMPLE);
+        }
+    }
+
+    private static JsonNode parse(String line) throws BadMessage {
+        try {
+            JsonNode node = Json.MAPPER.readTree(line);
+            if (node.isMissingNode()) {
+                throw badJson("the line is empty");
+            }
+            requireSound(node);
+            return node;
+        } catch (JacksonException e) {
+            String reason = e.getOriginalMessage();
+            throw badJson(
+                    "the line is not JSON: "
+                            + (reason.length() > MAX_REASON
+                                    ? reason.substring(0, MAX_REASON) + "…"
+                                    : reason));
+        }
+    }
+
+    /** Refuses what JSON's grammar allows but no text or number can hold. */
+    private static void requireSound(JsonNode node) throws BadMessage {
+        if (node.isString()) {
+            requireSound(node.stringValue());
+        } else if (node.isNumber()) {
+            if (!Double.isFinite(node.asDouble(Double.NaN))) {
+                throw badJson("a number is beyond the range of 64-bit floats");
+            }
+        } else if (node.isContainer()) {
+            for (Map.Entry<String, JsonNode> property : node.properties()) {
+                requireSound(property.getKey());
+            }
+            for (JsonNode child : node.values()) {
+                requireSound(child);
+            }
+        }
+    }
+
+    private static void requireSound(String text) throws BadMessage {
+        for (int i = 0; i < text.length(); i++) {
+            if (Character.isSurrogate(text.charAt(i))) {
+                if (!Character.isSupplementaryCodePoint(text.codePointAt(i))) {
+                    throw badJson("a text contains half of a surrogate pair");
+                }
+                i++;
+            }
+        }
+    }
+
+    private static BadMessage badJson(String message) {
+        return new BadMessage(NO_ID, "bad-json", message, EXAMPLE);
+    }
+
+    private static ClientMessage read(JsonNode message) throws BadMessage {
+        var fields = new Fields(message);
+        JsonNode type = message.get("t");
+        if (type == null || !type.isString()) {
+            throw new BadMessage(
+                    fields.id, "no-type", "the field t must say which message this is", EXAMPLE);
+        }
+        return switch (type.stringValue()) {
+            case "hello" ->
+                    new ClientMessage.Hello(
+                            fields.id,
+                            (int) fields.integer("protocol", 0, Integer.MAX_VALUE),
+                            fields.text("name"),
+                            fields.optionalText("role").orElse("agent"),
+                            fields.optionalText("world"),
+                            fields.optionalText("body"),
+                            fields.optionalText("encoding").orElse(Encoding.JSON.wireName()),
+                            fields.has("graceSeconds")
+                                    ? fields.number("graceSeconds", 0, MAX_SECONDS)
+                                    : 0,
+                            fields.lockStep(),
+                            fields.resume(),
+                            fields.optionalText("token"));
+            case "perceive" ->
+                    new ClientMessage.Perceive(
+                            fields.id,
+                            fields.has("every")
+                                    ? (int) fields.integer("every", 0, MAX_EVERY)
+                                    : ClientMessage.Perceive.ONCE,
+                            fields.isTrue("relations"));
+            case "look" -> new ClientMessage.Look(fields.required(), fields.text("sensor"));
+            case "act" ->
+                    new ClientMessage.Act(
+                            fields.required(),
+                            fields.text("item"),
+                            fields.text("action"),
+                            fields.arguments(),
+                            fields.isTrue("ready")
+                                    ? Optional.of(fields.ready())
+                                    : Optional.empty());
+            case "ready" -> fields.ready();
+            case "pause" -> new ClientMessage.Pause(fields.required());
+            case "run" -> new ClientMessage.Run(fields.required());
+            case "step" ->
+                    new ClientMessage.Step(
+                            fields.required(),
+                            fields.has("frames")
+                                    ? (int) fields.integer("frames", 1, MAX_EVERY)
+                                    : 1);
+            case "load-law" ->
+                    new ClientMessage.LoadLaw(
+                            fields.required(), fields.text("library"), fields.parameters());
+            case "unload-law" ->
+                    new ClientMessage.UnloadLaw(fields.required(), fields.text("library"));
+            case "edit" ->
+                    new ClientMessage.Edit(
+                            fields.required(),
+                            fields.text("item"),
+                            fields.text("property"),
+                            fields.value());
+            case "picture" -> new ClientMessage.Picture(fields.required());
+            case "snapshot" -> new ClientMessage.Snapshot(fields.required(), fields.image());
+            case "rewind" ->
+                    new ClientMessage.Rewind(fields.required(), fields.optionalText("image"));
+            case "save" -> new ClientMessage.Save(fields.required(), fields.text("file"));
+            case "fork" ->
+                    new ClientMessage.Fork(
+                            fields.required(), (int) fields.integer("frames", 0, MAX_EVERY));
+            case "shut-down" -> new ClientMessage.ShutDown(fields.required());
+            case "ping" -> new ClientMessage.Ping(fields.id);
+            case "pong" -> new ClientMessage.Pong(fields.id);
+            case "bye" -> new ClientMessage.Bye(fields.id);
+            default ->
+                    throw new BadMessage(
+                            fields.id,
+                            "unknown-type",
+                            "there is no message "
+                                    + Text.quote(type.stringValue())
+                                    + " in protocol 1",
+                            "a client sends hello, perceive, look, act, ready, ping, pong or bye;"
+                                    + " in the role control also pause, run, step, load-law,"
+                                    + " unload-law, edit, picture, snapshot, rewind, save, fork or"
+                                    + " shut-down");
+        };
+    }
+
+    /** The fields of one message; a field that is null counts as absent. */
+    private static final class Fields {
+
+        private final JsonNode message;
+        private final long id;
+
+        Fields(JsonNode message) throws BadMessage {
+            this.message = message;
+            this.id = find("id") == null ? NO_ID : integer(NO_ID, "id", 0, MAX_ID);
+        }
+
+        boolean has(String name) {
+            return find(name) != null;
+        }
+
+        /** The id of a message that must have one. */
+        long required() throws BadMessage {
+            return integer("id", 0, MAX_ID);
+        }
+
+        long integer(String name, long min, long max) throws BadMessage {
+            return integer(id, name, min, max);
+        }
+
+        double number(String name, double min, double max) throws BadMessage {
+            JsonNode field = find(name);
+            double value = field != null && field.isNumber() ? field.asDouble() : Double.NaN;
+            if (!(value >= min && value <= max)) {
+                throw bad(
+                        id,
+                        name,
+                        field == null ? "is missing" : "is " + show(field),
+                        "expected a number from " + min + " to " + max);
+            }
+            return value;
+        }
+
+        Optional<ClientMessage.LockStep> lockStep() throws BadMessage {
+            JsonNode field = find("time");
+            if (field == null) {
+                return Optional.empty();
+            }
+            if (!field.isObject()) {
+                throw bad(id, "time", "is " + show(field), "expected an object with mode");
+            }
+            var time = new Fields(field);
+            return switch (time.text("mode")) {
+                case "real-time" -> Optional.empty();
+                case "lock-step" -> {
+                    if (!optionalText("role").orElse("agent").equals("agent")) {
+                        throw bad(
+                                id,
+                                "mode",
+                                "is \"lock-step\"",
+                                "expected \"real-time\" for who is no agent");
+                    }
+                    yield Optional.of(
+                            new ClientMessage.LockStep(
+                                    time.has("every")
+                                            ? (int) time.integer("every", 1, MAX_EVERY)
+                                            : 1,
+                                    time.isTrue("relations"),
+                                    time.has("deadline")
+                                            ? time.number("deadline", 0, MAX_SECONDS)
+                                            : DEFAULT_DEADLINE_SECONDS,
+                                    time.fallback()));
+                }
+                default ->
+                        throw bad(
+                                id,
+                                "mode",
+                                "is " + show(field.get("mode")),
+                                "expected \"real-time\" or \"lock-step\"");
+            };
+        }
+
+        private Optional<ClientMessage.Fallback> fallback() throws BadMessage {
+            JsonNode field = find("fallback");
+            if (field == null) {
+                return Optional.empty();
+            }
+            if (!field.isObject()) {
+                throw bad(id, "fallback", "is " + show(field), "expected an object with action");
+            }
+            var fallback = new Fields(field);
+            return Optional.of(
+                    new ClientMessage.Fallback(
+                            fallback.optionalText("item"),
+                            fallback.text("action"),
+                            fallback.arguments()));
+        }
+
+        ClientMessage.Ready ready() throws BadMessage {
+            return new ClientMessage.Ready(
+                    id,
+                    has("frame")
+                            ? OptionalLong.of(integer("frame", 0, MAX_ID))
+                            : OptionalLong.empty());
+        }
+
+        Optional<ClientMessage.Resume> resume() throws BadMessage {
+            JsonNode field = find("resume");
+            if (field == null) {
+                return Optional.empty();
+            }
+            if (!field.isObject()) {
+                throw bad(
+                        id,
+                        "resume",
+                        "is " + show(field),
+                        "expected an object with session and frame");
+            }
+            var resume = new Fields(field);
+            return Optional.of(
+                    new ClientMessage.Resume(
+                            resume.text("session"), resume.integer("frame", 0, MAX_ID)));
+        }
+
+        Map<String, Double> parameters() throws BadMessage {
+            var parameters = new LinkedHashMap<String, Double>();
+            for (Map.Entry<String, JsonNode> parameter : object("parameters")) {
+                parameters.put(
+                        parameter.getKey(),
+                        number("parameters", parameter.getKey(), parameter.getValue()));
+            }
+            return parameters;
+        }
+
+        Object value() throws BadMessage {
+            JsonNode field = find("value");
+            if (field == null) {
+                throw bad(
+                        id,
+                        "value",
+                        "is missing",
+                        "expected a number, a list of numbers, a text, or true or false");
+            }
+            return value("value", "value", field);
+        }
+
+        String text(String name) throws BadMessage {
+            return optionalText(name)
+                    .orElseThrow(() -> bad(id, name, "is missing", "expected a text"));
+        }
+
+        Optional<String> optionalText(String name) throws BadMessage {
+            JsonNode field = find(name);
+            if (field == null) {
+                return Optional.empty();
+            }
+            if (!field.isString() || field.stringValue().isEmpty()) {
+                throw bad(id, name, "is " + show(field), "expected a text");
+            }
+            return Optional.of(field.stringValue());
+        }
+
+        String image() throws BadMessage {
+            String name = text("image");
+            if (name.length() > MAX_IMAGE_NAME) {
+                throw bad(
+                        id,
+                        "image",
+                        "has " + name.length() + " characters",
+                        "expected at most " + MAX_IMAGE_NAME);
+            }
+            return name;
+        }
+
+        /** False if it is absent. */
+        boolean isTrue(String name) throws BadMessage {
+            return has(name) && truth(name);
+        }
+
+        private boolean truth(String name) throws BadMessage {
+            JsonNode field = find(name);
+            if (field == null || !field.isBoolean()) {
+                throw bad(id, name, "is " + show(field), "expected true or false");
+            }
+            return field.booleanValue();
+        }
+
+        Map<String, Object> arguments() throws BadMessage {
+            var arguments = new LinkedHashMap<String, Object>();
+            for (Map.Entry<String, JsonNode> argument : object("arguments")) {
+                arguments.put(
+                        argument.getKey(),
+                        value("arguments", argument.getKey(), argument.getValue()));
+            }
+            return arguments;
+        }
+
+        private Set<Map.Entry<String, JsonNode>> object(String name) throws BadMessage {
+            JsonNode field = find(name);
+            if (field == null) {
+                return Set.of();
+            }
+            if (!field.isObject()) {
+                throw bad(
+                        id,
+                        name,
+                        "is " + show(field),
+                        "expected an object of values by parameter name");
+            }
+            return field.properties();
+        }
+
+        private Object value(String in, String name, JsonNode value) throws BadMessage {
+            if (value.isString()) {
+                return value.stringValue();
+            }
+            if (value.isBoolean()) {
+                return value.booleanValue();
+            }
+            return value.isArray() ? numbers(in, name, value) : number(in, name, value);
+        }
+
+        private List<Double> numbers(String in, String name, JsonNode value) throws BadMessage {
+            var numbers = new ArrayList<Double>(value.size());
+            for (JsonNode element : value.values()) {
+                numbers.add(number(in, name, element));
+            }
+            return numbers;
+        }
+
+        private Double number(String in, String name, JsonNode value) throws BadMessage {
+            if (!value.isNumber()) {
+                throw bad(
+                        id,
+                        in,
+                        "holds " + show(value) + " for " + Text.quote(name),
+                        "expected a number, a list of numbers, a text, or true or false");
+            }
+            return value.asDouble();
+        }
+
+        private long integer(long answerTo, String name, long min, long max) throws BadMessage {
+            JsonNode field = find(name);
+            double value = field != null && field.isNumber() ? field.asDouble() : Double.NaN;
+            if (!(value >= min && value <= max && value == Math.rint(value))) {
+                throw bad(
+                        answerTo,
+                        name,
+                        field == null ? "is missing" : "is " + show(field),
+                        "expected an integer from " + min + " to " + max);
+            }
+            return (long) value;
+        }
+
+        private @Nullable JsonNode find(String name) {
+            JsonNode field = message.get(name);
+            return field == null || field.isNull() ? null : field;
+        }
+
+        private static BadMessage bad(long answerTo, String name, String found, String expected) {
+            return new BadMessage(
+                    answerTo, "bad-field", "the field " + name + " " + found, expected);
+        }
+
+        private static String show(JsonNode field) {
+            return field.isString() ? Text.quote(field.stringValue()) : Text.show(field.toString());
+        }
+    }
+}

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.agent.protocol;
+
+import reve.core.agent.port.Cameras;
+
+import java.util.LinkedHashMap;
+import java.util.Map;
+import java.util.Optional;
+import java.util.OptionalLong;
+
+/**
+ * What the server says, but for perceptions. {@code id} is {@link ClientMessage#NO_ID} where it
+ * answers none.
+ */
+public sealed interface ServerMessage {
+
+    /** The id of the message that this answers. */
+    default long id() {
+        return ClientMessage.NO_ID;
+    }
+
+    /** Limits that the welcome names. */
+    record Limits(
+            int lineBytes,
+            int messagesPerSecond,
+            int actsInFlight,
+            double idleSeconds,
+            double graceSeconds,
+            int items,
+            int worldItems,
+            int eventBytes,
+            int worldEventBytes) {}
+
+    /**
+     * With it, another connection goes on with the session within that time after the first broke.
+     */
+    record Ticket(String token, double graceSeconds) {}
+
+    /** How the world waits for an agent in lock-step: after every Nth frame, that long at most. */
+    record Rhythm(int every, double deadlineSeconds) {}
+
+    /**
+     * @param body of a client of the role agent
+     * @param lockStep empty for whom nobody waits for
+     */
+    record Welcome(
+            long id,
+            int protocol,
+            Role role,
+            String agent,
+            Optional<String> body,
+            String world,
+            long frame,
+            int rate,
+            Encoding encoding,
+            Optional<Rhythm> lockStep,
+            Optional<Ticket> session,
+            boolean resumed,
+            Limits limits)
+            implements ServerMessage {}
+
+    /** A command took effect in a frame. */
+    record Accepted(long id, long frame) implements ServerMessage {}
+
+    /** A command was refused, and why. */
+    record Refused(long id, String code, String reason) implements ServerMessage {}
+
+    /** What one of the agent's cameras saw. */
+    record Image(long id, String sensor, Cameras.Photo photo) implements ServerMessage {}
+
+    /**
+     * @param fields String, Number, Boolean or a List of these by name
+     */
+    record Event(long frame, String type, Map<String, Object> fields) implements ServerMessage {
+
+        /**
+         * The client was not sent any event of these frames.
+         *
+         * @param events how many there were; empty if that is not known
+         */
+        public static Event missed(OptionalLong events, long first, long last) {
+            var fields = new LinkedHashMap<String, Object>();
+            events.ifPresent(count -> fields.put("events", count));
+            fields.put("first", first);
+            fields.put("last", last);
+            return new Event(last, "missed", fields);
+        }
+    }
+
+    /** A message was refused, and why. */
+    record Error(long id, String code, String message, String hint) implements ServerMessage {}
+
+    /** Asks whether the client is there. */
+    record Ping() implements ServerMessage {}
+
+    /** Answers a ping of the client. */
+    record Pong(long id) implements ServerMessage {}
+
+    /** The connection ends, and why. */
+    record Bye(String code, String message, Optional<String> hint) implements ServerMessage {}
+
+    /** The message as it goes over the wire. */
+    default byte[] in(Encoding encoding) {
+        var out = new Bytes();
+        Map<String, Object> fields = fields();
+        MessageWriter writer = encoding.begin(out, type(), id(), fields.size());
+        fields.forEach(
+                (name, value) -> {
+                    writer.key(name);
+                    writer.value(value);
+                });
+        encoding.end(out, 0);
+        return out.toArray();
+    }
+
+    /** What it says beside its type and id. */
+    private Map<String, Object> fields() {
+        var fields = new LinkedHashMap<String, Object>();
+        switch (this) {
+            case Welcome welcome -> putWelcome(welcome, fields);
+            case Accepted accepted -> {
+                fields.put("accepted", true);
+                fields.put("frame", accepted.frame);
+            }
+            case Refused refused -> {
+                fields.put("accepted", false);
+                fields.put("code", refused.code);
+                fields.put("reason", refused.reason);
+            }
+            case Image image -> putImage(image, fields);
+            case Event event -> {
+                fields.put("frame", event.frame);
+                fields.put("type", event.type);
+                fields.put("fields", event.fields);
+            }
+            case Error error -> {
+                fields.put("code", error.code);
+                fields.put("message", error.message);
+                fields.put("hint", error.hint);
+            }
+            case Bye bye -> {
+                fields.put("code", bye.code);
+                fields.put("message", bye.message);
+                bye.hint.ifPresent(hint -> fields.put("hint", hint));
+            }
+            case Ping ping -> {}
+            case Pong pong -> {}
+        }
+        return fields;
+    }
+
+    private String type() {
+        return switch (this) {
+            case Welcome welcome -> "welcome";
+            case Accepted accepted -> "result";
+            case Refused refused -> "result";
+            case Image image -> "image";
+            case Event event -> "event";
+            case Error error -> "error";
+            case Ping ping -> "ping";
+            case Pong pong -> "pong";
+            case Bye bye -> "bye";
+        };
+    }
+
+    private static void putImage(Image image, Map<String, Object> fields) {
+        Cameras.Photo photo = image.photo;
+        fields.put("frame", photo.frame());
+        fields.put("time", photo.time());
+        fields.put("sensor", image.sensor);
+        fields.put("width", photo.width());
+        fields.put("height", photo.height());
+        photo.colour().ifPresent(bytes -> fields.put("colour", bytes));
+        photo.depth().ifPresent(bytes -> fields.put("depth", bytes));
+        photo.items()
+                .ifPresent(
+                        bytes -> {
+                            fields.put("items", bytes);
+                            fields.put("names", photo.names());
+                        });
+    }
+
+    private static void putWelcome(Welcome welcome, Map<String, Object> fields) {
+        fields.put("protocol", welcome.protocol);
+        fields.put("role", welcome.role.wireName());
+        fields.put("agent", welcome.agent);
+        welcome.body.ifPresent(body -> fields.put("body", body));
+        fields.put("world", welcome.world);
+        fields.put("frame", welcome.frame);
+        fields.put("rate", welcome.rate);
+        if (welcome.encoding != Encoding.JSON) {
+            fields.put("encoding", welcome.encoding.wireName());
+        }
+        welcome.lockStep.ifPresent(
+                rhythm -> {
+                    var time = new LinkedHashMap<String, Object>();
+                    time.put("mode", "lock-step");
+                    time.put("every", rhythm.every);
+                    time.put("deadline", rhythm.deadlineSeconds);
+                    fields.put("time", time);
+                });
+        welcome.session.ifPresent(
+                session -> {
+                    var ticket = new LinkedHashMap<String, Object>();
+                    ticket.put("token", session.token);
+                    ticket.put("graceSeconds", session.graceSeconds);
+                    fields.put("session", ticket);
+                });
+        if (welcome.resumed) {
+            fields.put("resumed", true);
+        }
+        var limits = new LinkedHashMap<String, Object>();
+        limits.put("lineBytes", welcome.limits.lineBytes);
+        limits.put("messagesPerSecond", welcome.limits.messagesPerSecond);
+        limits.put("actsInFlight", welcome.limits.actsInFlight);
+        limits.put("idleSeconds", welcome.limits.idleSeconds);
+        limits.put("graceSeconds", welcome.limits.graceSeconds);
+        limits.put("items", welcome.limits.items);
+        limits.put("worldItems", welcome.limits.worldItems);
+        limits.put("eventBytes", welcome.limits.eventBytes);
+        limits.put("worldEventBytes", welcome.limits.worldEventBytes);
+        fields.put("limits", limits);
+    }
+}

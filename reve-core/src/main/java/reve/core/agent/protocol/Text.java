@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.agent.protocol;
+
+import reve.core.text.Visible;
+
+import java.nio.ByteBuffer;
+import java.nio.charset.CharacterCodingException;
+import java.nio.charset.StandardCharsets;
+
+/** Makes foreign text safe to show in messages and logs. */
+public final class Text {
+
+    private static final int SHOWN = 64;
+
+    private static final char REPLACEMENT = '\ufffd';
+
+    private Text() {}
+
+    /**
+     * @throws CharacterCodingException if the bytes are no UTF-8
+     */
+    static String decode(byte[] utf8, int start, int length) throws CharacterCodingException {
+        String text = new String(utf8, start, length, StandardCharsets.UTF_8);
+        // somebody wrote it, or it stands for what is no UTF-8
+        if (text.indexOf(REPLACEMENT) >= 0) {
+            StandardCharsets.UTF_8.newDecoder().decode(ByteBuffer.wrap(utf8, start, length));
+        }
+        return text;
+    }
+
+    /** In quotes, at most 64 characters of it, everything that is not plainly visible escaped. */
+    public static String quote(String text) {
+        var out = new StringBuilder(text.length() + 2).append('"');
+        text.codePoints()
+                .limit(SHOWN)
+                .forEach(
+                        c -> {
+                            if (c == '"' || c == '\\') {
+                                out.append('\\');
+                            }
+                            Visible.append(out, c);
+                        });
+        return out.append(isLong(text) ? "…\"" : "\"").toString();
+    }
+
+    /**
+     * At most 64 characters of what is no text of its own, such as a number or a list; escaped in
+     * the same way.
+     */
+    static String show(String value) {
+        var out = new StringBuilder(value.length());
+        value.codePoints().limit(SHOWN).forEach(c -> Visible.append(out, c));
+        return out.append(isLong(value) ? "…" : "").toString();
+    }
+
+    private static boolean isLong(String text) {
+        return text.codePointCount(0, text.length()) > SHOWN;
+    }
+}

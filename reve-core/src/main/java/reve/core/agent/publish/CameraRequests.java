@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.agent.publish;
+
+import reve.core.agent.net.RateLimitedLog;
+import reve.core.agent.port.Cameras;
+import reve.core.agent.protocol.BadMessage;
+import reve.core.agent.protocol.ClientMessage;
+import reve.core.agent.protocol.ServerMessage;
+import reve.core.agent.protocol.Text;
+import reve.core.world.ItemId;
+import reve.core.world.Sensor;
+
+import java.util.HashMap;
+import java.util.Map;
+import java.util.OptionalLong;
+import java.util.function.Consumer;
+
+/**
+ * The pictures that one client asks its body's cameras for: one at a time, each at its camera's
+ * pace. The event loop's thread.
+ */
+public final class CameraRequests {
+
+    private final Cameras cameras;
+    private final Publisher publisher;
+    private final RateLimitedLog log;
+    private final String client;
+    private final Consumer<ServerMessage> told;
+    private final Map<String, Long> lastFrames = new HashMap<>();
+
+    /** The question whose answer is on its way. */
+    private OptionalLong pending = OptionalLong.empty();
+
+    /**
+     * @param client for the log
+     * @param told is given the answers
+     */
+    public CameraRequests(
+            Cameras cameras,
+            Publisher publisher,
+            RateLimitedLog log,
+            String client,
+            Consumer<ServerMessage> told) {
+        this.cameras = cameras;
+        this.publisher = publisher;
+        this.log = log;
+        this.client = client;
+        this.told = told;
+    }
+
+    /**
+     * @throws BadMessage if another picture is on its way, or it is too early
+     */
+    public void take(ClientMessage.Look look, ItemId body, Sensor camera) throws BadMessage {
+        if (pending.equals(OptionalLong.of(look.id()))) {
+            return; // asked again over another connection: the answer is on its way
+        }
+        if (pending.isPresent()) {
+            throw new BadMessage(
+                    look.id(),
+                    "look-pending",
+                    "the picture asked for before is still on its way",
+                    "wait for it");
+        }
+        requireTurn(look, camera, publisher.published());
+        pending = OptionalLong.of(look.id());
+        cameras.take(
+                body,
+                camera,
+                new Cameras.Answer() {
+                    @Override
+                    public void taken(Cameras.Photo photo) {
+                        publisher.later(() -> show(look, camera, photo));
+                    }
+
+                    @Override
+                    public void refused(String reason) {
+                        publisher.later(
+                                () ->
+                                        tell(
+                                                new ServerMessage.Error(
+                                                        look.id(),
+                                                        "no-picture",
+                                                        reason,
+                                                        "try again")));
+                    }
+
+                    @Override
+                    public void failed(RuntimeException cause) {
+                        log.error("a picture for " + client + " could not be drawn", cause);
+                        refused("the picture could not be drawn; the server's log says" + " why");
+                    }
+                });
+    }
+
+    /** A camera shows the frame that it showed last, or one that is so many frames later. */
+    private void requireTurn(ClientMessage.Look look, Sensor camera, long frame) throws BadMessage {
+        long last = lastFrames.getOrDefault(camera.name(), Long.MIN_VALUE / 2);
+        long next = last + camera.every();
+        if (frame > last && frame < next) {
+            throw new BadMessage(
+                    look.id(),
+                    "not-yet",
+                    "the camera "
+                            + Text.quote(camera.name())
+                            + " takes a picture every "
+                            + camera.every()
+                            + " frames",
+                    "look again from frame " + next + " on");
+        }
+    }
+
+    private void show(ClientMessage.Look look, Sensor camera, Cameras.Photo photo) {
+        try {
+            requireTurn(look, camera, photo.frame());
+            lastFrames.put(camera.name(), photo.frame());
+            tell(new ServerMessage.Image(look.id(), camera.name(), photo));
+        } catch (BadMessage tooEarly) { // frames were made while it was drawn
+            tell(tooEarly.error());
+        }
+    }
+
+    private void tell(ServerMessage answer) {
+        pending = OptionalLong.empty();
+        told.accept(answer);
+    }
+}

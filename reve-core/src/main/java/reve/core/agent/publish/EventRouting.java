@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.agent.publish;
+
+import reve.core.agent.perception.EventSubjects;
+import reve.core.agent.perception.EventSubjects.Mention;
+import reve.core.agent.perception.Observatory;
+import reve.core.agent.perception.PerceivedItem;
+import reve.core.agent.perception.Senses;
+import reve.core.agent.perception.View;
+import reve.core.space.Box;
+import reve.core.space.BoxIndex;
+import reve.core.space.Found;
+import reve.core.world.ItemId;
+
+import java.lang.foreign.MemorySegment;
+import java.util.ArrayList;
+import java.util.Collection;
+import java.util.HashMap;
+import java.util.HashSet;
+import java.util.IdentityHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.Set;
+import java.util.stream.LongStream;
+
+/**
+ * Who may hear of an event, so that it costs what is perceived of it and not as much as there are
+ * agents: whoever was shown one of its items, or has a sensor that may reach one now. It finds too
+ * many rather than too few: what an agent hears, its {@link Senses} decide. The event loop's
+ * thread.
+ */
+final class EventRouting {
+
+    private static final int AXES = 3;
+
+    // What agents with sensors were shown.
+    private final Map<Perceiver, Showing> showings = new IdentityHashMap<>();
+
+    /** Brought up to date when there are events. */
+    private final Map<ItemId, Set<Perceiver>> viewers = new HashMap<>();
+
+    // Where they are in this frame.
+    private final List<Perceiver> withSensors = new ArrayList<>();
+    private final List<Perceiver> withoutSensors = new ArrayList<>();
+    private final List<Perceiver> reachingAll = new ArrayList<>();
+    private final List<Perceiver> within = new ArrayList<>();
+    private boolean hasLockStep;
+
+    /** What sensors may reach, by the place of who has them in the list above. */
+    private final BoxIndex reaches = new BoxIndex();
+
+    private double[] lows = {};
+    private double[] highs = {};
+    private long[] keys = {};
+    private final Found found = new Found();
+
+    private static final class Showing {
+        private List<PerceivedItem> newest = List.of();
+
+        /** Those of whose items the member counts as a viewer. */
+        private List<PerceivedItem> counted = List.of();
+    }
+
+    /** A member is shown what its sensors sense. */
+    void shows(Perceiver member, View view) {
+        showings.computeIfAbsent(member, unknown -> new Showing()).newest = view.items();
+    }
+
+    /** A member has left. */
+    void forget(Perceiver member) {
+        Showing showing = showings.remove(member);
+        if (showing != null) {
+            update(member, showing.counted, List.of());
+        }
+    }
+
+    private void countViewers() {
+        showings.forEach(
+                (member, showing) -> {
+                    if (showing.counted != showing.newest) {
+                        update(member, showing.counted, showing.newest);
+                        showing.counted = showing.newest;
+                    }
+                });
+    }
+
+    /** Two lists in the order of ids, merged. */
+    private void update(Perceiver member, List<PerceivedItem> before, List<PerceivedItem> now) {
+        int old = 0;
+        for (PerceivedItem seen : now) {
+            while (old < before.size()
+                    && before.get(old) != seen
+                    && before.get(old).id().compareTo(seen.id()) < 0) {
+                hides(member, before.get(old++).id());
+            }
+            if (old < before.size()
+                    && (before.get(old) == seen || before.get(old).id().equals(seen.id()))) {
+                old++;
+            } else {
+                viewers.computeIfAbsent(seen.id(), unknown -> new HashSet<>()).add(member);
+            }
+        }
+        for (; old < before.size(); old++) {
+            hides(member, before.get(old).id());
+        }
+    }
+
+    private void hides(Perceiver member, ItemId item) {
+        viewers.computeIfPresent(
+                item,
+                (id, all) -> {
+                    all.remove(member);
+                    return all.isEmpty() ? null : all;
+                });
+    }
+
+    /** Takes the members as they are in the frame that the observatory has read. */
+    void locate(Collection<Perceiver> members, Observatory world) {
+        countViewers();
+        withSensors.clear();
+        withoutSensors.clear();
+        reachingAll.clear();
+        within.clear();
+        hasLockStep = false;
+        for (Perceiver member : members) {
+            hasLockStep |= member.isInLockStep();
+            (member.hasSensors() ? withSensors : withoutSensors).add(member);
+        }
+        reserve(withSensors.size());
+        for (Perceiver member : withSensors) {
+            if (member.reach(world, lows, highs, AXES * within.size())) {
+                within.add(member);
+            } else {
+                reachingAll.add(member);
+            }
+        }
+        reaches.build(
+                MemorySegment.ofArray(keys),
+                MemorySegment.ofArray(lows),
+                MemorySegment.ofArray(highs),
+                within.size());
+    }
+
+    private void reserve(int count) {
+        if (keys.length < count) {
+            int room = Math.max(count, 2 * keys.length);
+            lows = new double[AXES * room];
+            highs = new double[AXES * room];
+            keys = LongStream.range(0, room).toArray();
+        }
+    }
+
+    /** Whether any member is in lock-step. */
+    boolean hasLockStep() {
+        return hasLockStep;
+    }
+
+    /** Those who hear of all that happens. */
+    List<Perceiver> withoutSensors() {
+        return withoutSensors;
+    }
+
+    /** Those with sensors who may hear of an event. */
+    Collection<Perceiver> of(EventSubjects subjects, Observatory world) {
+        if (subjects.items().isEmpty()) {
+            return withSensors;
+        }
+        var mayHear = new HashSet<>(reachingAll);
+        for (Mention mention : subjects.items()) {
+            if (mention.id().isEmpty()) {
+                return withSensors; // only its name is left to know it by
+            }
+            ItemId item = mention.id().get();
+            mayHear.addAll(viewers.getOrDefault(item, Set.of()));
+            Optional<Box> box = world.box(item);
+            if (box.isPresent()) {
+                reaches.inBox(box.get(), found);
+                for (int i = 0; i < found.size(); i++) {
+                    mayHear.add(within.get((int) found.key(i)));
+                }
+            }
+        }
+        return mayHear;
+    }
+}

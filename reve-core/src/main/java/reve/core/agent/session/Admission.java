@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.agent.session;
+
+import reve.core.agent.audit.AuditLog;
+import reve.core.agent.auth.AgentToken;
+import reve.core.agent.auth.Attempts;
+import reve.core.agent.auth.Rights;
+import reve.core.agent.auth.TokenFile;
+import reve.core.agent.net.Connection;
+import reve.core.agent.net.Door;
+import reve.core.agent.protocol.ClientMessage;
+import reve.core.agent.protocol.CloseReason;
+import reve.core.agent.protocol.Role;
+import reve.core.agent.protocol.Text;
+
+import java.util.List;
+import java.util.Optional;
+import java.util.stream.Collectors;
+
+/**
+ * Decides by its hello whether a client may come in, and to which world. The event loop's thread.
+ */
+public final class Admission implements Door {
+
+    private final List<ServedWorld> worlds;
+    private final int maxClients;
+    private final Optional<TokenFile> tokens;
+    private final Optional<AuditLog> audit;
+    private final Attempts attempts = new Attempts();
+
+    /**
+     * @param maxClients most clients of all worlds, with those whose connection broke
+     * @param tokens that open the server; without, it asks for none
+     * @param audit where all that clients are sent has to be recorded
+     */
+    public Admission(
+            List<ServedWorld> worlds,
+            int maxClients,
+            Optional<TokenFile> tokens,
+            Optional<AuditLog> audit) {
+        this.worlds = worlds;
+        this.maxClients = maxClients;
+        this.tokens = tokens;
+        this.audit = audit;
+    }
+
+    @Override
+    public Session greet(Connection connection, ClientMessage.Hello hello) throws CloseReason {
+        Role role = requireAcceptable(hello);
+        if (hello.resume().isPresent()) {
+            return resume(connection, hello, hello.resume().get());
+        }
+        Optional<AgentToken> token = requireToken(connection, hello);
+        requireRecord();
+        Rights rights = token.map(AgentToken::rights).orElse(Rights.ALL);
+        ServedWorld world = requireWorld(hello.world(), rights);
+        requireOpen(hello, role, token, world);
+        int clients = worlds.stream().mapToInt(ServedWorld::clients).sum();
+        if (clients >= maxClients) { // those that wait for their client count, too
+            throw CloseReason.serverFull(maxClients);
+        }
+        return world.greet(connection, role, hello, token);
+    }
+
+    private void requireRecord() throws CloseReason {
+        if (audit.isPresent() && !audit.get().isServing()) {
+            throw CloseReason.notRecorded();
+        }
+    }
+
+    private Session resume(
+            Connection connection, ClientMessage.Hello hello, ClientMessage.Resume resume)
+            throws CloseReason {
+        Optional<Session> found =
+                meant(hello.world()).stream()
+                        .flatMap(world -> world.find(hello.name()).stream())
+                        .filter(session -> session.hasSecret(resume.session()))
+                        .findFirst();
+        if (found.isEmpty()) {
+            countWrong(connection);
+            throw CloseReason.refused(
+                    "no-such-session",
+                    "there is no session of "
+                            + Text.quote(hello.name())
+                            + " with this token, or it has ended",
+                    "say hello without resume");
+        }
+        requireRecord();
+        found.get().resume(connection, resume.frame());
+        return found.get();
+    }
+
+    /** The world that is named, or the only one that is open to the client. */
+    private ServedWorld requireWorld(Optional<String> name, Rights rights) throws CloseReason {
+        List<ServedWorld> open =
+                meant(Optional.empty()).stream()
+                        .filter(world -> rights.opensWorld(world.name()))
+                        .toList();
+        List<ServedWorld> meant = name.isPresent() || open.isEmpty() ? meant(name) : open;
+        if (meant.size() == 1) {
+            return meant.getFirst();
+        }
+        String problem =
+                name.map(unknown -> "this server has no world " + Text.quote(unknown))
+                        .orElse("this server has " + open.size() + " worlds");
+        String names =
+                open.stream()
+                        .map(world -> Text.quote(world.name()))
+                        .collect(Collectors.joining(" or "));
+        throw CloseReason.refused("no-such-world", problem, "say hello with \"world\": " + names);
+    }
+
+    /** The worlds of that name, or all; not those that have ended. */
+    private List<ServedWorld> meant(Optional<String> name) {
+        return worlds.stream()
+                .filter(world -> !world.hasEnded())
+                .filter(world -> name.isEmpty() || name.get().equals(world.name()))
+                .toList();
+    }
+
+    /** What the client's token says it may; nothing where the server asks for none. */
+    private Optional<AgentToken> requireToken(Connection connection, ClientMessage.Hello hello)
+            throws CloseReason {
+        if (tokens.isEmpty()) {
+            return Optional.empty();
+        }
+        Optional<AgentToken> token = tokens.get().find(hello.token().orElse(""));
+        if (token.isEmpty()) {
+            countWrong(connection);
+            throw CloseReason.refused(
+                    "bad-token",
+                    "this server takes a token, and there was none or a wrong one",
+                    "say hello with the \"token\" that whoever runs the server gave you");
+        }
+        return token;
+    }
+
+    /** Only what is wrong counts: a right token opens the server from any address. */
+    private void countWrong(Connection connection) throws CloseReason {
+        if (!attempts.take(connection.address(), System.nanoTime())) {
+            throw CloseReason.cut(
+                    "too-many-attempts",
+                    "too many wrong tokens came from your address; try again later");
+        }
+    }
+
+    private static void requireOpen(
+            ClientMessage.Hello hello, Role role, Optional<AgentToken> token, ServedWorld world)
+            throws CloseReason {
+        Rights rights = token.map(AgentToken::rights).orElse(Rights.ALL);
+        if (token.isPresent() && !token.get().name().equals(hello.name())) {
+            throw CloseReason.refused(
+                    "not-permitted",
+                    "your token is for another name than " + Text.quote(hello.name()),
+                    "say hello with the name that it was made for");
+        }
+        if (!rights.roles().contains(role)) {
+            throw CloseReason.refused(
+                    "not-permitted",
+                    "your token does not open the role " + role.wireName(),
+                    "it opens " + rights.roles().stream().map(Role::wireName).sorted().toList());
+        }
+        if (hello.lockStep().isPresent() && !rights.lockStep()) {
+            throw CloseReason.refused(
+                    "not-permitted",
+                    "your token does not let the world wait for you",
+                    "leave out time, or ask for a token with lock-step");
+        }
+        if (!rights.opensWorld(world.name())) {
+            throw CloseReason.refused(
+                    "not-permitted",
+                    "your token does not open the world " + world.name(),
+                    "ask whoever runs the server for one that does");
+        }
+    }
+
+    private static Role requireAcceptable(ClientMessage.Hello hello) throws CloseReason {
+        if (hello.protocol() != ClientMessage.PROTOCOL) {
+            throw CloseReason.refused(
+                    "protocol-unsupported",
+                    "this server does not speak protocol " + hello.protocol(),
+                    "say hello with \"protocol\":" + ClientMessage.PROTOCOL);
+        }
+        if (!ClientMessage.Hello.isName(hello.name())) {
+            throw CloseReason.refused(
+                    "bad-name",
+                    Text.quote(hello.name()) + " is no name for an agent",
+                    "use 1 to 64 of A-Z a-z 0-9 _ . - and begin with a letter or digit");
+        }
+        return Role.of(hello.role())
+                .orElseThrow(
+                        () ->
+                                CloseReason.refused(
+                                        "role-unsupported",
+                                        "this server does not know the role "
+                                                + Text.quote(hello.role()),
+                                        "it knows " + Role.names()));
+    }
+}

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.agent.session;
+
+/**
+ * Bounds how often a session may be resumed: some times at once, then {@value #PER_SECOND} times a
+ * second. Guarded by its session.
+ */
+public final class Resumes {
+
+    static final int PER_SECOND = 4;
+
+    private final int most;
+    private double left;
+    private long countedNanos;
+
+    /**
+     * @param most that may be at once
+     */
+    Resumes(int most, long nowNanos) {
+        this.most = most;
+        this.left = most;
+        this.countedNanos = nowNanos;
+    }
+
+    /** Counts a resume. @return false if there were too many */
+    boolean take(long nowNanos) {
+        left = Math.min(most, left + (nowNanos - countedNanos) * PER_SECOND / 1e9);
+        countedNanos = nowNanos;
+        if (left < 1) {
+            return false;
+        }
+        left--;
+        return true;
+    }
+}

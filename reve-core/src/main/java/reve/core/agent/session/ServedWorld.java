@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.agent.session;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.core.agent.auth.AgentToken;
+import reve.core.agent.auth.Rights;
+import reve.core.agent.control.ControlDesk;
+import reve.core.agent.embodiment.AgentCommand;
+import reve.core.agent.embodiment.AgentInput;
+import reve.core.agent.lockstep.Allowance;
+import reve.core.agent.lockstep.Allowances;
+import reve.core.agent.lockstep.LockStep;
+import reve.core.agent.lockstep.Turn;
+import reve.core.agent.net.Connection;
+import reve.core.agent.port.Cameras;
+import reve.core.agent.port.WorldPort;
+import reve.core.agent.protocol.AgentLimits;
+import reve.core.agent.protocol.AgentTimeouts;
+import reve.core.agent.protocol.ClientMessage;
+import reve.core.agent.protocol.CloseReason;
+import reve.core.agent.protocol.Role;
+import reve.core.agent.protocol.ServerMessage;
+import reve.core.agent.protocol.ServerMessage.Limits;
+import reve.core.agent.protocol.ServerMessage.Welcome;
+import reve.core.agent.protocol.Text;
+import reve.core.agent.publish.Publisher;
+import reve.core.frame.FrameGate;
+import reve.core.frame.FramePhase;
+import reve.core.frame.Subscription;
+
+import java.time.Duration;
+import java.util.ArrayDeque;
+import java.util.Deque;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.Set;
+import java.util.concurrent.ConcurrentHashMap;
+
+/** One of the worlds of a server: who is in it, and how they are told and obeyed. */
+public final class ServedWorld implements AutoCloseable {
+
+    /** Agents named in one line of the log. */
+    private static final int MOST_NAMED = 8;
+
+    private final SessionServices services;
+    private final WorldPort port;
+    private final Publisher publisher;
+    private final ControlDesk desk;
+    private final LockStep lockStep;
+    private final Subscription subscription;
+    private final Map<String, Session> sessions = new ConcurrentHashMap<>();
+    private final Deque<AgentCommand> leaving = new ArrayDeque<>();
+    private volatile boolean ended;
+
+    /**
+     * @param waiting how its frame loop waits for agents in lock-step
+     */
+    public ServedWorld(SessionServices services, WorldPort port, LockStep.Waiting waiting) {
+        this.services = services;
+        this.port = port;
+        this.publisher = new Publisher(port, services.log(), this::queueLeaving, services.wake());
+        this.desk = new ControlDesk(port, publisher, services.log());
+        var allowances =
+                new Allowances(
+                        1_000_000_000L / port.framesPerSecond(),
+                        services.timeouts().waiting(),
+                        this::tellWaiting);
+        this.lockStep = new LockStep(port.loop()::wake, desk::lockStep, allowances, waiting);
+        port.loop().setGate(lockStep);
+        this.subscription =
+                port.bus().subscribe(FramePhase.PUBLISH, "agent server", publisher::onFrame);
+    }
+
+    /** Returns the name of the world. */
+    public String name() {
+        return port.world();
+    }
+
+    int framesPerSecond() {
+        return port.framesPerSecond();
+    }
+
+    SessionServices services() {
+        return services;
+    }
+
+    /** Returns what sends its frames to clients. */
+    public Publisher publisher() {
+        return publisher;
+    }
+
+    ControlDesk desk() {
+        return desk;
+    }
+
+    LockStep lockStep() {
+        return lockStep;
+    }
+
+    Cameras cameras() {
+        return port.cameras();
+    }
+
+    /** True if nobody can come in any more. */
+    public boolean hasEnded() {
+        return ended;
+    }
+
+    /** No more frames are made: says bye to everybody who is there. */
+    public void end() {
+        ended = true;
+        sessions.values()
+                .forEach(
+                        session ->
+                                session.end(
+                                        CloseReason.regular(
+                                                "closing",
+                                                "the world " + Text.quote(name()) + " ends")));
+    }
+
+    /** Hears of no more frames. */
+    @Override
+    public void close() {
+        port.loop().setGate(FrameGate.OPEN);
+        subscription.close();
+    }
+
+    /** Ends sessions whose clients did not come back in time. Called every now and then. */
+    public void checkGrace(long nowNanos) {
+        sessions.values().forEach(session -> session.checkGrace(nowNanos));
+    }
+
+    /**
+     * @param current the tokens that open the server now
+     */
+    public void checkTokens(Set<AgentToken> current) {
+        sessions.values().forEach(session -> session.checkToken(current));
+    }
+
+    /** How many there are, with those whose connection broke and may come back. */
+    public int clients() {
+        return sessions.size();
+    }
+
+    /** An allowance is spent, or counts again. Loop's thread; once in a while. */
+    private void tellWaiting(Allowance allowance) {
+        boolean spent = allowance.isSpent();
+        publisher.later(
+                () -> {
+                    List<String> names =
+                            sessions.values().stream()
+                                    .filter(session -> session.has(allowance))
+                                    .map(Session::name)
+                                    .sorted()
+                                    .toList();
+                    sessions.values().forEach(session -> session.tellWaiting(allowance));
+                    String agents =
+                            String.join(", ", names.subList(0, Math.min(names.size(), MOST_NAMED)))
+                                    + (names.size() > MOST_NAMED ? " and others" : "");
+                    if (spent) {
+                        services.log()
+                                .warn(
+                                        "world "
+                                                + Text.quote(name())
+                                                + " no longer waits for agents in lock-step longer"
+                                                + " than a frame: others waited too long for "
+                                                + agents
+                                                + "; serve --waiting allows more");
+                    } else {
+                        services.log()
+                                .info(
+                                        "world "
+                                                + Text.quote(name())
+                                                + " waits for "
+                                                + agents
+                                                + " again, until their deadlines");
+                    }
+                });
+    }
+
+    /** Tells an agent in lock-step whose allowance is spent how long the world waits for it. */
+    Optional<ServerMessage.Event> hurry(@Nullable Turn turn, long frame) {
+        return Optional.ofNullable(turn)
+                .filter(late -> late.allowance().isSpent())
+                .map(late -> waiting(late, frame));
+    }
+
+    ServerMessage.Event waiting(Turn turn, long frame) {
+        return new ServerMessage.Event(
+                frame,
+                "waiting",
+                Map.of("longest", lockStep.allowances().longestWaitNanos(turn) / 1e9));
+    }
+
+    // ---- coming and going ----
+
+    /**
+     * Lets a client in.
+     *
+     * @param token that opened the server for it, if the server takes tokens
+     * @return its session; the welcome comes when the world has taken it
+     * @throws CloseReason if it cannot come in
+     */
+    public Session greet(
+            Connection connection, Role role, ClientMessage.Hello hello, Optional<AgentToken> token)
+            throws CloseReason {
+        var session = new Session(this, connection, role, hello, token);
+        if (sessions.putIfAbsent(hello.name(), session) != null) {
+            throw CloseReason.nameTaken(hello.name());
+        }
+        if (role != Role.AGENT) {
+            publisher.later(() -> session.welcome(Optional.empty(), publisher.published()));
+            return session;
+        }
+        Rights rights = token.map(AgentToken::rights).orElse(Rights.ALL);
+        var join =
+                desk.command(
+                        new AgentInput.Join(hello.name(), hello.body(), rights), session::came);
+        if (!port.commands().offer(join)) {
+            sessions.remove(hello.name());
+            throw CloseReason.refused(
+                    "world-busy", "the world has more to do than fits into a frame", "try again");
+        }
+        lockStep.comes();
+        return session;
+    }
+
+    /** Who is there by that name, or was a moment ago. */
+    public Optional<Session> find(String client) {
+        return Optional.ofNullable(sessions.get(client));
+    }
+
+    Welcome welcome(Session session, ClientMessage.Hello hello, long frame, boolean resumed) {
+        AgentLimits limits = services.limits();
+        AgentTimeouts timeouts = services.timeouts();
+        var told =
+                new Limits(
+                        limits.lineBytes(),
+                        limits.messagesPerSecond(),
+                        limits.actsInFlight(),
+                        seconds(timeouts.idle()),
+                        seconds(timeouts.grace()),
+                        port.agents().items(),
+                        port.agents().worldItems(),
+                        port.agents().eventBytes(),
+                        port.agents().worldEventBytes());
+        return new Welcome(
+                hello.id(),
+                ClientMessage.PROTOCOL,
+                session.role(),
+                hello.name(),
+                session.body(),
+                port.world(),
+                frame,
+                port.framesPerSecond(),
+                session.encoding(),
+                session.rhythm(),
+                Optional.ofNullable(session.ticket()),
+                resumed,
+                told);
+    }
+
+    private static double seconds(Duration duration) {
+        return duration.toMillis() / 1000.0;
+    }
+
+    /** Takes a client out of the world, in the next frame that has room for the command. */
+    synchronized void leave(Session session, String reason) {
+        if (session.role() == Role.AGENT) {
+            leaving.add(desk.command(new AgentInput.Leave(session.name(), reason), outcome -> {}));
+            queueLeaving();
+        } else {
+            sessions.remove(session.name());
+        }
+    }
+
+    /** Once queued, the name is free again: commands of one name keep their order. */
+    private synchronized void queueLeaving() {
+        while (!leaving.isEmpty() && port.commands().offer(leaving.getFirst())) {
+            sessions.remove(leaving.removeFirst().origin());
+        }
+    }
+}

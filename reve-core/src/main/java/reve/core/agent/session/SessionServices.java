@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.agent.session;
+
+import reve.core.agent.net.Counters;
+import reve.core.agent.net.RateLimitedLog;
+import reve.core.agent.protocol.AgentLimits;
+import reve.core.agent.protocol.AgentTimeouts;
+
+/**
+ * What the sessions of all worlds of a server share.
+ *
+ * @param log about clients that have said hello
+ * @param kept sessions without a token that wait for their client
+ * @param wake makes the event loop look for work
+ */
+public record SessionServices(
+        AgentLimits limits,
+        AgentTimeouts timeouts,
+        Counters counters,
+        RateLimitedLog log,
+        KeptSessions kept,
+        Runnable wake) {}

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.file;
+
+import reve.core.world.WorldPrototype;
+
+import java.util.ArrayList;
+import java.util.HashSet;
+import java.util.LinkedHashMap;
+import java.util.LinkedHashSet;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.Set;
+
+/** The items of a world file by name, and the places that refer to them. */
+final class ItemMentions {
+    private final Problems problems;
+
+    /** Items by name; the first of several with the same name. */
+    private final Map<String, Entry> byName = new LinkedHashMap<>();
+
+    private final List<Mention> mentions = new ArrayList<>();
+
+    /** Parent references, by the names of the items that have them. */
+    private final Map<String, Node> parents = new LinkedHashMap<>();
+
+    /** The queryable facts about an item. */
+    private record Entry(Node name, String kind, boolean hasPhysics) {}
+
+    /** A reference to an item, and the requirements on the item. */
+    private record Mention(Node target, String kind, boolean needsPhysics) {}
+
+    ItemMentions(Problems problems) {
+        this.problems = problems;
+    }
+
+    /**
+     * Adds an item.
+     *
+     * @return false, with a problem noted, if the name is already in use
+     */
+    boolean add(Node name, String kind, boolean hasPhysics) {
+        String text = name.text().orElseThrow();
+        Entry first = byName.putIfAbsent(text, new Entry(name, kind, hasPhysics));
+        return first == null
+                || refuse(
+                        name,
+                        "duplicate item name `"
+                                + Node.shorten(text)
+                                + "`, first "
+                                + Problems.place(first.name, name));
+    }
+
+    /** Adds a reference, which is resolved when all items are known. */
+    void mention(Node target, String kind, boolean needsPhysics) {
+        mentions.add(new Mention(target, kind, needsPhysics));
+    }
+
+    /** Adds a reference as {@link #mention} does, to an item's parent. */
+    void mentionParent(String item, Node parent) {
+        parents.put(item, parent);
+        mention(parent, WorldPrototype.BODY, false);
+    }
+
+    /** Resolves all references, and notes problems. Called when all items are known. */
+    void resolve() {
+        for (Mention mention : mentions) {
+            if (problems.full()) {
+                break;
+            }
+            resolve(mention);
+        }
+        refuseCircles();
+        LookAlikes.warn(byName.values().stream().map(Entry::name).toList(), problems);
+    }
+
+    /**
+     * Returns the names in a list that are bodies which agents may take; notes problems with the
+     * others.
+     */
+    List<String> bodies(Node list) {
+        List<String> names = new ArrayList<>();
+        Set<String> seen = new HashSet<>();
+        for (Node node : list.children()) {
+            node.text()
+                    .ifPresent(
+                            name -> {
+                                if (resolve(new Mention(node, WorldPrototype.BODY, false))
+                                        && !seen.add(name)) {
+                                    refuse(node, node.label() + ": `" + name + "` is listed twice");
+                                }
+                                names.add(name);
+                            });
+        }
+        return names;
+    }
+
+    /**
+     * Returns the name of a body with a physics aspect. For any other name it is empty, with a
+     * problem noted.
+     */
+    Optional<String> physicalBody(Node name) {
+        return name.text().filter(text -> resolve(new Mention(name, WorldPrototype.BODY, true)));
+    }
+
+    /**
+     * @return false, with a problem noted, if no item meets the requirements
+     */
+    private boolean resolve(Mention mention) {
+        Node target = mention.target;
+        String name = target.text().orElseThrow();
+        Entry entry = byName.get(name);
+        if (entry == null) {
+            return refuse(
+                    target,
+                    target.label()
+                            + ": no item is named `"
+                            + Node.shorten(name)
+                            + "`"
+                            + problems.suggestion(name, byName.keySet()));
+        }
+        if (!entry.kind.equals(mention.kind)) {
+            return refuse(
+                    target,
+                    target.label()
+                            + ": `"
+                            + name
+                            + "` is a "
+                            + entry.kind
+                            + ", expected a "
+                            + mention.kind);
+        }
+        return !mention.needsPhysics
+                || entry.hasPhysics
+                || refuse(
+                        target,
+                        target.label()
+                                + ": `"
+                                + name
+                                + "` has no `physics`, so nothing "
+                                + "can hold on to it; mass 0 makes a body immovable");
+    }
+
+    private boolean refuse(Node node, String message) {
+        problems.add(node, message);
+        return false;
+    }
+
+    /** Refuses items that are, through any number of parents, their own parent. */
+    private void refuseCircles() {
+        Set<String> free = new HashSet<>();
+        for (String item : parents.keySet()) {
+            Set<String> path = new LinkedHashSet<>();
+            String next = item;
+            while (parents.containsKey(next) && !free.contains(next)) {
+                Node parent = parents.get(next);
+                if (!path.add(next)) {
+                    problems.add(
+                            parent,
+                            "parent: `"
+                                    + Node.shorten(next)
+                                    + "` would be its own parent, by way of "
+                                    + Node.shorten(String.join(", ", path)));
+                    break;
+                }
+                next = parent.text().orElseThrow();
+            }
+            free.addAll(path);
+        }
+    }
+}

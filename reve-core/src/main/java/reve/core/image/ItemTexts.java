@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.image;
+
+import reve.core.file.ItemWriter;
+import reve.core.file.WorldFile;
+import reve.core.file.WorldFileException;
+import reve.core.mesh.Assets;
+import reve.core.world.Action;
+import reve.core.world.ItemDefinition;
+import reve.core.world.ItemId;
+import reve.core.world.ItemSymbols;
+import reve.core.world.Likeness;
+import reve.core.world.Material;
+import reve.core.world.Shape;
+import reve.core.world.WorldPrototype;
+
+import tools.jackson.databind.JsonNode;
+
+import java.util.HashMap;
+import java.util.List;
+import java.util.Map;
+
+/** The codec of items as text of a world file. One thread. */
+final class ItemTexts {
+
+    /** Maximum number of cached texts. Similar items share a text, so a world needs few. */
+    private static final int MAX_KEPT = 10_000;
+
+    private final WorldPrototype prototype;
+    private final Assets assets;
+    private final ItemWriter writer;
+    private final Map<Likeness, String> texts = new HashMap<>();
+
+    ItemTexts(WorldPrototype prototype, Assets assets) {
+        this.prototype = prototype;
+        this.assets = assets;
+        this.writer = new ItemWriter(prototype);
+    }
+
+    /**
+     * Returns everything except id, name, symbols and attachment; items that are equal in the rest
+     * have the same text.
+     */
+    String write(ItemSymbols item) {
+        Likeness likeness = item.likeness();
+        String known = texts.get(likeness);
+        if (known == null) {
+            known =
+                    item.kind().equals(WorldPrototype.WORLD)
+                            ? writer.write(withoutKind(item))
+                            : writer.write(likeness);
+            if (texts.size() < MAX_KEPT) {
+                texts.put(likeness, known);
+            }
+        }
+        return known;
+    }
+
+    String write(Shape shape) {
+        return writer.write(ItemDefinition.named("item").shape(shape).build());
+    }
+
+    String write(Material material) {
+        return writer.write(ItemDefinition.named("item").material(material).build());
+    }
+
+    String write(Action action) {
+        return writer.write(ItemDefinition.named("item").action(action).build());
+    }
+
+    /** Reads the symbolic data of an item with this id and name, except symbols and attachment. */
+    ItemSymbols read(ItemId id, String name, ItemDefinition likeness) {
+        ItemDefinition named =
+                name.equals(WorldPrototype.WORLD) ? constants(likeness) : likeness.renamed(name);
+        return new ItemSymbols(id, named);
+    }
+
+    /**
+     * Returns the complete tree of an item. Symbols are separate, because their names need not be
+     * valid in a world file.
+     */
+    Map<String, Object> tree(ItemDefinition item) {
+        return Map.of("item", writer.write(item.withSymbols(Map.of())), "symbols", item.symbols());
+    }
+
+    ItemDefinition read(JsonNode tree) {
+        return read(Trees.text(tree, "item"))
+                .withSymbols(Trees.values(Trees.field(tree, "symbols")));
+    }
+
+    ItemDefinition read(String text) {
+        try {
+            return WorldFile.parseItem("stored item", text, prototype, assets);
+        } catch (WorldFileException e) {
+            throw new CorruptException("an item cannot be read: " + e.getMessage(), e);
+        }
+    }
+
+    /**
+     * Returns the definition without a kind, because the item of a world's constants has none in a
+     * world file.
+     */
+    private static ItemDefinition withoutKind(ItemSymbols constants) {
+        var definition = ItemDefinition.named("item");
+        constants.actions().forEach(definition::action);
+        return definition.build();
+    }
+
+    private static ItemDefinition constants(ItemDefinition likeness) {
+        var definition = ItemDefinition.named(WorldPrototype.WORLD).kind(WorldPrototype.WORLD);
+        likeness.actions().forEach(definition::action);
+        return definition.build();
+    }
+
+    Shape readShape(String text) {
+        return read(text).shape();
+    }
+
+    Material readMaterial(String text) {
+        return read(text)
+                .material()
+                .orElseThrow(() -> new CorruptException("found no material, expected one"));
+    }
+
+    Action readAction(String text) {
+        List<Action> actions = read(text).actions();
+        if (actions.size() != 1) {
+            throw new CorruptException("found " + actions.size() + " actions, expected one");
+        }
+        return actions.getFirst();
+    }
+}

@@ -1,0 +1,346 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.space;
+
+import java.lang.foreign.MemorySegment;
+import java.util.Arrays;
+import java.util.stream.LongStream;
+
+/**
+ * Search for the boxes that are near, on, inside and touching a box: all four relations in one
+ * descent through a {@link BoxIndex}, in plain arrays, without allocation. {@code Relations}
+ * defines the relations. A subtree is skipped as soon as it cannot contain a wanted box. One
+ * thread.
+ */
+public final class RelatedBoxes {
+
+    /** The relation "inside", the first by name. */
+    public static final int INSIDE = 0;
+
+    /** The relation "near". */
+    public static final int NEAR = 1;
+
+    /** The relation "on". */
+    public static final int ON = 2;
+
+    /** The relation "touching". */
+    public static final int TOUCHING = 3;
+
+    /** Number of relations. */
+    public static final int RELATIONS = 4;
+
+    /** Maximum number of results for one box and relation. */
+    public static final int MOST = 32;
+
+    /** Fraction of the size of two boxes below which a distance counts as zero. */
+    public static final double TOLERANCE = 0.01;
+
+    private static final int AXES = 3;
+    private static final int SIDES = 2 * AXES;
+    private static final int DEEPEST = 128;
+
+    private final BoxIndex index = new BoxIndex();
+    private double[] lows = {};
+    private double[] highs = {};
+    private int count;
+
+    // Indexed by node of the tree.
+    private long[] firstBox = {};
+    private double[] diagonal = {};
+    private double[] lowestTop = {};
+
+    // Nodes still to visit, the relations possible in each, and its distance.
+    private final int[] stack = new int[DEEPEST];
+    private final int[] mayHold = new int[DEEPEST];
+    private final double[] gaps = new double[DEEPEST];
+    private int depth;
+
+    // The box whose relations are searched.
+    private final double[] low = new double[AXES];
+    private final double[] high = new double[AXES];
+    private final double[] closeLow = new double[AXES];
+    private final double[] closeHigh = new double[AXES];
+    private final double[] farLow = new double[AXES];
+    private final double[] farHigh = new double[AXES];
+    private int box;
+    private double size;
+
+    // Results by relation, nearest first.
+    private final int[] found = new int[RELATIONS];
+    private final int[][] boxes = new int[RELATIONS][MOST];
+    private final double[][] distances = new double[RELATIONS][MOST];
+
+    /**
+     * Replaces the boxes. Their order decides between equal distances.
+     *
+     * @param newLows (count x 3) lower corners [m]
+     * @param newHighs (count x 3) upper corners [m]
+     * @return false if they are the same as before
+     */
+    public boolean load(double[] newLows, double[] newHighs, int newCount) {
+        int numbers = AXES * newCount;
+        if (newCount == count
+                && Arrays.equals(lows, 0, numbers, newLows, 0, numbers)
+                && Arrays.equals(highs, 0, numbers, newHighs, 0, numbers)) {
+            return false;
+        }
+        count = newCount;
+        lows = Arrays.copyOf(newLows, numbers);
+        highs = Arrays.copyOf(newHighs, numbers);
+        index.build(
+                MemorySegment.ofArray(LongStream.range(0, count).toArray()),
+                MemorySegment.ofArray(lows),
+                MemorySegment.ofArray(highs),
+                count);
+        describeNodes();
+        return true;
+    }
+
+    private void describeNodes() {
+        int nodes = index.nodes();
+        if (firstBox.length < nodes) {
+            firstBox = new long[nodes];
+            diagonal = new double[nodes];
+            lowestTop = new double[nodes];
+        }
+        double[] sides = index.sides();
+        for (int node = 0; node < nodes; node++) {
+            int at = SIDES * node;
+            if (node < index.size()) {
+                firstBox[node] = index.key(node);
+                diagonal[node] =
+                        diagonal(
+                                sides[at + 3] - sides[at],
+                                sides[at + 4] - sides[at + 1],
+                                sides[at + 5] - sides[at + 2]);
+                lowestTop[node] = sides[at + 4];
+                continue;
+            }
+            int first = index.firstChild(node);
+            int end = index.endOfChildren(node);
+            firstBox[node] = firstBox[first];
+            diagonal[node] = diagonal[first];
+            lowestTop[node] = lowestTop[first];
+            for (int child = first + 1; child < end; child++) {
+                firstBox[node] = Math.min(firstBox[node], firstBox[child]);
+                diagonal[node] = Math.max(diagonal[node], diagonal[child]);
+                lowestTop[node] = Math.min(lowestTop[node], lowestTop[child]);
+            }
+        }
+    }
+
+    private static double diagonal(double x, double y, double z) {
+        return Math.sqrt(x * x + y * y + z * z);
+    }
+
+    /** Returns the number of boxes. */
+    public int size() {
+        return count;
+    }
+
+    /** Finds the boxes to which a box is related. */
+    public void find(int ofBox) {
+        take(ofBox);
+        depth = 0;
+        if (index.size() > 0) {
+            push(index.nodes() - 1);
+        }
+        while (depth > 0) {
+            depth--;
+            int node = stack[depth];
+            double gap = gaps[depth];
+            int wanted = withoutFull(mayHold[depth], gap, firstBox[node]);
+            if (wanted != 0) {
+                if (node < index.size()) {
+                    test(node, gap, wanted);
+                } else {
+                    pushChildren(node);
+                }
+            }
+        }
+    }
+
+    /** Returns the number of boxes that {@link #find} found for a relation. */
+    public int found(int relation) {
+        return found[relation];
+    }
+
+    /** Returns one of these boxes, ordered by gap, then by index. */
+    public int found(int relation, int place) {
+        return boxes[relation][place];
+    }
+
+    private void take(int ofBox) {
+        box = ofBox;
+        System.arraycopy(lows, AXES * box, low, 0, AXES);
+        System.arraycopy(highs, AXES * box, high, 0, AXES);
+        size = diagonal(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
+        double close = size * TOLERANCE;
+        for (int axis = 0; axis < AXES; axis++) {
+            closeLow[axis] = low[axis] - close;
+            closeHigh[axis] = high[axis] + close;
+            farLow[axis] = low[axis] - size;
+            farHigh[axis] = high[axis] + size;
+        }
+        Arrays.fill(found, 0);
+    }
+
+    /** Pushes a node if it may contain a result. */
+    private void push(int node) {
+        if (!meets(node, farLow, farHigh)) {
+            return;
+        }
+        double gap = gap(node);
+        int may = gap <= size ? 1 << NEAR : 0;
+        if (meets(node, closeLow, closeHigh)) {
+            may |= gap <= TOLERANCE * size ? 1 << TOUCHING : 0;
+            may |= mayBeUnder(node) ? 1 << ON : 0;
+            may |= diagonal[node] > size && mayHoldIt(node) ? 1 << INSIDE : 0;
+        }
+        may = withoutFull(may, gap, firstBox[node]);
+        if (may != 0) {
+            stack[depth] = node;
+            mayHold[depth] = may;
+            gaps[depth++] = gap;
+        }
+    }
+
+    /** Pushes the nearest child last, so that it is visited first. */
+    private void pushChildren(int node) {
+        int bottom = depth;
+        int first = index.firstChild(node);
+        int end = index.endOfChildren(node);
+        for (int child = end - 1; child >= first; child--) {
+            int before = depth;
+            push(child);
+            if (depth > before) {
+                sink(bottom);
+            }
+        }
+    }
+
+    private void sink(int bottom) {
+        for (int at = depth - 1;
+                at > bottom
+                        && isBefore(
+                                gaps[at - 1],
+                                firstBox[stack[at - 1]],
+                                gaps[at],
+                                firstBox[stack[at]]);
+                at--) {
+            int node = stack[at];
+            int may = mayHold[at];
+            double gap = gaps[at];
+            stack[at] = stack[at - 1];
+            mayHold[at] = mayHold[at - 1];
+            gaps[at] = gaps[at - 1];
+            stack[at - 1] = node;
+            mayHold[at - 1] = may;
+            gaps[at - 1] = gap;
+        }
+    }
+
+    /**
+     * Returns the relations for which the node may contain a box that precedes one of the results.
+     */
+    private int withoutFull(int relations, double gap, long first) {
+        int left = relations;
+        for (int relation = 0; relation < RELATIONS; relation++) {
+            if (found[relation] == MOST
+                    && !isBefore(
+                            gap, first, distances[relation][MOST - 1], boxes[relation][MOST - 1])) {
+                left &= ~(1 << relation);
+            }
+        }
+        return left;
+    }
+
+    private static boolean isBefore(double gap, long first, double otherGap, long otherFirst) {
+        return gap < otherGap || gap == otherGap && first < otherFirst;
+    }
+
+    /** Tests a leaf for the relations that its bounds left open. */
+    private void test(int leaf, double gap, int wanted) {
+        int other = (int) firstBox[leaf];
+        if (other == box) {
+            return;
+        }
+        double both = Math.min(size, diagonal[leaf]);
+        if ((wanted & 1 << NEAR) != 0 && gap <= both) {
+            add(NEAR, gap, other);
+        }
+        if ((wanted & 1 << TOUCHING) != 0 && gap <= TOLERANCE * both) {
+            add(TOUCHING, gap, other);
+        }
+        if ((wanted & 1 << ON) != 0 && Math.abs(low[1] - lowestTop[leaf]) <= TOLERANCE * both) {
+            add(ON, gap, other);
+        }
+        if ((wanted & 1 << INSIDE) != 0) {
+            add(INSIDE, gap, other);
+        }
+    }
+
+    private void add(int relation, double gap, int other) {
+        int[] others = boxes[relation];
+        double[] theirs = distances[relation];
+        int at = Math.min(found[relation], MOST - 1);
+        found[relation] = at + 1;
+        while (at > 0 && isBefore(gap, other, theirs[at - 1], others[at - 1])) {
+            theirs[at] = theirs[at - 1];
+            others[at] = others[at - 1];
+            at--;
+        }
+        theirs[at] = gap;
+        others[at] = other;
+    }
+
+    // A node's bounds contain those of its boxes, and rounding is monotonic: a condition that holds
+    // for a box holds for the nodes around it.
+
+    private boolean meets(int node, double[] fromLow, double[] toHigh) {
+        double[] sides = index.sides();
+        int at = SIDES * node;
+        return sides[at] <= toHigh[0]
+                && sides[at + 3] >= fromLow[0]
+                && sides[at + 1] <= toHigh[1]
+                && sides[at + 4] >= fromLow[1]
+                && sides[at + 2] <= toHigh[2]
+                && sides[at + 5] >= fromLow[2];
+    }
+
+    private double gap(int node) {
+        double[] sides = index.sides();
+        int at = SIDES * node;
+        double x = Math.max(0, Math.max(sides[at] - high[0], low[0] - sides[at + 3]));
+        double y = Math.max(0, Math.max(sides[at + 1] - high[1], low[1] - sides[at + 4]));
+        double z = Math.max(0, Math.max(sides[at + 2] - high[2], low[2] - sides[at + 5]));
+        double sum = x * x + y * y + z * z;
+        return sum == 0 ? 0 : Math.sqrt(sum);
+    }
+
+    private boolean mayBeUnder(int node) {
+        double tolerance = TOLERANCE * size;
+        return low[1] - index.sides()[SIDES * node + 4] <= tolerance
+                && lowestTop[node] - low[1] <= tolerance
+                && overlaps(node, 0)
+                && overlaps(node, 2);
+    }
+
+    private boolean overlaps(int node, int axis) {
+        double[] sides = index.sides();
+        int at = SIDES * node + axis;
+        return Math.min(high[axis], sides[at + AXES]) > Math.max(low[axis], sides[at]);
+    }
+
+    private boolean mayHoldIt(int node) {
+        double[] sides = index.sides();
+        int at = SIDES * node;
+        double tolerance = TOLERANCE * size;
+        boolean holds = true;
+        for (int axis = 0; axis < AXES; axis++) {
+            holds &=
+                    low[axis] >= sides[at + axis] - tolerance
+                            && high[axis] <= sides[at + AXES + axis] + tolerance;
+        }
+        return holds;
+    }
+}

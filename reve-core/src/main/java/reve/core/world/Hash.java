@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.world;
+
+/** Hash codes for tables whose sizes are powers of 2. */
+final class Hash {
+
+    private Hash() {}
+
+    /** Maps similar codes far apart: the last steps of MurmurHash3 (A. Appleby, 2011). */
+    static int spread(int code) {
+        int hash = (code ^ code >>> 16) * 0x85EBCA6B;
+        hash = (hash ^ hash >>> 13) * 0xC2B2AE35;
+        return hash ^ hash >>> 16;
+    }
+}

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.world;
+
+import org.jspecify.annotations.Nullable;
+
+import java.util.ArrayList;
+import java.util.Collection;
+import java.util.Collections;
+import java.util.List;
+import java.util.Objects;
+import java.util.function.Function;
+
+/** The items of a world by id and by name. World's thread only. */
+final class Items {
+
+    private final ItemIndex<ItemId> byId = new ItemIndex<>(Item::id);
+    private final ItemIndex<String> byName = new ItemIndex<>(Item::name);
+
+    @Nullable Item find(ItemId id) {
+        return byId.find(id);
+    }
+
+    @Nullable Item find(String name) {
+        return byName.find(name);
+    }
+
+    /** Returns the items of some ids, all of which are in the world, in the same order. */
+    List<Item> of(Collection<ItemId> ids) {
+        List<Item> items = new ArrayList<>(ids.size());
+        for (ItemId id : ids) {
+            items.add(Objects.requireNonNull(byId.find(id)));
+        }
+        return Collections.unmodifiableList(items);
+    }
+
+    void addAll(List<Item> items) {
+        byId.makeRoom(items.size());
+        byName.makeRoom(items.size());
+        for (Item item : items) {
+            byId.add(item);
+            byName.add(item);
+        }
+    }
+
+    void remove(Item item) {
+        byId.remove(item);
+        byName.remove(item);
+    }
+
+    /** Changes the symbolic data of an item, its name included. */
+    void rename(Item item, ItemSymbols changed) {
+        byName.remove(item);
+        item.change(changed);
+        byName.add(item);
+    }
+
+    /**
+     * Replaces the items by those of an image. Items of the same id and kind stay the same objects;
+     * the others count as removed.
+     *
+     * @param create makes an item that was not there
+     */
+    void restore(Collection<ItemSymbols> image, Function<ItemSymbols, Item> create) {
+        List<Item> restored = new ArrayList<>(image.size());
+        for (ItemSymbols symbols : image) {
+            Item item = byId.find(symbols.id());
+            if (item != null && item.kind().equals(symbols.kind())) {
+                item.restore(symbols);
+            } else {
+                item = create.apply(symbols);
+            }
+            restored.add(item);
+        }
+        byId.clear();
+        byName.clear();
+        restored.forEach(byId::add);
+        restored.forEach(byName::add);
+    }
+}

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.world;
+
+import java.util.Set;
+
+/** Names of the symbols that items have without a designer's doing. */
+public final class StandardSymbols {
+
+    static final String NAME = "name";
+    static final String CLASS = "class";
+    static final String DIMENSIONS = "dimensions";
+    static final String LOCATION = "location";
+
+    /** Standard symbols that cannot be set. */
+    public static final Set<String> DERIVED =
+            Set.of(NAME, DIMENSIONS, LOCATION, "near", "on", "inside", "touching");
+
+    private StandardSymbols() {}
+}

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.world;
+
+import org.jspecify.annotations.Nullable;
+import org.pcollections.PMap;
+import org.pcollections.TreePMap;
+
+import java.util.HashMap;
+import java.util.List;
+import java.util.Map;
+
+/**
+ * The symbolic data of all items of a world as one immutable version, with an index of symbols and
+ * counts of items by maker. World's thread only.
+ */
+final class Symbols {
+
+    private final SymbolIndex bySymbol = new SymbolIndex();
+    private PMap<ItemId, ItemSymbols> all = TreePMap.empty();
+
+    /** The likeness of the item added last: the next one often has an equal one. */
+    private @Nullable Likeness latest;
+
+    /** Numbers of items by the agent that made them; contains no 0. */
+    private final Map<String, Integer> made = new HashMap<>();
+
+    private int madeInAll;
+    private long lastId;
+    private long removals;
+
+    /** Returns the symbolic data of a new item, under a new id. */
+    ItemSymbols create(ItemDefinition definition, @Nullable String maker) {
+        Likeness likeness = Likeness.of(definition);
+        if (likeness.equals(latest)) {
+            likeness = latest;
+        }
+        latest = likeness;
+        return new ItemSymbols(new ItemId(++lastId), definition, likeness, maker);
+    }
+
+    /** Returns the highest id that was ever given out. */
+    long lastId() {
+        return lastId;
+    }
+
+    /** Returns the symbolic data of all items, in the order of their ids. */
+    PMap<ItemId, ItemSymbols> all() {
+        return all;
+    }
+
+    /** Returns the name of an item that is in the world. */
+    String name(ItemId id) {
+        return all.get(id).name();
+    }
+
+    /** Returns the items whose symbol has a value, in the order of their ids; a copy. */
+    List<ItemId> with(String symbol, Object value) {
+        return bySymbol.find(symbol, value, all.values());
+    }
+
+    /** Returns how many items there are that actions of an agent created. */
+    int made(String agent) {
+        return made.getOrDefault(agent, 0);
+    }
+
+    /** Returns how many items there are that actions of agents created. */
+    int made() {
+        return madeInAll;
+    }
+
+    void add(ItemSymbols item) {
+        all = all.plus(item.id(), item);
+        bySymbol.add(item);
+        count(item, 1);
+    }
+
+    /** Returns a number that each removal raises, also a removal by an image. */
+    long removals() {
+        return removals;
+    }
+
+    void remove(ItemSymbols item) {
+        removals++;
+        all = all.minus(item.id());
+        bySymbol.remove(item);
+        count(item, -1);
+    }
+
+    /** Replaces the symbolic data of one item. */
+    void replace(ItemSymbols before, ItemSymbols after) {
+        bySymbol.remove(before);
+        bySymbol.add(after);
+        all = all.plus(after.id(), after);
+    }
+
+    /** Replaces all by the symbolic data of an image. */
+    void restore(PMap<ItemId, ItemSymbols> other, long otherLastId) {
+        removals++;
+        bySymbol.clear();
+        all = other;
+        made.clear();
+        madeInAll = 0;
+        all.values().forEach(item -> count(item, 1));
+        lastId = otherLastId;
+    }
+
+    private void count(ItemSymbols item, int more) {
+        if (item.maker() != null) {
+            madeInAll += more;
+            made.merge(item.maker(), more, (known, _) -> known + more == 0 ? null : known + more);
+        }
+    }
+}

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.pe.adapter;
+
+import reve.core.world.Table;
+import reve.pe.PhysicsEngine;
+
+import java.util.HashMap;
+import java.util.Map;
+
+/** The items in the engine's rows of a table at the last update. World's thread only. */
+final class BoundRows {
+    private final Table table;
+    private long[] items = {};
+
+    BoundRows(Table table) {
+        this.table = table;
+    }
+
+    /**
+     * Notifies the engine of items that moved to other rows since the last call, so that the state
+     * of laws follows them. Called before the engine receives the new number of rows.
+     */
+    void follow(PhysicsEngine engine) {
+        long[] now = new long[table.physicsRowCount()];
+        for (int row = 0; row < now.length; row++) {
+            now[row] = table.idAt(row).value();
+        }
+        Map<Long, Integer> left = new HashMap<>();
+        for (int row = 0; row < items.length; row++) {
+            if (row >= now.length || now[row] != items[row]) {
+                left.put(items[row], row);
+            }
+        }
+        // From the front, because an item that left a row has then already moved to an earlier one.
+        for (int row = 0; row < Math.min(now.length, items.length); row++) {
+            if (now[row] != items[row]) {
+                int from = left.getOrDefault(now[row], -1);
+                engine.moveRow(table.kind(), from > row ? from : row, row);
+            }
+        }
+        items = now;
+    }
+}

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.pe.adapter;
+
+import reve.core.world.Column;
+import reve.core.world.ColumnArena;
+import reve.core.world.Item;
+import reve.core.world.Table;
+import reve.core.world.World;
+import reve.pe.PhysicalPropertyProvider;
+import reve.pe.PhysicsEngine;
+import reve.pe.PropertyDescriptor;
+import reve.pe.ScalarType;
+
+import java.util.ArrayList;
+import java.util.Arrays;
+import java.util.List;
+import java.util.Optional;
+import java.util.Set;
+
+/** The columns of a world that are bound to an engine. World's thread only. */
+final class BoundWorld {
+    private final World world;
+    private final PhysicsEngine engine;
+    private final PhysicalPropertyProvider provider;
+
+    /**
+     * Columns come first: they depend on no other property, and the engine must release old memory.
+     */
+    private final BoundProperty[] properties;
+
+    private final List<BoundRows> rows;
+    private long boundLayout = -1;
+
+    BoundWorld(World world, PhysicsEngine engine, ColumnArena arena) {
+        this.world = world;
+        this.engine = engine;
+        this.provider = engine.propertyProvider();
+        List<BoundProperty> inPlace = new ArrayList<>();
+        List<BoundProperty> references = new ArrayList<>();
+        for (PropertyDescriptor property : engine.prototype().properties()) {
+            if (property.type() == ScalarType.FIELD) {
+                continue; // the world has no fields; law libraries provide them
+            }
+            Table table = world.table(property.kind());
+            List<Column> columns =
+                    PropertyNames.columns(property.kind(), property.name()).stream()
+                            .map(table::column)
+                            .toList();
+            if (property.refersTo() == null) {
+                inPlace.add(new BoundColumn(property.name(), table, columns.getFirst()));
+            } else {
+                references.add(
+                        new BoundReferences(
+                                property.name(),
+                                world,
+                                table,
+                                world.table(property.refersTo()),
+                                columns,
+                                arena));
+            }
+        }
+        inPlace.addAll(references);
+        properties = inPlace.toArray(BoundProperty[]::new);
+        rows = inPlace.stream().map(BoundProperty::table).distinct().map(BoundRows::new).toList();
+    }
+
+    /**
+     * Passes changes of the world to the engine; costs almost nothing if nothing changed.
+     *
+     * @throws IllegalStateException naming item and property if a reference is invalid
+     */
+    void update() {
+        if (world.layoutVersion() != boundLayout) {
+            rows.forEach(table -> table.follow(engine));
+            for (BoundProperty property : properties) {
+                property.bind(provider);
+            }
+            boundLayout = world.layoutVersion();
+        } else {
+            for (BoundProperty property : properties) {
+                property.touchIfEdited(provider);
+            }
+        }
+    }
+
+    /** Returns the layout of the world at the last update; -1 before the first. */
+    long boundLayout() {
+        return boundLayout;
+    }
+
+    /** Returns the in-place columns of these properties, in a fixed order. */
+    List<BoundColumn> columns(Set<String> names) {
+        return Arrays.stream(properties)
+                .filter(property -> names.contains(property.name()))
+                .filter(BoundColumn.class::isInstance)
+                .map(BoundColumn.class::cast)
+                .toList();
+    }
+
+    /** Returns the item in one of the engine's rows of a kind. */
+    Optional<Item> item(String kind, long row) {
+        return Arrays.stream(properties)
+                .map(BoundProperty::table)
+                .filter(table -> table.kind().equals(kind))
+                .findFirst()
+                .filter(table -> row < table.physicsRowCount())
+                .map(table -> world.item(table.idAt((int) row)));
+    }
+}
