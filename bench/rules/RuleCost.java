@@ -55,7 +55,7 @@ class RuleCost {
                             Optional.empty(),
                             Scope.ofItem(prototype, "body").compile("physics.temperature > 350"),
                             "");
-            var rules = new Rules(world, List.of(rule));
+            var rules = new Rules(world, List.of(rule), 40_000_000);
             int rounds = Integer.parseInt(arguments[0]);
             report("unchanged", world, rules, false, rounds);
             report("changed", world, rules, true, rounds);

@@ -4,7 +4,8 @@
 
     tests/siege/agents.py [--seconds 20] [--only ATTACK ...] [--json]
 
-For each attack a server is started on tests/siege/square.yaml or library.yaml. Three innocent agents join: `steady`
+For each attack a server is started on tests/siege/square.yaml, library.yaml or
+archive.yaml. Three innocent agents join: `steady`
 perceives every frame, `slow` does too but reads nothing for 3 s of every 4, and `learner` is in
 lock-step and ready at once. Their rates are measured alone, then beside the attack. Each attack
 runs in processes of its own. A line tells perceptions a second of `steady` (which are the frames
@@ -30,6 +31,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent.parent
 SQUARE = ROOT / "tests/siege/square.yaml"
 LIBRARY = ROOT / "tests/siege/library.yaml"
+ARCHIVE = ROOT / "tests/siege/archive.yaml"
 HOST = "127.0.0.1"
 BASELINE_SECONDS = 4
 PATIENCE_SECONDS = 30
@@ -233,6 +235,24 @@ def readers(port, me, again=False):
                     replace(key)
 
 
+def fill(port, me, acts=None):
+    """Changes the lists of all shelves in turn; comes under another name after some acts."""
+    shelves = [f"shelf {i} {j}" for i in range(1, 41) for j in range(1, 26)]
+    for n in range(10**9):
+        client = Client(port, f"mallory-{me}-{n}")
+        client.await_("welcome")
+        begun = min(acts or 60, 60)
+        client.send(*(client.act(shelves[k], "fill", {"first": f"{me} {n}"}) for k in range(begun)))
+        results = 0
+        while acts is None or results < acts:
+            if client.read()["t"] == "result":
+                results += 1
+                if acts is None:
+                    shelf = shelves[client.number % len(shelves)]
+                    client.send(client.act(shelf, "fill", {"first": f"{me} {client.number}"}))
+        client.close()
+
+
 def mute(port, me):
     """Connections that never say hello, or say it a byte a second."""
     waiting = []
@@ -317,6 +337,16 @@ ATTACKS = {
         [functools.partial(readers, again=True)] * 2,
         "300 observers who ask for 5,000 long texts five times a second",
         LIBRARY,
+    ),
+    "rules": (
+        [fill] * 2,
+        "acts that change what 25 costly rules read, of 1,000 items",
+        ARCHIVE,
+    ),
+    "rules-anew": (
+        [functools.partial(fill, acts=3)] * 2,
+        "the same under ever new names",
+        ARCHIVE,
     ),
     "mute": ([mute] * 2, "1,600 connections that never say hello"),
     "lines": ([long_lines] * 2, "lines of 65,000 characters"),

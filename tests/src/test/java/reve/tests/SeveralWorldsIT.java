@@ -14,6 +14,7 @@ import reve.core.file.WorldDescription;
 import reve.core.file.WorldFile;
 import reve.core.frame.Pacing;
 import reve.core.frame.Timing;
+import reve.core.rule.Rules;
 import reve.core.world.Action;
 import reve.core.world.ActionCall;
 import reve.core.world.ItemDefinition;
@@ -249,6 +250,7 @@ class SeveralWorldsIT {
                 Optional.empty(),
                 new AgentPolicy(List.of(), Optional.of(body)),
                 List.of(),
+                Rules.DEFAULT_STEPS,
                 List.of(bomb),
                 List.of(),
                 List.of());

@@ -34,10 +34,10 @@ public record AgentPolicy(
         int most) {
 
     /** Default maximum number of items that one agent creates. */
-    public static final int DEFAULT_ITEMS = 1000;
+    public static final int DEFAULT_ITEMS = 200;
 
     /** Default maximum number of items that all agents create. */
-    public static final int DEFAULT_WORLD_ITEMS = 5000;
+    public static final int DEFAULT_WORLD_ITEMS = 1000;
 
     /** Default maximum number of agents. */
     public static final int DEFAULT_MOST = 256;

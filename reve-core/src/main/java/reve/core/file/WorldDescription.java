@@ -3,6 +3,7 @@ package reve.core.file;
 
 import reve.core.frame.Timing;
 import reve.core.rule.Rule;
+import reve.core.rule.Rules;
 import reve.core.world.ColumnArena;
 import reve.core.world.Force;
 import reve.core.world.Item;
@@ -30,6 +31,7 @@ import java.util.Optional;
  *     unit]
  * @param camera viewpoint of pictures; empty fits them to the bodies
  * @param rules that compute symbols, in order of evaluation
+ * @param ruleSteps maximum number of steps of all rules in one frame
  * @param items in the order of the file; they may refer to each other
  * @param forces on items, in the order of summation
  * @param warnings about the file
@@ -45,6 +47,7 @@ public record WorldDescription(
         Optional<CameraDescription> camera,
         AgentPolicy agents,
         List<Rule> rules,
+        long ruleSteps,
         List<ItemDefinition> items,
         List<LastingForce> forces,
         List<Problem> warnings) {
@@ -71,6 +74,7 @@ public record WorldDescription(
                 Optional.empty(),
                 AgentPolicy.none(),
                 List.of(),
+                Rules.DEFAULT_STEPS,
                 List.of(),
                 List.of(),
                 List.of());
@@ -79,8 +83,8 @@ public record WorldDescription(
     /** Returns this description with other laws. */
     public WorldDescription withLaws(List<LawReference> others) {
         return new WorldDescription(
-                name, doc, prototype, timing, age, others, constants, camera, agents, rules, items,
-                forces, warnings);
+                name, doc, prototype, timing, age, others, constants, camera, agents, rules,
+                ruleSteps, items, forces, warnings);
     }
 
     /**
@@ -139,6 +143,7 @@ public record WorldDescription(
                 camera,
                 agents.withBodies(bodies),
                 rules,
+                ruleSteps,
                 inOrderOfRows(world).stream().map(Item::definition).toList(),
                 forcesIn(world),
                 List.of());

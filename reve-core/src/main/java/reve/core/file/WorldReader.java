@@ -4,6 +4,7 @@ package reve.core.file;
 import reve.core.frame.Timing;
 import reve.core.mesh.Assets;
 import reve.core.rule.Rule;
+import reve.core.rule.Rules;
 import reve.core.text.VisibleName;
 import reve.core.unit.Unit;
 import reve.core.world.ItemDefinition;
@@ -93,6 +94,7 @@ final class WorldReader {
                 camera,
                 agents,
                 rules,
+                wholeNumber(root.get("frame"), "ruleSteps", Rules.DEFAULT_STEPS),
                 items,
                 forces,
                 problems.warnings());

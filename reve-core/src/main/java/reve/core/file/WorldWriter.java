@@ -2,6 +2,7 @@
 package reve.core.file;
 
 import reve.core.rule.Rule;
+import reve.core.rule.Rules;
 import reve.core.unit.Unit;
 import reve.core.world.PropertyDescriptor;
 import reve.core.world.ScalarType;
@@ -189,6 +190,7 @@ public final class WorldWriter {
         if (world.age() > 0) {
             tree.put("age", YamlWriter.Numeral.of((double) world.age()));
         }
+        putUnless(tree, "ruleSteps", (int) world.ruleSteps(), (int) Rules.DEFAULT_STEPS);
         return tree;
     }
 

@@ -26,6 +26,9 @@ import java.util.function.BooleanSupplier;
  * the same in, the same out.
  */
 final class RuleKeeper {
+    /** Returned by {@link #update} when no item is left. */
+    static final int COMPLETE = -1;
+
     private static final String CLASS = "class";
     private static final String PHYSICS = "physics.";
     private static final String PHYSICAL = "physical.";
@@ -46,7 +49,6 @@ final class RuleKeeper {
     private long[] numbers = {};
     private @Nullable Object[] texts = {};
     private boolean told;
-    private boolean disabled;
     private long steps;
 
     /** The item that the rule was evaluated for last. */
@@ -93,31 +95,27 @@ final class RuleKeeper {
         return true;
     }
 
-    /** Everything counts as changed, and the rule is enabled; no item has the id 0. */
+    /** Everything counts as changed; no item has the id 0. */
     void forget() {
-        disabled = false;
         Arrays.fill(ids, 0);
     }
 
     /**
-     * Evaluates the rule for the items that have changed. Ends early if the rule takes more than
-     * its steps, or if told to; the next update continues with the items that are left.
+     * Evaluates the rule for the items that have changed, from a row on. Ends early if the rule
+     * takes more than its steps, or if told to.
      *
      * @param most steps of this update; the evaluation that exceeds them is the last one
      * @param ends whether to end early for another reason
-     * @return the steps taken
+     * @return the row to continue with, or {@link #COMPLETE}
      */
-    long update(long frame, long most, BooleanSupplier ends) {
+    int update(long frame, int fromRow, long most, BooleanSupplier ends) {
         steps = 0;
-        if (!disabled) {
-            world.activity().begin(this);
-            try {
-                updateRows(frame, most, ends);
-            } finally {
-                world.activity().end();
-            }
+        world.activity().begin(this);
+        try {
+            return updateRows(frame, fromRow, most, ends);
+        } finally {
+            world.activity().end();
         }
-        return steps;
     }
 
     /** Returns the steps of the last update. */
@@ -126,15 +124,11 @@ final class RuleKeeper {
     }
 
     /**
-     * Removes the rule's symbol from all items, and gives it to none until {@link #forget}.
+     * Reports that rules take too many steps.
      *
      * @param why follows the rule's name in the message of the fault
      */
-    void disable(long frame, String why) {
-        disabled = true;
-        for (int row = 0; row < table.rowCount(); row++) {
-            itemAt(row).semantic().derive(rule.symbol(), null);
-        }
+    void reportTooManySteps(long frame, String why) {
         raise(frame, "TooManySteps", "rule " + rule.symbol() + " " + why);
     }
 
@@ -150,14 +144,13 @@ final class RuleKeeper {
                 + "`";
     }
 
-    private void updateRows(long frame, long most, BooleanSupplier ends) {
+    private int updateRows(long frame, int fromRow, long most, BooleanSupplier ends) {
         int rows = rule.needsPhysics() ? table.physicsRowCount() : table.rowCount();
         makeRoom(rows);
-        for (int row = 0; row < rows; row++) {
+        for (int row = fromRow; row < rows; row++) {
             if (steps > most || ends.getAsBoolean()) {
-                return;
+                return row;
             }
-            steps++;
             Item item = itemAt(row);
             if (hasChanged(row, item) || !listed) {
                 give(item, applies(item) ? evaluate(item, frame) : null, frame);
@@ -166,6 +159,7 @@ final class RuleKeeper {
         for (int row = rows; row < table.rowCount(); row++) {
             give(itemAt(row), null, frame); // scenery that had physics
         }
+        return COMPLETE;
     }
 
     private Item itemAt(int row) {
@@ -217,7 +211,9 @@ final class RuleKeeper {
             tell(item, frame, failed);
             return null;
         } finally {
-            steps += bindings.steps() - before;
+            long taken = 1 + bindings.steps() - before;
+            steps += taken;
+            world.charges().charge(item.id(), taken);
         }
     }
 

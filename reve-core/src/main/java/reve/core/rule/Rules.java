@@ -15,26 +15,46 @@ import java.util.function.BooleanSupplier;
  * Keeps the symbols that rules give to items current. Rules are evaluated in their order, so that
  * one may read what those before it gave in the same frame, and only for items of which something
  * that they read has changed. One that gives no value for an item leaves it without the symbol,
- * which is told once per rule. World's thread.
+ * which is reported once per rule. World's thread.
  *
- * <p>All rules share the steps of a frame. Where they take more, the rule that took the most of
- * them is disabled for as long as the world runs, and the items that are left are evaluated in the
- * next frame. Steps are counted, never time, so this happens in the same frame on every machine.
+ * <p>All rules share the steps of a frame. If they need more, the items that are left keep their
+ * symbols and are evaluated in the next frames, so that rules never delay a frame for long. The
+ * first update, and the first after {@link #forget}, may take more, so that a large world begins
+ * complete. Steps are counted, never time: the same items are evaluated in the same frames on every
+ * machine.
  */
 public final class Rules {
-    /** Most steps of all rules in one frame, of about 0.1 microseconds. */
-    static final long STEPS_PER_FRAME = 40_000_000;
+    /** Default maximum number of steps of all rules in one frame, about 20 ms. */
+    public static final long DEFAULT_STEPS = 200_000;
 
+    /** Maximum number of steps of the first update, about 4 s. */
+    static final long FIRST_STEPS = 40_000_000;
+
+    private final World world;
     private final long stepsPerFrame;
+    private final long firstSteps;
     private final List<RuleKeeper> keepers = new ArrayList<>();
 
-    /** With the usual steps per frame. */
-    public Rules(World world, List<Rule> rules) {
-        this(world, rules, STEPS_PER_FRAME);
+    private boolean first = true;
+    private boolean reported;
+
+    /** Where the next update begins: the rule and the row. */
+    private int nextKeeper;
+
+    private int nextRow;
+
+    /**
+     * @param rules of the world, in order of evaluation
+     * @param stepsPerFrame maximum number of steps in one frame
+     */
+    public Rules(World world, List<Rule> rules, long stepsPerFrame) {
+        this(world, rules, stepsPerFrame, FIRST_STEPS);
     }
 
-    Rules(World world, List<Rule> rules, long stepsPerFrame) {
+    Rules(World world, List<Rule> rules, long stepsPerFrame, long firstSteps) {
+        this.world = world;
         this.stepsPerFrame = stepsPerFrame;
+        this.firstSteps = firstSteps;
         rules.forEach(rule -> keepers.add(new RuleKeeper(world, rule)));
     }
 
@@ -49,9 +69,13 @@ public final class Rules {
 
     /**
      * The world was restored: what its items have may be other than what they were given here.
-     * Disabled rules are evaluated again, so that what follows depends on the world alone.
+     * Everything is evaluated again, so that what follows depends on the world alone.
      */
     public void forget() {
+        first = true;
+        reported = false;
+        nextKeeper = 0;
+        nextRow = 0;
         keepers.forEach(RuleKeeper::forget);
     }
 
@@ -61,29 +85,50 @@ public final class Rules {
     }
 
     private void update(long frame, BooleanSupplier stopped) {
-        long left = stepsPerFrame;
-        for (int i = 0; i < keepers.size() && !stopped.getAsBoolean(); i++) {
-            left -= keepers.get(i).update(frame, left, stopped);
-            if (left < 0) {
-                disableCostliest(frame, keepers.subList(0, i + 1), stepsPerFrame - left);
+        long most = first ? firstSteps : stepsPerFrame;
+        first = false;
+        if (nextKeeper == 0 && nextRow == 0) {
+            world.charges().beginPass();
+        }
+        long left = most;
+        int firstKeeper = nextKeeper;
+        for (int i = nextKeeper; i < keepers.size(); i++) {
+            RuleKeeper keeper = keepers.get(i);
+            nextKeeper = i;
+            nextRow = keeper.update(frame, nextRow, left, stopped);
+            left -= keeper.steps();
+            if (nextRow != RuleKeeper.COMPLETE) {
+                if (left < 0) {
+                    report(frame, keepers.subList(firstKeeper, i + 1), most, most - left);
+                }
                 return;
             }
+            nextRow = 0;
         }
+        nextKeeper = 0;
     }
 
-    private void disableCostliest(long frame, List<RuleKeeper> evaluated, long steps) {
+    /** Reports once that symbols may be old from now on, and names the costliest rule. */
+    private void report(long frame, List<RuleKeeper> evaluated, long most, long steps) {
+        if (reported) {
+            return;
+        }
+        reported = true;
         RuleKeeper costliest =
                 evaluated.stream().max(Comparator.comparingLong(RuleKeeper::steps)).orElseThrow();
-        costliest.disable(
+        costliest.reportTooManySteps(
                 frame,
                 String.format(
                         Locale.ROOT,
-                        "took %,d of %,d steps in frame %d, expected at most %,d for all rules: it"
-                                + " is disabled and no item has its symbol; let it loop over less, read"
-                                + " fewer relations, or hold for a class of items",
+                        "took %,d of %,d steps in frame %d, expected at most %,d for all rules of a"
+                                + " frame: from now on symbols of rules may be some frames old; let"
+                                + " the rule loop over less, read fewer relations or hold for a"
+                                + " class of items, or raise `frame: {ruleSteps: %d}` (reported"
+                                + " once)",
                         costliest.steps(),
                         steps,
                         frame,
+                        most,
                         stepsPerFrame));
     }
 }

@@ -11,6 +11,7 @@ final class FrameRecord {
 
     private final FrameLog<WorldEvent> events = new FrameLog<>(Integer.MAX_VALUE);
     private final FrameLog<WorldChange> changes = new FrameLog<>(MAX_CHANGES);
+    private final Charges charges = new Charges();
     private long period = 1;
 
     void raise(WorldEvent event) {
@@ -19,6 +20,11 @@ final class FrameRecord {
 
     void note(WorldChange change) {
         changes.add(change);
+        charges.note(change);
+    }
+
+    Charges charges() {
+        return charges;
     }
 
     /** Returns a number, 1 or more, that rises when entries begin to belong to another frame. */

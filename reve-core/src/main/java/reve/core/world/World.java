@@ -402,6 +402,12 @@ public final class World {
         return arrests;
     }
 
+    /** Steps that are charged to the agents whose acts caused them. */
+    public Charges charges() {
+        data.guard.checkOwner();
+        return data.record.charges();
+    }
+
     FrameControl frameControl() {
         return frameControl;
     }

@@ -92,7 +92,7 @@ class ActivityTest {
 
     @Test
     void otherThreadsSeeWhichRuleIsEvaluatedForWhichItem() throws Exception {
-        Rules rules = new Rules(world, description.rules());
+        Rules rules = new Rules(world, description.rules(), description.ruleSteps());
 
         assertSeen(
                 "rule crowded of pot: `semantic.near.all(n, n != 'x') && physics.mass > 1`",

@@ -51,7 +51,7 @@ class SemanticsDocumentTest {
         try (var arena = new OffHeapArena()) {
             World world = description.build(arena);
             new BoundingBoxes().update(world);
-            new Rules(world, description.rules()).update(0);
+            new Rules(world, description.rules(), description.ruleSteps()).update(0);
 
             Item soup = world.find("soup").orElseThrow();
             assertThat(soup.semantic().get("hot")).contains(true);

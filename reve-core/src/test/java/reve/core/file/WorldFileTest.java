@@ -401,7 +401,7 @@ class WorldFileTest {
 
         assertThat(agents.bodies()).containsExactly("b", "a");
         assertThat(agents.items()).isEqualTo(3);
-        assertThat(agents.worldItems()).isEqualTo(5000);
+        assertThat(agents.worldItems()).isEqualTo(1000);
         assertThat(agents.eventBytes()).isEqualTo(512);
         assertThat(agents.worldEventBytes()).isEqualTo(262_144);
         assertThat(agents.most()).isEqualTo(7);

@@ -47,7 +47,7 @@ class WorldWriterTest {
                         laws: [drag, {name: barnes_hut, parameters: {theta: 0.7, range: 2 km}}]
                         constants: {gravity: [0, -9.81, 0], softening: 0}
                         camera: {eye: [0, 1, 4], target: [0, 0, 0], fov: 90 deg}
-                        agents: {bodies: [a], body: {physical: {shape: sphere, radius: 1 cm}}, items: 1000,
+                        agents: {bodies: [a], body: {physical: {shape: sphere, radius: 1 cm}}, items: 200,
                           worldItems: 7, eventBytes: 512, worldEventBytes: 1024, most: 12}
                         prefabs: {p: {physics: {mass: 2 g, cell: [1, -2]}}}
                         items:
@@ -177,6 +177,7 @@ class WorldWriterTest {
                 Optional.empty(),
                 AgentPolicy.none(),
                 List.of(),
+                20_000 + random.nextInt(2) * random.nextInt(1_000_000),
                 items,
                 forces,
                 List.of());

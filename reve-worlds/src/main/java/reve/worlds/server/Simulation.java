@@ -126,7 +126,7 @@ public final class Simulation implements AutoCloseable {
             physics = closing.add(new PhysicsAdapter(world, engine, arena));
             physics.laws().guardNames(lawPath::requireOwnName);
             snapshots = new SnapshotRing(world, SNAPSHOT_SLOTS);
-            rules = new Rules(world, description.rules());
+            rules = new Rules(world, description.rules(), description.ruleSteps());
             loop = new FrameLoop(world, bus, description.timing(), pacing);
             image.ifPresentOrElse(this::goOnFrom, this::begin);
         } catch (RuntimeException refused) {

@@ -49,7 +49,8 @@ public final class AgentCommand implements Command {
 
     @Override
     public boolean mustWait(FrameEvent event) {
-        return input instanceof AgentInput.Act && !embodiment.mayAct(input.agent(), event.frame());
+        return input instanceof AgentInput.Act
+                && !embodiment.mayAct(event.world(), input.agent(), event.frame());
     }
 
     @Override

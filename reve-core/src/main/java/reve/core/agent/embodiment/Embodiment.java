@@ -243,7 +243,8 @@ public final class Embodiment {
     // ---- acting ----
 
     /** False if the agent has to wait for a later frame with what it wants to do. */
-    boolean mayAct(String agent, long frame) {
+    boolean mayAct(World world, String agent, long frame) {
+        world.charges().take().forEach((who, cost) -> steps.charge(who, frame, cost));
         return steps.hasLeft(agent, frame);
     }
 
@@ -280,7 +281,7 @@ public final class Embodiment {
                     new WorldEvent(
                             frame, "away", fields("agent", late.agent(), "body", body.name())));
         }
-        if (late.fallback().isPresent() && mayAct(late.agent(), frame)) {
+        if (late.fallback().isPresent() && mayAct(world, late.agent(), frame)) {
             ClientMessage.Fallback fallback = late.fallback().get();
             var act =
                     new AgentInput.Act(
@@ -310,9 +311,11 @@ public final class Embodiment {
             throws ActionRefused {
         long before = world.activity().steps();
         int seen = body.needsSight ? world.table(WorldPrototype.BODY).rowCount() : 0;
+        world.charges().begin(act.agent());
         try {
             act(world, frame, body, act);
         } finally {
+            world.charges().end();
             steps.spend(act.agent(), frame, seen + world.activity().steps() - before);
         }
     }

@@ -70,6 +70,22 @@ final class StepBudget {
         }
     }
 
+    /**
+     * Charges an agent for what the last frame computed because of its acts: the evaluation of
+     * rules that read what they changed.
+     */
+    void charge(String agent, long now, long steps) {
+        refill(now);
+        Account account =
+                accounts.computeIfAbsent(
+                        agent, name -> new Account(now, share(accounts.size() + 1)));
+        account.steps -= steps;
+        account.lastAct = now;
+        if (now - account.firstFrame <= 1) {
+            ofNewcomers -= steps;
+        }
+    }
+
     private void refill(long now) {
         if (now == frame) {
             return;

@@ -73,6 +73,31 @@ class StepBudgetTest {
     }
 
     @Test
+    void stepsThatAnActCausesLaterAreADebtToo() {
+        acts("ann", 1, CHEAP, 1);
+        budget.charge("ann", 2, 10 * StepBudget.MOST);
+        long frame = 2;
+        while (!budget.hasLeft("ann", frame)) {
+            frame++;
+        }
+        assertThat(frame).isBetween(10L, 13L);
+    }
+
+    @Test
+    void stepsThatNewAgentsCauseAreTakenFromWhatNewAgentsShare() {
+        int acts = 0;
+        for (long frame = 1; frame <= 1000; frame++) {
+            String name = "new-" + frame;
+            if (budget.hasLeft(name, frame)) {
+                budget.spend(name, frame, CHEAP);
+                budget.charge(name, frame + 1, 10 * StepBudget.MOST);
+                acts++;
+            }
+        }
+        assertThat(acts).isBetween(90, 110);
+    }
+
+    @Test
     void cheapActsOfANewAgentDoNotWait() {
         assertThat(acts("new", 1, CHEAP, 64)).isEqualTo(64);
     }
