@@ -27,6 +27,7 @@ import java.io.FileDescriptor;
 import java.io.FileOutputStream;
 import java.io.OutputStream;
 import java.io.PrintWriter;
+import java.nio.file.AccessDeniedException;
 import java.nio.file.Path;
 import java.util.List;
 import java.util.stream.Stream;
@@ -146,8 +147,7 @@ public final class Main {
             Exception failure, CommandLine line, CommandLine.ParseResult parsed) {
         PrintWriter err = line.getErr();
         int code = ExitCode.of(failure);
-        String message = failure.getMessage() == null ? failure.toString() : failure.getMessage();
-        LinePrinter.message(err, "reve: " + message);
+        LinePrinter.message(err, "reve: " + message(failure));
         if (code == ExitCode.FAILURE
                 && !(failure instanceof PhysicsException)
                 && Boolean.getBoolean("reve.debug")) {
@@ -155,6 +155,13 @@ public final class Main {
         }
         err.flush();
         return code;
+    }
+
+    private static String message(Exception failure) {
+        if (failure instanceof AccessDeniedException denied && denied.getReason() == null) {
+            return denied.getFile() + ": permission denied";
+        }
+        return failure.getMessage() == null ? failure.toString() : failure.getMessage();
     }
 
     /** The version of the product, the Java runtime and the operating system. */

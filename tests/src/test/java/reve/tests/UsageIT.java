@@ -116,6 +116,21 @@ class UsageIT {
                 .doesNotContain("world.yaml:");
     }
 
+    @Test
+    void tooFewOpenFilesAreRefusedBeforeTheProgramStarts() throws Exception {
+        Outcome outcome =
+                Reve.run(
+                        Stream.concat(
+                                        List.of("bash", "-c", "ulimit -n 40; exec \"$@\"", "bash")
+                                                .stream(),
+                                        Reve.command("run", WORLD).stream())
+                                .toList());
+        assertThat(outcome.code()).isEqualTo(1);
+        assertThat(outcome.err())
+                .hasLineCount(1)
+                .contains("only 40 files", "expected 128 or more", "ulimit -n 4096");
+    }
+
     /** A law library holds the start up for as long as its constructor sleeps. */
     @Test
     void whatIsStoppedWhileItStartsEndsWell() throws Exception {

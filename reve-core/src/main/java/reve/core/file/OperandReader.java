@@ -128,9 +128,14 @@ final class OperandReader {
                             .map(OperandReader::type)
                             .orElse(ExpressionType.ANY));
         }
+        Optional<Object> constant = constant(node);
+        if (constant.isEmpty()) {
+            problems.add(
+                    node,
+                    node.label() + ": expected true or false, a number, a text or a list of these");
+        }
         try {
-            return constant(node)
-                    .map(
+            return constant.map(
                             value ->
                                     SemanticAspect.requireSettable(
                                             physics.prototype(), item, symbol, value))

@@ -15,6 +15,7 @@ import reve.core.world.ItemDefinition;
 import java.lang.management.ManagementFactory;
 import java.nio.charset.StandardCharsets;
 import java.util.List;
+import java.util.concurrent.Callable;
 import java.util.function.IntFunction;
 import java.util.stream.Collectors;
 import java.util.stream.IntStream;
@@ -363,10 +364,19 @@ class CostlyWorldsTest {
                     items: [                    ! '{name: %2$s},'                          ! ']'
                     prefabs: {                  ! '%2$s: {physics: {mass: 1, charge: 2}},' ! '}'
                     """)
-    void timeGrowsAsTheFile(String begin, String piece, String end) throws WorldFileException {
-        long small = nanoseconds(START + begin + times(4000, i -> piece(piece, i)) + end + "\n");
-        long large = nanoseconds(START + begin + times(32000, i -> piece(piece, i)) + end + "\n");
-        assertThat(large).isLessThan(30 * small);
+    void timeGrowsAsTheFile(String begin, String piece, String end) throws Exception {
+        String small = START + begin + times(4000, i -> piece(piece, i)) + end + "\n";
+        String large = START + begin + times(32000, i -> piece(piece, i)) + end + "\n";
+        assertThat(growth(() -> nanoseconds(large), () -> nanoseconds(small))).isLessThan(30);
+    }
+
+    /** The smallest ratio of five: other work on the machine may disturb one measurement. */
+    private static double growth(Callable<Long> ofLarge, Callable<Long> ofSmall) throws Exception {
+        double least = Double.MAX_VALUE;
+        for (int attempt = 0; attempt < 5 && least >= 30; attempt++) {
+            least = Math.min(least, (double) ofLarge.call() / ofSmall.call());
+        }
+        return least;
     }
 
     /** One value, comment or line of signs, which a scanner could copy for each piece it reads. */
@@ -387,13 +397,12 @@ class CostlyWorldsTest {
                     'doc: !<'     ! 'a,'  ! '>'
                     'doc: &'      ! 'a:'  ! ' x'
                     """)
-    void timeGrowsAsOneValue(String begin, String piece, String end) {
+    void timeGrowsAsOneValue(String begin, String piece, String end) throws Exception {
         String opening = START + begin.replace("   ", "\n   ");
-        assertThat(nanosecondsToRefuse(opening + piece.repeat(1_200_000 / piece.length()) + end))
-                .isLessThan(
-                        30
-                                * nanosecondsToRefuse(
-                                        opening + piece.repeat(150_000 / piece.length()) + end));
+        String small = opening + piece.repeat(150_000 / piece.length()) + end;
+        String large = opening + piece.repeat(1_200_000 / piece.length()) + end;
+        assertThat(growth(() -> nanosecondsToRefuse(large), () -> nanosecondsToRefuse(small)))
+                .isLessThan(30);
     }
 
     /** Each bracket looked at the blanks that its line begins with. */

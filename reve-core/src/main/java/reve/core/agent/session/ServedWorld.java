@@ -151,7 +151,7 @@ public final class ServedWorld implements AutoCloseable {
                 () -> {
                     List<String> names =
                             sessions.values().stream()
-                                    .filter(session -> session.has(allowance))
+                                    .filter(session -> session.uses(allowance))
                                     .map(Session::name)
                                     .sorted()
                                     .toList();

@@ -16,7 +16,6 @@ import reve.core.agent.perception.HeardEvent;
 import reve.core.agent.perception.Observatory;
 import reve.core.agent.perception.PerceptionEncoder;
 import reve.core.agent.perception.PerceptionShares;
-import reve.core.agent.perception.Senses;
 import reve.core.agent.perception.View;
 import reve.core.agent.protocol.AgentLimits;
 import reve.core.agent.protocol.AgentTimeouts;
@@ -31,7 +30,6 @@ import reve.core.agent.publish.CameraRequests;
 import reve.core.agent.publish.Perceiver;
 import reve.core.agent.publish.PerceptionRequests;
 import reve.core.world.ItemId;
-import reve.core.world.Sensor;
 import reve.core.world.WorldEvent;
 
 import java.nio.charset.StandardCharsets;
@@ -41,9 +39,9 @@ import java.util.Optional;
 import java.util.Set;
 
 /**
- * One client from its hello to its leave: who it is, what it has asked for, which commands it has
- * given. It outlives a broken connection for as long as its hello asked for; another connection
- * that knows its token goes on with it.
+ * One client from its hello until it leaves: its identity, its requests and its commands. The
+ * session outlives a broken connection for as long as the client requested; another connection that
+ * knows its token continues it. Any thread, unless stated otherwise.
  */
 public final class Session implements Client, Perceiver {
 
@@ -61,11 +59,9 @@ public final class Session implements Client, Perceiver {
     private final Optional<AgentToken> token;
     private final String secret;
 
-    /** Null for who is not in lock-step. */
-    private final @Nullable Turn turn;
-
-    /** The event loop's thread; null for who perceives everything. */
-    private @Nullable Senses senses;
+    private final SessionSenses senses;
+    private final SessionPace pace;
+    private final SessionOutput output;
 
     /** The event loop's thread. */
     private final Quota quota;
@@ -75,24 +71,11 @@ public final class Session implements Client, Perceiver {
     private final PerceptionShares.Cost perceptionCost;
 
     // Guarded by this.
-    private final EventLog events;
     private final Resumes resumes;
     private Optional<String> body = Optional.empty();
     private boolean welcomed;
-
-    /** It has a body, and others that are in lock-step keep it waiting. */
-    private boolean inRealTime;
-
-    private long lastResultFrame;
+    private boolean left;
     private long brokenNanos;
-
-    /** Null while the connection is broken. Changes with this held. */
-    private volatile @Nullable Connection connection;
-
-    private volatile Encoding encoding;
-    private volatile PerceptionRequests perceptions;
-    private volatile long joinedInFrame;
-    private volatile boolean left;
 
     /**
      * @param token that opened the server for it, if the server takes tokens
@@ -114,50 +97,49 @@ public final class Session implements Client, Perceiver {
         this.graceSeconds = Math.min(hello.graceSeconds(), timeouts.grace().toMillis() / 1000.0);
         this.token = token;
         this.secret = AgentToken.newSecret();
-        this.events =
-                new EventLog(
-                        (long) (graceSeconds * 1e9) + 2 * timeouts.idle().toNanos(),
-                        EventLog.MAX_BYTES);
         this.resumes = new Resumes(limits.resumes(), System.nanoTime());
         this.perceptionCost = world.publisher().shares().cost(token.map(AgentToken::name));
         this.cameraRequests =
                 new CameraRequests(
                         world.cameras(), world.publisher(), services.log(), toString(), this::show);
         this.commands = new SessionCommands(this, world.desk(), limits, counters);
-        this.connection = connection;
-        this.encoding = connection.encoding();
-        this.turn =
-                hello.lockStep()
-                        .map(
-                                wanted ->
-                                        new Turn(
-                                                name,
-                                                wanted,
-                                                Math.min(
-                                                        (long) (wanted.deadlineSeconds() * 1e9),
-                                                        timeouts.deadline().toNanos()),
-                                                world.lockStep()
-                                                        .allowances()
-                                                        .of(
-                                                                token.map(AgentToken::name),
-                                                                Attempts.network(
-                                                                        connection.address()),
-                                                                System.nanoTime())))
-                        .orElse(null);
+        this.senses = new SessionSenses(role);
+        this.pace = new SessionPace(world.lockStep(), turn(connection, timeouts));
+        this.output =
+                new SessionOutput(
+                        connection,
+                        graceSeconds > 0
+                                ? (long) (graceSeconds * 1e9) + 2 * timeouts.idle().toNanos()
+                                : 0,
+                        this::requestsOver);
         this.quota =
                 new Quota(
                         limits.messagesPerSecond(),
                         world.framesPerSecond(),
                         System.nanoTime(),
-                        pace());
-        this.perceptions = perceptionsOver(connection);
+                        framesOfQuota());
     }
 
-    private PerceptionRequests perceptionsOver(Connection next) {
-        var requests = new PerceptionRequests(next.outbox(), counters.perceptions);
-        if (turn != null) {
-            requests.follow(turn, hello.id());
+    private @Nullable Turn turn(Connection connection, AgentTimeouts timeouts) {
+        if (hello.lockStep().isEmpty()) {
+            return null;
         }
+        ClientMessage.LockStep wanted = hello.lockStep().get();
+        return new Turn(
+                name,
+                wanted,
+                Math.min((long) (wanted.deadlineSeconds() * 1e9), timeouts.deadline().toNanos()),
+                world.lockStep()
+                        .allowances()
+                        .of(
+                                token.map(AgentToken::name),
+                                Attempts.network(connection.address()),
+                                System.nanoTime()));
+    }
+
+    private PerceptionRequests requestsOver(Connection connection) {
+        var requests = new PerceptionRequests(connection.outbox(), counters.perceptions);
+        pace.follow(requests, hello.id());
         return requests;
     }
 
@@ -176,12 +158,12 @@ public final class Session implements Client, Perceiver {
 
     @Override
     public Encoding encoding() {
-        return encoding;
+        return output.encoding();
     }
 
     @Override
     public PerceptionRequests perceptions() {
-        return perceptions;
+        return output.perceptions();
     }
 
     @Override
@@ -191,12 +173,12 @@ public final class Session implements Client, Perceiver {
 
     @Override
     public boolean isInLockStep() {
-        return turn != null;
+        return pace.isLockStep();
     }
 
     @Override
     public boolean perceives(long frame) {
-        return perceptions.isDue(frame);
+        return output.perceptions().isDue(frame);
     }
 
     @Override
@@ -227,30 +209,18 @@ public final class Session implements Client, Perceiver {
         return role.wireName() + " " + name;
     }
 
-    // ---- world's thread ----
-
-    /** The agent is in the world, or cannot be: the client is told with the frame. */
+    /**
+     * The agent has joined or was refused: the client hears of it with the frame. World's thread.
+     */
     void came(Outcome outcome) {
         if (outcome instanceof Outcome.Joined joined) {
-            takePart(joined.frame());
+            pace.begin(joined.frame());
         }
         world.lockStep().came();
         world.publisher().withFrame(() -> joined(outcome));
     }
 
-    private synchronized void takePart(long frame) {
-        if (turn != null) {
-            turn.begin(frame);
-            world.lockStep().add(turn);
-        } else if (!left) {
-            inRealTime = true;
-            world.lockStep().allowances().addRealTime(1);
-        }
-    }
-
-    // ---- the event loop's thread ----
-
-    /** The agent has its body, or cannot have one. */
+    /** The agent has its body, or was refused one. The event loop's thread. */
     private void joined(Outcome outcome) {
         embodied(outcome);
         if (outcome instanceof Outcome.Joined joined) {
@@ -258,15 +228,11 @@ public final class Session implements Client, Perceiver {
         }
     }
 
-    /** The agent has a body, another one than before perhaps, or cannot have one. */
+    /** The agent has a body, possibly another one than before, or was refused one. */
     @Override
     public void embodied(Outcome outcome) {
         switch (outcome) {
-            case Outcome.Joined joined ->
-                    senses =
-                            joined.sensors().isEmpty()
-                                    ? null
-                                    : new Senses(joined.id(), joined.sensors());
+            case Outcome.Joined joined -> senses.embody(joined);
             case Outcome.Refused refused ->
                     end(
                             CloseReason.refused(
@@ -280,21 +246,20 @@ public final class Session implements Client, Perceiver {
         }
     }
 
-    /** The client is in the world, from that frame on. */
-    synchronized void welcome(Optional<String> itsBody, long frame) {
+    /** The client is in the world from this frame on. The event loop's thread. */
+    synchronized void welcome(Optional<String> newBody, long frame) {
         if (left) {
             return;
         }
-        body = itsBody;
+        body = newBody;
         welcomed = true;
-        joinedInFrame = frame;
         if (role == Role.AGENT) {
             counters.joined.increment();
             counters.agents.increment();
         }
-        perceptions.notBefore(frame);
-        offer(world.welcome(this, hello, frame, false));
-        world.hurry(turn, frame).ifPresent(this::offer);
+        output.beginAt(frame);
+        output.offer(world.welcome(this, hello, frame, false));
+        world.hurry(pace.turn(), frame).ifPresent(output::offer);
         world.publisher().admit(this);
         services.log()
                 .info(
@@ -303,115 +268,86 @@ public final class Session implements Client, Perceiver {
                                 + body.map(item -> " with body " + Text.quote(item)).orElse(""));
     }
 
-    /** Tells how long the world waits for the agent, if that is because of this allowance. */
+    /** Tells the agent how long the world waits for it, if this allowance decides that. */
     void tellWaiting(Allowance allowance) {
-        Turn waitedFor = turn;
-        if (waitedFor == null || !has(allowance)) {
+        Turn waitedFor = pace.turn();
+        if (waitedFor == null || !uses(allowance)) {
             return;
         }
         synchronized (this) {
             if (!welcomed || left) {
-                return; // the welcome tells it
+                return; // the welcome says it
             }
         }
         send(world.waiting(waitedFor, world.publisher().published()));
     }
 
-    /** Whether its agent is in lock-step and uses up that allowance. */
-    boolean has(Allowance allowance) {
-        return turn != null && turn.allowance() == allowance;
+    /** Returns whether its agent is in lock-step and uses this allowance. */
+    boolean uses(Allowance allowance) {
+        return pace.uses(allowance);
     }
 
-    /** True if it perceives only what the sensors of its body sense. */
     @Override
     public boolean hasSensors() {
-        return senses != null;
+        return senses.areLimited();
     }
 
-    /** What it perceives of the newest frame. */
     @Override
-    public View look(Observatory world) {
-        return senses == null ? world.everything() : senses.look(world);
+    public View look(Observatory observatory) {
+        return senses.look(observatory);
     }
 
     @Override
     public boolean wantsRelations(long frame) {
-        return perceptions.wantsRelations(frame);
+        return output.perceptions().wantsRelations(frame);
     }
 
     @Override
     public Optional<Set<ItemId>> sensedIn(long frame) {
-        return senses == null ? Optional.empty() : senses.sensedIn(frame);
+        return senses.sensedIn(frame);
     }
 
     @Override
     public View relate(View view, Optional<Set<ItemId>> fresh) {
-        return senses == null || fresh.isEmpty() ? view : senses.relate(view, fresh.get());
+        return senses.relate(view, fresh);
     }
 
-    /**
-     * Which fields of an event its sensors let it know, see {@link Senses#hear}; all without
-     * sensors. What a fault was in detail may name files of the server, and is for who controls the
-     * world alone.
-     */
     @Override
-    public Optional<BitSet> hear(WorldEvent event, EventSubjects subjects, Observatory world) {
-        if (senses == null) {
-            var told = new BitSet();
-            told.set(0, event.fields().size());
-            if (role != Role.CONTROL && event.type().equals(Senses.FAULT)) {
-                int place = 0;
-                for (String field : event.fields().keySet()) {
-                    told.set(place++, !field.equals("message"));
-                }
-            }
-            return Optional.of(told);
-        }
-        return senses.hear(event, subjects, world);
+    public Optional<BitSet> hear(
+            WorldEvent event, EventSubjects subjects, Observatory observatory) {
+        return senses.hear(event, subjects, observatory);
     }
 
-    /** See {@link Observatory#reach}. */
     @Override
-    public boolean reach(Observatory world, double[] lows, double[] highs, int at) {
-        return senses != null && senses.reach(world, lows, highs, at);
+    public boolean reach(Observatory observatory, double[] lows, double[] highs, int at) {
+        return senses.reach(observatory, lows, highs, at);
     }
 
-    /** Tells what happened in a frame. */
     @Override
     public void tell(HeardEvent.Told event) {
-        if (event.message().frame() < joinedInFrame) {
-            return;
-        }
-        if (graceSeconds > 0) {
-            synchronized (this) {
-                events.add(event, System.nanoTime());
-            }
-        }
-        offerEvent(event.bytes(), event.message().frame());
+        output.tell(event);
     }
 
-    // ---- its connection's reader ----
+    @Override
+    public void miss(long events, long first, long last) {
+        output.miss(events, first, last);
+    }
 
-    /** True if one more message of it may be taken now. */
     @Override
     public boolean hasQuota() {
-        return quota.hasLeft(System.nanoTime(), pace());
+        return quota.hasLeft(System.nanoTime(), framesOfQuota());
     }
 
-    /**
-     * Frames, for who keeps pace with the world: such a client has more to say where that is fast.
-     */
-    private long pace() {
-        return turn == null ? 0 : world.publisher().published();
+    /** An agent in lock-step sends more messages in a world that makes frames faster. */
+    private long framesOfQuota() {
+        return pace.isLockStep() ? world.publisher().published() : 0;
     }
 
-    /** A message of it is taken. */
     @Override
     public void count() {
         quota.take();
     }
 
-    /** The agent has done what it does in this round. */
     @Override
     public void ready(ClientMessage.Ready ready) throws BadMessage {
         requireLockStep(ready.id());
@@ -419,52 +355,22 @@ public final class Session implements Client, Perceiver {
     }
 
     void requireLockStep(long id) throws BadMessage {
-        if (turn == null) {
-            throw new BadMessage(
-                    id,
-                    "not-lock-step",
-                    "nobody waits for " + this,
-                    "say hello with \"time\":{\"mode\":\"lock-step\"} to be waited for");
-        }
+        pace.requireLockStep(id, this);
     }
 
-    /** Ends the agent's round; does nothing if the agent is not in lock-step. */
+    /** Ends the agent's round, if it is in lock-step. */
     void endRound(ClientMessage.Ready ready) {
-        if (turn != null) {
-            if (ready.frame().isPresent()) {
-                turn.ready(
-                        ready.frame().getAsLong(),
-                        world.publisher().published(),
-                        System.nanoTime());
-            } else {
-                turn.ready(System.nanoTime());
-            }
-            world.lockStep().changed();
-        }
+        pace.endRound(ready, world.publisher().published());
     }
 
     @Override
     public void perceive(ClientMessage.Perceive perceive) throws BadMessage {
-        perceptions.ask(perceive, world.publisher().published());
+        output.perceptions().ask(perceive, world.publisher().published());
     }
 
-    /** Has a picture taken by a camera of its body, and sent. */
     @Override
     public void look(ClientMessage.Look look) throws BadMessage {
-        Senses known = senses;
-        Sensor camera =
-                Optional.ofNullable(known)
-                        .flatMap(body -> body.camera(look.sensor()))
-                        .orElseThrow(
-                                () ->
-                                        new BadMessage(
-                                                look.id(),
-                                                "no-such-camera",
-                                                this
-                                                        + " has no camera "
-                                                        + Text.quote(look.sensor()),
-                                                "the world file says which sensors a body has"));
-        cameraRequests.take(look, known.body(), camera);
+        senses.look(look, cameraRequests, this);
     }
 
     @Override
@@ -474,18 +380,16 @@ public final class Session implements Client, Perceiver {
 
     private void show(ServerMessage picture) {
         boolean room;
-        synchronized (this) {
-            room = offer(picture);
+        synchronized (this) { // not while another connection begins
+            room = output.offer(picture);
         }
         if (!room) {
             end(CloseReason.cut("too-slow", "a picture waits to be read, and too much else"));
         }
     }
 
-    // ---- the connection ----
-
     /**
-     * Goes on over another connection, with the events since the last frame that it has seen.
+     * Continues over another connection, with the events since the last frame that the client saw.
      *
      * @throws CloseReason if it was resumed too often
      */
@@ -505,23 +409,12 @@ public final class Session implements Client, Perceiver {
                                 + " times a second",
                         "try again in " + 1.0 / Resumes.PER_SECOND + " s");
             }
-            previous = connection;
-            connection = next;
             services.kept().keepNoLonger(this);
-            encoding = next.encoding();
-            perceptions = perceptionsOver(next);
-            perceptions.notBefore(lastResultFrame);
-            if (turn != null) {
-                turn.comeBack();
-            }
-            next.outbox()
-                    .begin(
-                            world.welcome(this, hello, world.publisher().published(), true)
-                                    .in(encoding),
-                            events.after(frameSeen, encoding),
-                            encoding);
-            world.hurry(turn, world.publisher().published())
-                    .ifPresent(event -> next.outbox().offer(event.in(encoding)));
+            previous = output.switchTo(next);
+            pace.comeBack();
+            output.begin(
+                    world.welcome(this, hello, world.publisher().published(), true), frameSeen);
+            world.hurry(pace.turn(), world.publisher().published()).ifPresent(output::offer);
         }
         world.lockStep().changed();
         if (previous != null) {
@@ -535,19 +428,16 @@ public final class Session implements Client, Perceiver {
     @Override
     public void disconnected(Connection ended, CloseReason why) {
         synchronized (this) {
-            if (connection != ended || left) {
+            if (left || !output.isOver(ended)) {
                 return;
             }
-            connection = null;
+            output.breakOff();
             if (welcomed
                     && graceSeconds > 0
                     && RESUMABLE.contains(why.code())
                     && (token.isPresent() || services.kept().keep(this))) {
                 brokenNanos = System.nanoTime();
-                if (turn != null) {
-                    turn.breakOff(brokenNanos);
-                    world.lockStep().changed();
-                }
+                pace.breakOff(brokenNanos);
                 return;
             }
         }
@@ -557,7 +447,7 @@ public final class Session implements Client, Perceiver {
     /** Called every now and then; leaves when nobody came back in time. */
     void checkGrace(long nowNanos) {
         synchronized (this) {
-            if (connection != null || left || nowNanos - brokenNanos < graceSeconds * 1e9) {
+            if (left || !output.isBroken() || nowNanos - brokenNanos < graceSeconds * 1e9) {
                 return;
             }
         }
@@ -586,13 +476,8 @@ public final class Session implements Client, Perceiver {
                 counters.agents.decrement();
             }
             services.kept().keepNoLonger(this);
-            if (inRealTime) {
-                world.lockStep().allowances().addRealTime(-1);
-            }
         }
-        if (turn != null) {
-            world.lockStep().remove(turn, System.nanoTime());
-        }
+        pace.leave();
         world.publisher().dismiss(this); // before others may have its name
         world.leave(this, reason);
     }
@@ -602,11 +487,7 @@ public final class Session implements Client, Perceiver {
     }
 
     Optional<ServerMessage.Rhythm> rhythm() {
-        return Optional.ofNullable(turn)
-                .map(
-                        followed ->
-                                new ServerMessage.Rhythm(
-                                        followed.wanted().every(), followed.deadlineNanos() / 1e9));
+        return pace.rhythm();
     }
 
     @Override
@@ -614,73 +495,22 @@ public final class Session implements Client, Perceiver {
         return body;
     }
 
-    /**
-     * Queues the result of a command that took effect in a frame; perceptions that follow are not
-     * older than that. With this held.
-     *
-     * @return false if too much waits to be read
-     */
+    /** See {@link SessionOutput#offerResult}. */
     boolean offerResult(ServerMessage result, long frame) {
-        lastResultFrame = Math.max(lastResultFrame, frame);
-        perceptions.notBefore(lastResultFrame);
-        return offer(result);
+        return output.offerResult(result, frame);
+    }
+
+    /** See {@link SessionOutput#offer(byte[])}. */
+    boolean offer(byte[] line) {
+        return output.offer(line);
     }
 
     void send(ServerMessage message) {
-        Connection now = connection;
-        if (now != null) {
-            now.send(message);
-        }
+        output.send(message);
     }
 
     /** Ends its connection, if it has one. */
     void end(CloseReason why) {
-        Connection now = connection;
-        if (now != null) {
-            now.end(why);
-        }
-    }
-
-    private boolean offer(ServerMessage message) {
-        return offer(message.in(encoding));
-    }
-
-    /**
-     * @return false if the client has let too much pile up
-     */
-    boolean offer(byte[] line) {
-        Connection now = connection;
-        return now == null || now.outbox().offer(line);
-    }
-
-    /** So many events, at most, happened in these frames and are not told. Event loop's thread. */
-    @Override
-    public void miss(long events, long first, long last) {
-        if (last < joinedInFrame) {
-            return;
-        }
-        if (graceSeconds > 0) {
-            synchronized (this) {
-                this.events.forget(last);
-            }
-        }
-        Connection now = connection;
-        if (now != null) {
-            now.outbox().miss(events, Math.max(first, joinedInFrame), last);
-        }
-    }
-
-    /**
-     * Frames may follow each other faster than what happened is written, so a full outbox is
-     * written before events are missed.
-     */
-    private void offerEvent(byte[] line, long frame) {
-        Connection now = connection;
-        if (now != null && !now.outbox().offer(line, frame)) {
-            now.write();
-            if (!now.outbox().offer(line, frame)) {
-                now.outbox().miss(frame);
-            }
-        }
+        output.end(why);
     }
 }

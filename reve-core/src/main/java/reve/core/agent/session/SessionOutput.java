@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.agent.session;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.core.agent.net.Connection;
+import reve.core.agent.perception.HeardEvent;
+import reve.core.agent.protocol.CloseReason;
+import reve.core.agent.protocol.Encoding;
+import reve.core.agent.protocol.ServerMessage;
+import reve.core.agent.publish.PerceptionRequests;
+
+import java.util.function.Function;
+
+/**
+ * What a session sends: to its current connection, and later to one that resumes it. Any thread,
+ * unless stated otherwise; it takes its own lock after that of the session, never before.
+ */
+final class SessionOutput {
+    private final Function<Connection, PerceptionRequests> requestsOver;
+
+    /** Events for a connection that resumes the session; null if none may. Guarded by this. */
+    private final @Nullable EventLog events;
+
+    /** The newest frame in which a command took effect. Guarded by this. */
+    private long lastResultFrame;
+
+    /** Null while the connection is broken. Changes with this held. */
+    private volatile @Nullable Connection connection;
+
+    private volatile Encoding encoding;
+    private volatile PerceptionRequests perceptions;
+    private volatile long joinedInFrame;
+
+    /**
+     * @param keptNanos how long events are kept for a connection that resumes the session [ns]; 0
+     *     if none may
+     * @param requestsOver makes what the client requests over a connection
+     */
+    SessionOutput(
+            Connection connection,
+            long keptNanos,
+            Function<Connection, PerceptionRequests> requestsOver) {
+        this.connection = connection;
+        this.encoding = connection.encoding();
+        this.requestsOver = requestsOver;
+        this.perceptions = requestsOver.apply(connection);
+        this.events = keptNanos == 0 ? null : new EventLog(keptNanos, EventLog.MAX_BYTES);
+    }
+
+    Encoding encoding() {
+        return encoding;
+    }
+
+    PerceptionRequests perceptions() {
+        return perceptions;
+    }
+
+    /** The client receives what happens from this frame on. */
+    void beginAt(long frame) {
+        joinedInFrame = frame;
+        perceptions.notBefore(frame);
+    }
+
+    synchronized boolean isOver(Connection other) {
+        return connection == other;
+    }
+
+    boolean isBroken() {
+        return connection == null;
+    }
+
+    synchronized void breakOff() {
+        connection = null;
+    }
+
+    /**
+     * Continues over another connection.
+     *
+     * @return the connection until now, if it is not broken
+     */
+    synchronized @Nullable Connection switchTo(Connection next) {
+        Connection previous = connection;
+        connection = next;
+        encoding = next.encoding();
+        perceptions = requestsOver.apply(next);
+        perceptions.notBefore(lastResultFrame);
+        return previous;
+    }
+
+    /** Begins the current connection with a welcome and the events after a frame. */
+    synchronized void begin(ServerMessage welcome, long frameSeen) {
+        Connection now = connection;
+        EventLog kept = events;
+        if (now != null && kept != null) {
+            now.outbox().begin(welcome.in(encoding), kept.after(frameSeen, encoding), encoding);
+        }
+    }
+
+    /**
+     * Queues a message.
+     *
+     * @return false if too much waits to be read
+     */
+    boolean offer(ServerMessage message) {
+        return offer(message.in(encoding));
+    }
+
+    /**
+     * Queues an encoded message.
+     *
+     * @return false if too much waits to be read
+     */
+    boolean offer(byte[] line) {
+        Connection now = connection;
+        return now == null || now.outbox().offer(line);
+    }
+
+    /**
+     * Queues the result of a command that took effect in a frame; later perceptions are not older
+     * than that frame.
+     *
+     * @return false if too much waits to be read
+     */
+    synchronized boolean offerResult(ServerMessage result, long frame) {
+        lastResultFrame = Math.max(lastResultFrame, frame);
+        perceptions.notBefore(lastResultFrame);
+        return offer(result);
+    }
+
+    /** Sends a message; ends the connection if too much waits to be read. */
+    void send(ServerMessage message) {
+        Connection now = connection;
+        if (now != null) {
+            now.send(message);
+        }
+    }
+
+    /** Ends the current connection. */
+    void end(CloseReason why) {
+        Connection now = connection;
+        if (now != null) {
+            now.end(why);
+        }
+    }
+
+    /** Sends an event. The event loop's thread. */
+    void tell(HeardEvent.Told event) {
+        long frame = event.message().frame();
+        if (frame < joinedInFrame) {
+            return;
+        }
+        if (events != null) {
+            synchronized (this) {
+                events.add(event, System.nanoTime());
+            }
+        }
+        Connection now = connection;
+        if (now != null && !now.outbox().offer(event.bytes(), frame)) {
+            now.write(); // frames may follow each other faster than they are written
+            if (!now.outbox().offer(event.bytes(), frame)) {
+                now.outbox().miss(frame);
+            }
+        }
+    }
+
+    /** At most this number of events of these frames is not sent. The event loop's thread. */
+    void miss(long count, long first, long last) {
+        if (last < joinedInFrame) {
+            return;
+        }
+        if (events != null) {
+            synchronized (this) {
+                events.forget(last);
+            }
+        }
+        Connection now = connection;
+        if (now != null) {
+            now.outbox().miss(count, Math.max(first, joinedInFrame), last);
+        }
+    }
+}

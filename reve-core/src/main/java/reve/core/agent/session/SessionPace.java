@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.agent.session;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.core.agent.lockstep.Allowance;
+import reve.core.agent.lockstep.LockStep;
+import reve.core.agent.lockstep.Turn;
+import reve.core.agent.protocol.BadMessage;
+import reve.core.agent.protocol.ClientMessage;
+import reve.core.agent.protocol.ServerMessage;
+import reve.core.agent.publish.PerceptionRequests;
+
+import java.util.Optional;
+
+/**
+ * How a session keeps pace with its world: in lock-step, where the world waits for the agent, or in
+ * real time. Any thread.
+ */
+final class SessionPace {
+    private final LockStep lockStep;
+
+    /** Null for an agent in real time. */
+    private final @Nullable Turn turn;
+
+    /** The agent has a body and waits for agents in lock-step. Guarded by this. */
+    private boolean inRealTime;
+
+    /** Guarded by this. */
+    private boolean left;
+
+    SessionPace(LockStep lockStep, @Nullable Turn turn) {
+        this.lockStep = lockStep;
+        this.turn = turn;
+    }
+
+    boolean isLockStep() {
+        return turn != null;
+    }
+
+    /** Returns the agent's turn, or null for an agent in real time. */
+    @Nullable Turn turn() {
+        return turn;
+    }
+
+    /** Requests perceptions at the agent's rounds, if it is in lock-step. */
+    void follow(PerceptionRequests requests, long helloId) {
+        if (turn != null) {
+            requests.follow(turn, helloId);
+        }
+    }
+
+    /** The agent has a body from this frame on. World's thread. */
+    synchronized void begin(long frame) {
+        if (turn != null) {
+            turn.begin(frame);
+            lockStep.add(turn);
+        } else if (!left) {
+            inRealTime = true;
+            lockStep.allowances().addRealTime(1);
+        }
+    }
+
+    /** The session ends. */
+    void leave() {
+        synchronized (this) {
+            left = true;
+            if (inRealTime) {
+                lockStep.allowances().addRealTime(-1);
+            }
+        }
+        if (turn != null) {
+            lockStep.remove(turn, System.nanoTime());
+        }
+    }
+
+    /** The connection broke: the world no longer waits for the agent. */
+    void breakOff(long nowNanos) {
+        if (turn != null) {
+            turn.breakOff(nowNanos);
+            lockStep.changed();
+        }
+    }
+
+    /** Another connection continues the session. */
+    void comeBack() {
+        if (turn != null) {
+            turn.comeBack();
+        }
+    }
+
+    /**
+     * Refuses a message that only agents in lock-step send.
+     *
+     * @param client names the client in the refusal
+     */
+    void requireLockStep(long id, Object client) throws BadMessage {
+        if (turn == null) {
+            throw new BadMessage(
+                    id,
+                    "not-lock-step",
+                    "nobody waits for " + client,
+                    "say hello with \"time\":{\"mode\":\"lock-step\"} to be waited for");
+        }
+    }
+
+    /**
+     * Ends the agent's round, if it is in lock-step.
+     *
+     * @param published newest published frame
+     */
+    void endRound(ClientMessage.Ready ready, long published) {
+        if (turn != null) {
+            if (ready.frame().isPresent()) {
+                turn.ready(ready.frame().getAsLong(), published, System.nanoTime());
+            } else {
+                turn.ready(System.nanoTime());
+            }
+            lockStep.changed();
+        }
+    }
+
+    /** Returns whether the agent is in lock-step and uses this allowance. */
+    boolean uses(Allowance allowance) {
+        return turn != null && turn.allowance() == allowance;
+    }
+
+    /** Returns what the welcome says about lock-step. */
+    Optional<ServerMessage.Rhythm> rhythm() {
+        return Optional.ofNullable(turn)
+                .map(
+                        own ->
+                                new ServerMessage.Rhythm(
+                                        own.wanted().every(), own.deadlineNanos() / 1e9));
+    }
+}

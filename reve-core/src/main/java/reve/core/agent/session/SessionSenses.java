@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.agent.session;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.core.agent.embodiment.Outcome;
+import reve.core.agent.perception.EventSubjects;
+import reve.core.agent.perception.Observatory;
+import reve.core.agent.perception.Senses;
+import reve.core.agent.perception.View;
+import reve.core.agent.protocol.BadMessage;
+import reve.core.agent.protocol.ClientMessage;
+import reve.core.agent.protocol.Role;
+import reve.core.agent.protocol.Text;
+import reve.core.agent.publish.CameraRequests;
+import reve.core.world.ItemId;
+import reve.core.world.Sensor;
+import reve.core.world.WorldEvent;
+
+import java.util.BitSet;
+import java.util.Optional;
+import java.util.Set;
+
+/**
+ * What the client of a session perceives: everything, or what the sensors of its body sense. The
+ * event loop's thread.
+ */
+final class SessionSenses {
+    private final Role role;
+
+    /** Null for a client that perceives everything. */
+    private @Nullable Senses senses;
+
+    SessionSenses(Role role) {
+        this.role = role;
+    }
+
+    /** The agent has a body, possibly another one than before. */
+    void embody(Outcome.Joined joined) {
+        senses = joined.sensors().isEmpty() ? null : new Senses(joined.id(), joined.sensors());
+    }
+
+    boolean areLimited() {
+        return senses != null;
+    }
+
+    View look(Observatory world) {
+        return senses == null ? world.everything() : senses.look(world);
+    }
+
+    Optional<Set<ItemId>> sensedIn(long frame) {
+        return senses == null ? Optional.empty() : senses.sensedIn(frame);
+    }
+
+    View relate(View view, Optional<Set<ItemId>> fresh) {
+        return senses == null || fresh.isEmpty() ? view : senses.relate(view, fresh.get());
+    }
+
+    boolean reach(Observatory world, double[] lows, double[] highs, int at) {
+        return senses != null && senses.reach(world, lows, highs, at);
+    }
+
+    /**
+     * Returns the fields of an event that the client receives, see {@link Senses#hear}; all of them
+     * without sensors. Only role control receives the message of a fault, because it may name files
+     * of the server.
+     */
+    Optional<BitSet> hear(WorldEvent event, EventSubjects subjects, Observatory world) {
+        if (senses != null) {
+            return senses.hear(event, subjects, world);
+        }
+        var fields = new BitSet();
+        fields.set(0, event.fields().size());
+        if (role != Role.CONTROL && event.type().equals(Senses.FAULT)) {
+            int place = 0;
+            for (String field : event.fields().keySet()) {
+                fields.set(place++, !field.equals("message"));
+            }
+        }
+        return Optional.of(fields);
+    }
+
+    /**
+     * Requests a picture by a camera of the body.
+     *
+     * @param client names the client in a refusal
+     */
+    void look(ClientMessage.Look look, CameraRequests requests, Object client) throws BadMessage {
+        Senses known = senses;
+        Optional<Sensor> camera = known == null ? Optional.empty() : known.camera(look.sensor());
+        if (known == null || camera.isEmpty()) {
+            throw new BadMessage(
+                    look.id(),
+                    "no-such-camera",
+                    client + " has no camera " + Text.quote(look.sensor()),
+                    "the world file says which sensors a body has");
+        }
+        requests.take(look, known.body(), camera.get());
+    }
+}
