@@ -4,10 +4,11 @@
     run_tests.py ROOT [--quick] [--failed] [ROOM[/PART] ...]
 
 `./reve test` calls this script after the build; without rooms it runs all of them. A PART selects
-tests of a room: in Java, a part of a class name, or CLASS#METHOD; in the native rooms, a part of a
-test's name or the folder of a law; in Python, a file, or FILE::CLASS::TEST. --quick skips slow
-tests (`slow` below); --failed repeats the tests that failed in the last run. JUnit reports are in
-build/reports/tests, one folder for each room, with the output of each program beside them.
+tests of a room: in Java, a project of the room, a part of a class name, CLASS#METHOD, or
+PROJECT/CLASS; in the native rooms, a part of a test's name or the folder of a law; in Python, a
+file, or FILE::CLASS::TEST. --quick skips slow tests (`slow` below); --failed repeats the tests that
+failed in the last run. JUnit reports are in build/reports/tests, one folder for each room or
+project, with the output of each program beside them.
 """
 
 import argparse
@@ -25,6 +26,8 @@ from pathlib import Path
 import test_summary
 
 JAVA_ROOMS = ["reve-core", "reve-pe-adapter", "reve-worlds", "agents-java", "tests"]
+# Rooms of several Gradle projects; each project has a class path and a JVM of its own.
+PROJECTS = {"reve-core": ["world", "files", "agents"], "reve-worlds": ["runtime", "app"]}
 NATIVE_ROOMS = {"vesper-native": "build/native", "laws": "build/native/laws-build"}
 ROOMS = [*NATIVE_ROOMS, *JAVA_ROOMS, "python", "format"]
 
@@ -145,15 +148,34 @@ class Plan:
             REVE_TEST_CLASSPATH=f"{self.root}/build/stage/lib/*",
         )
 
-    def java(self, room, parts):
-        listing = self.root / "build/test-class-paths" / f"{room}.txt"
-        if not listing.exists():
-            print(
-                f"reve: the tests of {room} could not be built; see the first error above",
-                file=sys.stderr,
-            )
+    def places(self, room, parts):
+        """Yields where tests of a room run, with the parts that narrow each place: the room, or
+        its projects that have such tests."""
+        if room not in PROJECTS:
+            yield room, parts
             return
-        folder, class_path = listing.read_text().splitlines()
+        found = False
+        for project in PROJECTS[room]:
+            place = f"{room}/{project}"
+            if not parts or project in parts:
+                found = True
+                yield place, []
+                continue
+            narrow = [
+                part.removeprefix(f"{project}/") for part in parts if part not in PROJECTS[room]
+            ]
+            if narrow and (not self.listing(place).exists() or self.classes(place, narrow)[0]):
+                found = True
+                yield place, narrow
+        if not found:
+            yield room, parts
+
+    def listing(self, place):
+        return self.root / "build/test-class-paths" / f"{place.replace('/', '-')}.txt"
+
+    def classes(self, place, parts):
+        """Returns the names of the test classes that parts select, and their class path."""
+        folder, class_path = self.listing(place).read_text().splitlines()
         classes = sorted(
             str(path.relative_to(folder))[: -len(".class")].replace("/", ".")
             for path in Path(folder).rglob("*.class")
@@ -162,15 +184,26 @@ class Plan:
         if parts:
             wanted = [part.split("#")[0].replace("/", ".") for part in parts]
             classes = [name for name in classes if any(part in name for part in wanted)]
-        if not classes:
+        return classes, class_path
+
+    def java(self, place, parts):
+        if place not in PROJECTS and not self.listing(place).exists():
             print(
-                f"reve: {room} has no test class with {' or '.join(parts)} in its name",
+                f"reve: the tests of {place} could not be built; see the first error above",
                 file=sys.stderr,
             )
             return
-        count = min(BATCHED.get(room, 1), len(classes))
+        classes, class_path = ([], "") if place in PROJECTS else self.classes(place, parts)
+        if not classes:
+            print(
+                f"reve: {place} has no test class with {' or '.join(parts)} in its name",
+                file=sys.stderr,
+            )
+            return
+        base = place.replace("/", "-")
+        count = min(BATCHED.get(place, 1), len(classes))
         for number in range(count):
-            name = room if count == 1 else f"{room}-{number + 1}"
+            name = base if count == 1 else f"{base}-{number + 1}"
             command = [
                 os.environ["REVE_JAVA_HOME"] + "/bin/java",
                 "-ea",
@@ -189,14 +222,14 @@ class Plan:
                 "--disable-ansi-colors",
                 "--details=testfeed",
                 "--fail-if-no-tests",
-                f"--reports-dir={self.reports / room / name}",
+                f"--reports-dir={self.reports / place / name}",
             ]
             if any("#" in part for part in parts):
                 command += [f"--include-methodname={method_pattern(part)}" for part in parts]
             if self.quick:
                 command.append("--exclude-tag=slow")
             command += [f"--select-class={c}" for c in classes[number::count]]
-            yield self.suite(room, name, command)
+            yield self.suite(place, name, command)
 
 
 def method_pattern(part):
@@ -270,15 +303,18 @@ class Runner:
 
 
 def failed_parts(reports):
-    """Returns, by room, the tests that failed in the last run; a room without a report runs
-    completely."""
+    """Returns, by room, the tests that failed in the last run; a room or project without a report
+    runs completely."""
     failed = {}
     for room in ROOMS:
-        if (reports / room).exists():
-            cases = list(test_summary.cases(reports / room))
-            parts = sorted({case.part for case in cases if case.outcome == "failed"})
-            if parts or not cases:
-                failed[room] = parts
+        for project in PROJECTS.get(room, [""]):
+            place = reports / room / project
+            if place.exists():
+                cases = list(test_summary.cases(place))
+                parts = sorted({case.part for case in cases if case.outcome == "failed"})
+                if parts or not cases:
+                    named = [f"{project}/{part}" for part in parts] or [project]
+                    failed.setdefault(room, []).extend(named if project else parts)
     return failed
 
 
@@ -300,13 +336,14 @@ def main():
             print("reve: no test failed in the last run, or there was none", file=sys.stderr)
     rooms = [room for room in ROOMS if room in parts]
     shutil.rmtree(reports, ignore_errors=True)
-    for room in rooms:
-        (reports / room).mkdir(parents=True)
     plan = Plan(given.root, given.quick)
+    places = [place for room in rooms for place in plan.places(room, parts[room])]
+    for place, _ in places:
+        (reports / place).mkdir(parents=True)
     # Long suites come first, so that both threads end at about the same time.
-    suites = [suite for room in reversed(rooms) for suite in plan.suites(room, parts[room])]
+    suites = [suite for place, narrow in reversed(places) for suite in plan.suites(place, narrow)]
     Runner(suites).run()
-    return test_summary.report(reports, rooms)
+    return test_summary.report(reports, [place for place, _ in places])
 
 
 if __name__ == "__main__":

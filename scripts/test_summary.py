@@ -69,7 +69,7 @@ def report(folder, rooms):
             print(f"\nFAILED {room}: no test ran (see the output above)")
             count["failed"] = 1
         print(
-            f"{room:18} {count['passed']:5} passed {count['failed']:4} failed"
+            f"{room:20} {count['passed']:5} passed {count['failed']:4} failed"
             f" {count['skipped']:4} skipped"
         )
         for key in total:

@@ -28,7 +28,7 @@ class ApiPagesIT {
                 new String[] {
                     "reve/core/world/World",
                     "reve/pe/PhysicsEngine",
-                    "reve/worlds/Main",
+                    "reve/worlds/cli/Main",
                     "reve/agent/AgentClient"
                 }) {
             assertThat(PAGES.resolve("java").resolve(type + ".html")).isRegularFile();

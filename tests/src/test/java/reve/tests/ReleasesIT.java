@@ -30,10 +30,10 @@ class ReleasesIT {
     private static final String BUILD =
             """
             task core(type: Zip) {
-                from 'reve-core'
-                from zipTree('ROOT/build/stage/lib/reve-core.jar')
+                from 'reve-core/world'
+                from zipTree('ROOT/build/stage/lib/reve-core-world.jar')
                 duplicatesStrategy 'exclude'
-                archiveName 'reve-core.jar'
+                archiveName 'reve-core-world.jar'
                 destinationDir file('build/stage/lib')
             }
             task natives(type: Copy) {
@@ -43,7 +43,7 @@ class ReleasesIT {
                 into 'build/native'
             }
             task stage(type: Copy, dependsOn: [core, natives]) {
-                from('ROOT/build/stage/lib') { exclude 'reve-core.jar' }
+                from('ROOT/build/stage/lib') { exclude 'reve-core-world.jar' }
                 into 'build/stage/lib'
             }
             """;
@@ -56,7 +56,7 @@ class ReleasesIT {
     void makeCheckout() throws Exception {
         for (String folder :
                 List.of(
-                        "reve-core",
+                        "reve-core/world",
                         "reve-pe-adapter",
                         "reve-worlds",
                         "agents/java",
@@ -78,7 +78,7 @@ class ReleasesIT {
                 checkout.resolve("build.gradle"),
                 BUILD.replace("ROOT", Project.ROOT.toString())
                         .replace("NATIVE", Project.NATIVE.toString()));
-        source = checkout.resolve("reve-core/A.java");
+        source = checkout.resolve("reve-core/world/A.java");
         Files.writeString(source, "class A {}\n");
     }
 
@@ -144,8 +144,8 @@ class ReleasesIT {
 
     private void transientFilesBuildNothing() throws Exception {
         Files.writeString(source, Files.readString(source)); // as a checkout and back does
-        Files.writeString(checkout.resolve("reve-core/.A.java.swp"), "x");
-        Files.writeString(checkout.resolve("reve-core/A.java~"), "x");
+        Files.writeString(checkout.resolve("reve-core/world/.A.java.swp"), "x");
+        Files.writeString(checkout.resolve("reve-core/world/A.java~"), "x");
         Files.createDirectory(checkout.resolve("agents/python/reve.egg-info"));
         Files.writeString(checkout.resolve("agents/python/reve.egg-info/PKG-INFO"), "x");
         Files.writeString(checkout.resolve("laws/README.md"), "x");
@@ -156,7 +156,7 @@ class ReleasesIT {
 
     private void aChangeIsBuiltOnceByTwoCommands() throws Exception {
         Files.writeString(source, "class A { int changed; }\n");
-        Files.writeString(checkout.resolve("reve-core/B.java"), "class B {}\n");
+        Files.writeString(checkout.resolve("reve-core/world/B.java"), "class B {}\n");
         Process one = command("--version").start();
         try (BufferedReader said = one.errorReader()) {
             assertThat(said.readLine()).contains("building");
@@ -168,6 +168,6 @@ class ReleasesIT {
             assertThat(two.out()).contains("REVE x Vesper");
             assertThat(one.waitFor()).as(said.lines().collect(Collectors.joining("\n"))).isZero();
         }
-        Files.delete(checkout.resolve("reve-core/B.java"));
+        Files.delete(checkout.resolve("reve-core/world/B.java"));
     }
 }

@@ -88,7 +88,7 @@ final class Reve {
                                 "-Dreve.root=" + Project.ROOT,
                                 "-cp",
                                 Project.ROOT.resolve("build/stage/lib") + "/*",
-                                "reve.worlds.Main"));
+                                "reve.worlds.cli.Main"));
         command.addAll(List.of(arguments));
         return command;
     }

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.worlds.cli;
+
+import picocli.CommandLine;
+import picocli.CommandLine.Command;
+import picocli.CommandLine.IVersionProvider;
+import picocli.CommandLine.Model.UsageMessageSpec;
+import picocli.CommandLine.ParameterException;
+import picocli.CommandLine.ScopeType;
+import picocli.CommandLine.TypeConversionException;
+import picocli.CommandLine.UnmatchedArgumentException;
+
+import reve.pe.PhysicsException;
+import reve.worlds.Product;
+
+import java.io.FileDescriptor;
+import java.io.FileOutputStream;
+import java.io.OutputStream;
+import java.io.PrintWriter;
+import java.nio.file.AccessDeniedException;
+import java.nio.file.Path;
+import java.util.List;
+import java.util.stream.Stream;
+
+/**
+ * The {@code ./reve} command line: parses the arguments, runs a command, and turns failures into
+ * exit codes.
+ */
+@Command(
+        name = "./reve",
+        description =
+                "Virtual worlds whose laws of nature can be added, replaced and removed "
+                        + "while they run.",
+        mixinStandardHelpOptions = true,
+        versionProvider = Main.Version.class,
+        scope = ScopeType.INHERIT,
+        subcommands = {
+            ServeCommand.class,
+            RunCommand.class,
+            ReplayCommand.class,
+            SnapshotCommand.class,
+            CheckCommand.class,
+            DemoCommand.class,
+            ControlCommand.class,
+            TokenCommand.class,
+            StoreCommand.class,
+        },
+        footer = {
+            "",
+            "Exit codes: 0 done, 1 failed, 2 wrong usage, 3 invalid world file,",
+            "4 a law or the native engine could not be loaded, 5 the port could not be bound,",
+            "or the address requires tokens and TLS, 6 a world stalled (serve --stalled exit),",
+            "137 out of memory, 141 the reader of standard output has closed it.",
+        })
+public final class Main {
+
+    /** The commands that the shell script of a checkout runs itself. */
+    private static final List<String> LAUNCHER =
+            List.of(
+                    "",
+                    "The launcher itself also knows:",
+                    "  build      Builds what changed and stops.",
+                    "  test       Builds, then runs the tests of the project, or of rooms of it.",
+                    "  format     Formats the sources, or checks that they are formatted.",
+                    "  docs       Writes the pages of the Java, C and C++ API.",
+                    "  install    Makes a folder that runs without this checkout.",
+                    "  doctor     Says which shared libraries of the system are missing.");
+
+    /** The commands that the shell script of an installed folder runs itself. */
+    private static final List<String> INSTALLED =
+            List.of(
+                    "",
+                    "The launcher itself also knows:",
+                    "  doctor     Says which shared libraries of the system are missing.");
+
+    private Main() {}
+
+    /** Runs one command and ends the process with its exit code. */
+    public static void main(String[] arguments) {
+        System.exit(run(new FileOutputStream(FileDescriptor.out), arguments));
+    }
+
+    /** Runs one command line and returns its exit code; for tests. */
+    public static int run(String... arguments) {
+        return run(System.out, arguments);
+    }
+
+    private static int run(OutputStream stream, String... arguments) {
+        CommandLine line = new CommandLine(new Main());
+        String name = Product.command();
+        line.setCommandName(name);
+        LinePrinter out = new LinePrinter(stream);
+        line.setOut(out);
+        line.setErr(new LinePrinter(System.err));
+        UsageMessageSpec usage = line.getCommandSpec().usageMessage();
+        List<String> launcher = name.equals(Product.CHECKOUT_COMMAND) ? LAUNCHER : INSTALLED;
+        usage.footer(
+                Stream.concat(launcher.stream(), Stream.of(usage.footer())).toArray(String[]::new));
+        line.registerConverter(Path.class, Main::path);
+        line.setParameterExceptionHandler(Main::explainUsage);
+        line.setExecutionExceptionHandler(Main::explain);
+        line.setCaseInsensitiveEnumValuesAllowed(true);
+        if (arguments.length == 0) {
+            line.usage(System.err);
+            return ExitCode.USAGE;
+        }
+        return out.codeAfter(line.execute(arguments), line.getErr());
+    }
+
+    /**
+     * Converts an option's text to a path. Refuses an empty text, for example from an unset shell
+     * variable, which would otherwise mean the current folder.
+     */
+    private static Path path(String given) {
+        if (given.isEmpty()) {
+            throw new TypeConversionException("expected a file or a folder, found nothing");
+        }
+        return Path.of(given);
+    }
+
+    /**
+     * Prints the usage error and names the command that prints the full help. Printing the help
+     * here would hide the error.
+     */
+    private static int explainUsage(ParameterException wrong, String... arguments) {
+        CommandLine line = wrong.getCommandLine();
+        PrintWriter err = line.getErr();
+        LinePrinter.message(err, "reve: " + wrong.getMessage());
+        UnmatchedArgumentException.printSuggestions(wrong, err);
+        err.println("`" + line.getCommandSpec().qualifiedName() + " --help` says more");
+        err.flush();
+        return ExitCode.USAGE;
+    }
+
+    /** Prints one message without a stack trace; the message says what the user can do. */
+    private static int explain(
+            Exception failure, CommandLine line, CommandLine.ParseResult parsed) {
+        PrintWriter err = line.getErr();
+        int code = ExitCode.of(failure);
+        LinePrinter.message(err, "reve: " + message(failure));
+        if (code == ExitCode.FAILURE
+                && !(failure instanceof PhysicsException)
+                && Boolean.getBoolean("reve.debug")) {
+            failure.printStackTrace(err);
+        }
+        err.flush();
+        return code;
+    }
+
+    private static String message(Exception failure) {
+        if (failure instanceof AccessDeniedException denied && denied.getReason() == null) {
+            return denied.getFile() + ": permission denied";
+        }
+        return failure.getMessage() == null ? failure.toString() : failure.getMessage();
+    }
+
+    /** The version of the product, the Java runtime and the operating system. */
+    static final class Version implements IVersionProvider {
+        @Override
+        public String[] getVersion() {
+            return new String[] {
+                "REVE x Vesper " + Product.version(), "Java ${java.version}, ${os.name} ${os.arch}",
+            };
+        }
+    }
+}
