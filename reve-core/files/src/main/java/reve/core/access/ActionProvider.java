@@ -8,29 +8,31 @@ import reve.core.world.Parameter;
 import java.util.List;
 
 /**
- * An action written in Java, which world files name: {@code lift: {java: NAME}}. Providers are
- * found by {@link java.util.ServiceLoader}: a jar on the class path that lists them in {@code
- * META-INF/services/reve.core.access.ActionProvider}. An object is shared by all items and worlds.
+ * An action written in Java. World files refer to it by name: {@code lift: {java: NAME}}. {@link
+ * java.util.ServiceLoader} finds the providers: a jar on the class path lists its providers in
+ * {@code META-INF/services/reve.core.access.ActionProvider}. All items and worlds share one
+ * instance.
  */
 public interface ActionProvider {
-    /** How world files name it: {@code example.levitate}. */
+    /** Returns the name for world files, for example {@code example.levitate}. */
     String name();
 
-    /** One sentence for who wants to use it. */
+    /** Returns one sentence that describes the action to its callers. */
     String doc();
 
-    /** In the order in which they are documented; names are unique. */
+    /** Returns the parameters in the order of the documentation; their names are unique. */
     default List<Parameter> parameters() {
         return List.of();
     }
 
     /**
-     * Decides what happens; all of it is done when it returns, or none. It may read the world, on
-     * whose thread it runs, but not change it, and the same world and call must give the same
-     * effects. Whatever it throws, the action is refused and nothing has happened. The frame waits
-     * until it returns, and nothing ends one that does not: it never sleeps or waits.
+     * Decides the effects of a call. The world applies all of them after this method returns, or
+     * none. Runs on the world's thread: the method may read the world, must not change it, and must
+     * return the same effects for the same world and call. Any exception refuses the action, and
+     * the world stays unchanged. The frame waits for the method without a time limit, so it must
+     * not sleep or block.
      *
-     * @throws ActionRefused if it cannot be done now
+     * @throws ActionRefused if the action is not possible now
      */
     List<Effect> decide(ActionCall call) throws ActionRefused;
 }

@@ -11,7 +11,7 @@ import reve.core.world.Parameter;
 import java.util.ArrayList;
 import java.util.List;
 
-/** What the names of an action's expressions stand for in one call. */
+/** The values of the names in an action's expressions, for one call. */
 final class CallNames {
     private CallNames() {}
 

@@ -28,15 +28,15 @@ import java.util.Optional;
 import java.util.Set;
 
 /**
- * Does the effects of one call, all or none: everything that can fail is checked first, against the
- * world as it was before and the physics that earlier effects give, as two subjects may be the same
- * item. What is removed goes last.
+ * The changes of one call, applied all or none. Everything that can fail is checked first: against
+ * the world before the call, and against the physics values that earlier effects set, because two
+ * subjects may be the same item. Removals are applied last.
  */
 final class Changes {
     private static final String PHYSICS = "physics.";
     private static final String SEMANTIC = "semantic.";
 
-    /** A speed below which a kick leaves a body at rest on an axis [m/s]. */
+    /** Speed below which a body stays at rest on an axis after an impulse [m/s]. */
     private static final double SLOWEST = 1e-30;
 
     private final ActionCall call;
@@ -52,9 +52,9 @@ final class Changes {
     }
 
     /**
-     * Effects that cannot be had together.
+     * Refuses effects that contradict each other.
      *
-     * @throws IllegalArgumentException naming what two of them change
+     * @throws IllegalArgumentException if two effects change the same value; the message names it
      */
     static void requireCompatible(String action, List<Effect> effects) {
         Set<String> changed = new HashSet<>();
@@ -86,9 +86,9 @@ final class Changes {
     }
 
     /**
-     * Everything but the changes themselves.
+     * Checks all effects and computes their changes, without applying them.
      *
-     * @throws ActionRefused if one of them cannot be had now
+     * @throws ActionRefused if an effect is not possible now
      */
     static Changes prepare(ActionCall call, List<Effect> effects) throws ActionRefused {
         var changes = new Changes(call);
@@ -102,7 +102,7 @@ final class Changes {
         return changes;
     }
 
-    /** Makes them; none can fail now. */
+    /** Applies the changes. Cannot fail. */
     void make() {
         call.events().take(call.quota().agent(), call.frame(), eventBytes);
         if (!created.isEmpty()) {
@@ -272,7 +272,10 @@ final class Changes {
         return suspect(item, () -> item.physics().set(property, values));
     }
 
-    /** A law that fails at the item from now on may do so because of the change. */
+    /**
+     * Records that the call changed this item: if a law fails at the item later, the change may be
+     * the cause.
+     */
     private Runnable suspect(Item item, Runnable change) {
         return () -> {
             change.run();
@@ -280,7 +283,7 @@ final class Changes {
         };
     }
 
-    /** What a property will be after the effects so far. */
+    /** Returns the value of a property after the effects so far. */
     private double[] physics(Item item, String property) {
         double[] given = planned.getOrDefault(item.id(), Map.of()).get(property);
         return given != null ? given : item.physics().vector(property);
@@ -301,7 +304,10 @@ final class Changes {
         return checked[0];
     }
 
-    /** An expression gives SI units; a symbol with a declared unit is kept in that. */
+    /**
+     * Converts a value for a symbol: expressions yield SI units, but a symbol with a declared unit
+     * is stored in that unit.
+     */
     private Object inItsUnit(String symbol, Operand to, Object value) {
         Unit unit =
                 call.world()
@@ -381,7 +387,7 @@ final class Changes {
                                         "items of kind " + kind + " have no property " + property));
     }
 
-    /** So many finite numbers. */
+    /** Returns {@code count} finite numbers. */
     private double[] numbers(Operand operand, int count, Unit unit) throws ActionRefused {
         double[] numbers = operand.numbers(call, count, unit);
         boolean finite = true;
@@ -407,7 +413,7 @@ final class Changes {
         return numbers;
     }
 
-    /** What the world refuses becomes the action's refusal. */
+    /** Runs a check of the world, and reports its failure as a refusal of the action. */
     private static void attempt(String code, Runnable check) throws ActionRefused {
         try {
             check.run();

@@ -9,15 +9,15 @@ import reve.core.world.PerformableAction;
 import java.util.List;
 
 /**
- * An action made of {@link Effect}s, as world files declare them. All effects happen or none.
- * Immutable.
+ * An action that consists of {@link Effect}s, as world files declare it. All effects are applied,
+ * or none. Immutable.
  */
 public record DeclaredAction(
         String name, String doc, List<Parameter> parameters, Terms terms, List<Effect> effects)
         implements PerformableAction {
 
     /**
-     * @throws IllegalArgumentException if two effects change the same
+     * @throws IllegalArgumentException if two effects change the same value
      */
     public DeclaredAction {
         parameters = List.copyOf(parameters);
@@ -25,7 +25,7 @@ public record DeclaredAction(
         Changes.requireCompatible(name, effects);
     }
 
-    /** An action that anybody can perform at any time. */
+    /** Creates an action without conditions or required capabilities. */
     public DeclaredAction(
             String name, String doc, List<Parameter> parameters, List<Effect> effects) {
         this(name, doc, parameters, Terms.NONE, effects);

@@ -8,20 +8,23 @@ import java.util.Collections;
 import java.util.LinkedHashMap;
 import java.util.Map;
 
-/** One thing that an action does to an item, as data. {@link Changes} does it. Immutable. */
+/** One change that an action makes to an item, as data. {@link Changes} applies it. Immutable. */
 public sealed interface Effect {
-    /** What this effect changes: {@code physics.velocity}, {@code semantic.lit of actor}. */
+    /**
+     * Returns the value that this effect changes, for example {@code physics.velocity} or {@code
+     * semantic.lit of actor}.
+     */
     String changes();
 
-    /** The item that it changes. */
+    /** Returns the item that this effect changes. */
     Subject of();
 
-    /** A kick: velocity += impulse / mass. */
+    /** An impulse: velocity += impulse / mass. */
     record Impulse(Subject of, Operand impulse) implements Effect {
-        /** The unit that the operand is asked for in. */
+        /** Unit of the operand. */
         public static final Unit UNIT = Unit.parse("N*s");
 
-        /** A kick of the item itself. */
+        /** Creates an impulse on the item itself. */
         public Impulse(Operand impulse) {
             this(Subject.ITEM, impulse);
         }
@@ -33,15 +36,15 @@ public sealed interface Effect {
     }
 
     /**
-     * A force beside those of laws.
+     * A force in addition to the forces of laws.
      *
-     * @param seconds how long it acts, in whole frames and one frame at least
+     * @param seconds duration, rounded to whole frames, at least one frame
      */
     record Force(Subject of, Operand force, double seconds) implements Effect {
-        /** The unit that the operand is asked for in. */
+        /** Unit of the operand. */
         public static final Unit UNIT = Unit.parse("N");
 
-        /** Checks the time. */
+        /** Checks the duration. */
         public Force {
             if (!(seconds >= 0 && Double.isFinite(seconds))) {
                 throw new IllegalArgumentException(
@@ -55,9 +58,9 @@ public sealed interface Effect {
         }
     }
 
-    /** Gives a physics property a new value. */
+    /** Sets a physics property. */
     record SetProperty(Subject of, String property, Operand to) implements Effect {
-        /** A value of the item itself. */
+        /** Sets a property of the item itself. */
         public SetProperty(String property, Operand to) {
             this(Subject.ITEM, property, to);
         }
@@ -68,9 +71,9 @@ public sealed interface Effect {
         }
     }
 
-    /** Puts the item somewhere else: its location in the world's frame (3) [m]. */
+    /** Moves the item to a location in the world's reference frame (3) [m]. */
     record SetLocation(Subject of, Operand to) implements Effect {
-        /** The unit that the operand is asked for in. */
+        /** Unit of the operand. */
         public static final Unit UNIT = Unit.parse("m");
 
         @Override
@@ -79,7 +82,7 @@ public sealed interface Effect {
         }
     }
 
-    /** Turns the item: a quaternion xyzw (4) of any length but 0. */
+    /** Sets the orientation of the item: a quaternion xyzw (4) of any length except 0. */
     record SetOrientation(Subject of, Operand to) implements Effect {
         @Override
         public String changes() {
@@ -87,9 +90,9 @@ public sealed interface Effect {
         }
     }
 
-    /** Gives the item another colour, {@code #rrggbb} or {@code #rrggbbaa}. */
+    /** Sets the colour of the item, {@code #rrggbb} or {@code #rrggbbaa}. */
     record SetColour(Subject of, Operand to) implements Effect {
-        /** A colour of the item itself. */
+        /** Sets the colour of the item itself. */
         public SetColour(Operand to) {
             this(Subject.ITEM, to);
         }
@@ -100,9 +103,9 @@ public sealed interface Effect {
         }
     }
 
-    /** Gives a semantic symbol a new value. */
+    /** Sets a semantic symbol. */
     record SetSymbol(Subject of, String symbol, Operand to) implements Effect {
-        /** A symbol of the item itself. */
+        /** Sets a symbol of the item itself. */
         public SetSymbol(String symbol, Operand to) {
             this(Subject.ITEM, symbol, to);
         }
@@ -113,7 +116,7 @@ public sealed interface Effect {
         }
     }
 
-    /** Makes the item move with another from now on, from where it is. */
+    /** Attaches the item to another item. Its present pose relative to the parent is kept. */
     record Attach(Subject of, Subject to) implements Effect {
         @Override
         public String changes() {
@@ -121,7 +124,7 @@ public sealed interface Effect {
         }
     }
 
-    /** Lets an attached item be on its own, where it is. */
+    /** Detaches an item from its parent. Its present pose in the world is kept. */
     record Detach(Subject of) implements Effect {
         @Override
         public String changes() {
@@ -130,12 +133,12 @@ public sealed interface Effect {
     }
 
     /**
-     * Adds an item. Its name is that of the definition, a hyphen, and its id, so that it is never
-     * taken twice.
+     * Adds an item. Its name is the name of the definition, a hyphen, and the id of the item, so
+     * that it is always unique.
      *
-     * @param with what it has other than the definition says, by name: {@code physics.PROPERTY},
-     *     {@code semantic.SYMBOL}, {@code physical.location}, {@code physical.orientation} or
-     *     {@code physical.colour}
+     * @param with values that differ from the definition, by name: {@code physics.PROPERTY}, {@code
+     *     semantic.SYMBOL}, {@code physical.location}, {@code physical.orientation} or {@code
+     *     physical.colour}
      */
     record Create(ItemDefinition definition, Map<String, Operand> with) implements Effect {
         /** Copies the values. */
@@ -154,7 +157,10 @@ public sealed interface Effect {
         }
     }
 
-    /** Takes the item out of the world; refused while others refer to it or are attached to it. */
+    /**
+     * Removes the item from the world. The effect is refused while other items refer to the item or
+     * are attached to it.
+     */
     record Remove(Subject of) implements Effect {
         @Override
         public String changes() {
@@ -163,8 +169,8 @@ public sealed interface Effect {
     }
 
     /**
-     * Tells everybody: fields {@code item}, {@code action}, if there is one {@code actor}, and
-     * others.
+     * Publishes an event with the fields {@code item} and {@code action}, {@code actor} if there is
+     * one, and further fields.
      *
      * @param with texts, numbers and truth values by name
      */
@@ -174,7 +180,7 @@ public sealed interface Effect {
             with = Collections.unmodifiableMap(new LinkedHashMap<>(with));
         }
 
-        /** Without further fields. */
+        /** Creates an event without further fields. */
         public Raise(String event, String action) {
             this(event, action, Map.of());
         }
@@ -190,6 +196,9 @@ public sealed interface Effect {
         }
     }
 
-    /** What attaching, detaching and removing change: one of them is enough for one action. */
+    /**
+     * The value that attaching, detaching and removing change; one action may contain one of these
+     * effects.
+     */
     String STRUCTURE = "what is attached or removed";
 }

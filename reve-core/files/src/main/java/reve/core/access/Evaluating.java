@@ -5,9 +5,9 @@ import reve.core.rule.Expression;
 import reve.core.world.Item;
 
 /**
- * An expression of an action that the world's thread evaluates now.
+ * An expression of an action that the world's thread is evaluating.
  *
- * @param what the expression is for: {@code condition} or {@code value}
+ * @param what the purpose of the expression: {@code condition} or {@code value}
  */
 record Evaluating(String what, Expression expression, Item target) {
     @Override

@@ -11,24 +11,24 @@ import reve.core.world.Parameter;
 
 import java.util.List;
 
-/** Where an effect takes its value from. */
+/** The source of an effect's value. */
 public sealed interface Operand {
     /**
-     * The number or numbers, in the given unit.
+     * Returns the value as numbers in the given unit.
      *
-     * @throws ActionRefused if there are none this time
+     * @throws ActionRefused if this call provides no such value
      */
     double[] numbers(ActionCall call, int count, Unit unit) throws ActionRefused;
 
     /**
-     * The value as a symbol takes it: a text, a truth value, a list, or a number (of an argument,
-     * in its own unit; of an expression, in SI units).
+     * Returns the value as a symbol stores it: a text, a truth value, a list, or a number. A number
+     * from an argument has its own unit; a number from an expression is in SI units.
      *
-     * @throws ActionRefused if there is none this time
+     * @throws ActionRefused if this call provides no value
      */
     Object symbol(ActionCall call) throws ActionRefused;
 
-    /** What the caller gave for a parameter: {@code $impulse}. */
+    /** The caller's argument for a parameter: {@code $impulse}. */
     record Argument(Parameter parameter) implements Operand {
         @Override
         public double[] numbers(ActionCall call, int count, Unit unit) {
@@ -49,7 +49,7 @@ public sealed interface Operand {
         }
     }
 
-    /** What an expression gives: {@code $physics.temperature + heat}. */
+    /** The result of an expression: {@code $physics.temperature + heat}. */
     record Computed(Expression expression) implements Operand {
         @Override
         public double[] numbers(ActionCall call, int count, Unit unit) throws ActionRefused {
@@ -82,14 +82,14 @@ public sealed interface Operand {
         }
     }
 
-    /** The same numbers every time. */
+    /** Constant numbers. */
     record Numbers(double[] values, Unit unit) implements Operand {
         /** Copies the numbers. */
         public Numbers {
             values = values.clone();
         }
 
-        /** A fresh copy of the numbers. */
+        /** Returns a copy of the numbers. */
         @Override
         public double[] values() {
             return values.clone();
@@ -110,7 +110,7 @@ public sealed interface Operand {
         }
     }
 
-    /** The same text, truth value or list every time. */
+    /** A constant text, truth value or list. */
     record Symbol(Object value) implements Operand {
         /** Checks the type of the value. */
         public Symbol {

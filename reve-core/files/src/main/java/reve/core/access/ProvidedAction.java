@@ -14,7 +14,7 @@ public record ProvidedAction(String name, String doc, Terms terms, ActionProvide
         implements PerformableAction {
 
     /**
-     * All providers on the class path, in its order.
+     * Returns all providers on the class path, in the order of the class path.
      *
      * @throws java.util.ServiceConfigurationError if one cannot be loaded
      */

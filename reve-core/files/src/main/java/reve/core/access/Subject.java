@@ -10,18 +10,18 @@ import reve.core.world.ParameterType;
 import java.util.Optional;
 
 /**
- * Which item an effect is about.
+ * The item that an effect changes.
  *
- * @param name {@code item}, {@code actor}, or that of a parameter that takes an item
+ * @param name {@code item}, {@code actor}, or the name of a parameter that takes an item
  */
 public record Subject(String name) {
-    /** The item whose action it is. */
+    /** The item that has the action. */
     public static final Subject ITEM = new Subject("item");
 
-    /** The body that acts. */
+    /** The body of the agent that acts. */
     public static final Subject ACTOR = new Subject("actor");
 
-    /** The item that the caller names. */
+    /** Returns the subject for an item that the caller gives as an argument. */
     public static Subject argument(Parameter parameter) {
         if (parameter.type() != ParameterType.ITEM) {
             throw new IllegalArgumentException(
@@ -49,7 +49,7 @@ public record Subject(String name) {
         return named(call, name);
     }
 
-    /** The body that an argument names. */
+    /** Returns the body that an argument names. */
     static Item named(ActionCall call, String parameter) throws ActionRefused {
         String wanted = call.arguments().text(parameter);
         Optional<Item> found = call.world().find(wanted);
@@ -71,7 +71,7 @@ public record Subject(String name) {
         return found.get();
     }
 
-    /** {@code " of actor"}; nothing for the item itself. */
+    /** Returns {@code " of actor"} or similar, and an empty text for the item itself. */
     String suffix() {
         return equals(ITEM) ? "" : " of " + name;
     }

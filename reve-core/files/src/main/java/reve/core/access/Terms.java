@@ -13,13 +13,13 @@ import java.util.ArrayList;
 import java.util.List;
 
 /**
- * On which terms an action may be performed. Immutable.
+ * The conditions for performing an action. Immutable.
  *
- * @param needs capabilities that the body which acts must have
- * @param conditions what must be true, all of it
+ * @param needs capabilities that the acting body must have
+ * @param conditions expressions that must all be true
  */
 public record Terms(List<String> needs, List<Expression> conditions) {
-    /** By anybody, at any time. */
+    /** Terms that every call meets. */
     public static final Terms NONE = new Terms(List.of(), List.of());
 
     /** Copies the lists. */
@@ -29,10 +29,10 @@ public record Terms(List<String> needs, List<Expression> conditions) {
     }
 
     /**
-     * Checks them for one call.
+     * Checks the terms for one call.
      *
-     * @throws ActionRefused with code {@code not-capable}, naming the capabilities that the actor
-     *     lacks, or {@code condition-failed}, naming the condition and what was found
+     * @throws ActionRefused with code {@code not-capable}, naming the missing capabilities of the
+     *     actor, or {@code condition-failed}, naming the condition and the values that it found
      */
     void require(Action action, ActionCall call) throws ActionRefused {
         if (!needs.isEmpty()) {
@@ -82,7 +82,10 @@ public record Terms(List<String> needs, List<Expression> conditions) {
         }
     }
 
-    /** {@code physics.temperature is 380.0, semantic.lit is missing}. */
+    /**
+     * Describes the values, for example {@code physics.temperature is 380.0, semantic.lit is
+     * missing}.
+     */
     private static String found(Expression condition, Bindings names) {
         List<String> found = new ArrayList<>();
         for (String name : condition.uses()) {

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /**
- * What an item lets others do to it: actions as lists of effects, declared in world files or
- * decided by Java code, with the terms on which they may be performed. The contract that they share
- * is {@link reve.core.world.Action}; arguments are checked in one place, {@link
- * reve.core.world.Arguments}, before anything happens.
+ * The actions that an item offers: lists of effects, declared in world files or decided by Java
+ * code, and the terms for performing them. {@link reve.core.world.Action} is the contract of all
+ * actions. {@link reve.core.world.Arguments} checks the arguments before any effect.
  */
 @NullMarked
 package reve.core.access;

@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.mesh;
 
-/** A file beside the world file cannot be used; the message, one line, names it and says why. */
+/**
+ * Reports a file of the world's folder that cannot be used. The message is one line that names the
+ * file and the reason.
+ */
 public final class AssetException extends Exception {
     private static final long serialVersionUID = 1L;
 
-    /** With a message that names the file. */
+    /** Creates an exception; the message must name the file. */
     public AssetException(String message) {
         super(message);
     }
 
-    /** With a message that names the file, and what caused it. */
+    /** Creates an exception with its cause; the message must name the file. */
     public AssetException(String message, Throwable cause) {
         super(message, cause);
     }

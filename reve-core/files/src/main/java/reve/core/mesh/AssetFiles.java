@@ -8,7 +8,7 @@ import java.util.HashMap;
 import java.util.Map;
 import java.util.Optional;
 
-/** The files of one world's meshes and images, limited together. One thread. */
+/** The mesh and image files of one world, with limits on their total. For one thread. */
 final class AssetFiles {
 
     private static final int MAX_IMAGE_BYTES = 32 << 20;
@@ -16,7 +16,7 @@ final class AssetFiles {
     private final WorldFolder folder;
     private final Budget budget;
 
-    /** Images of meshes by their real paths, which many meshes may share. */
+    /** Decoded images of meshes by real path; several meshes may share an image. */
     private final Map<Path, Texture> images = new HashMap<>();
 
     AssetFiles(WorldFolder folder, Budget budget) {
@@ -28,17 +28,17 @@ final class AssetFiles {
         return budget;
     }
 
-    /** Where a file lies, by whatever path or link it is named. */
+    /** Returns the real path of a file, with links resolved. */
     Path find(String path) throws AssetException {
         return folder.find(path);
     }
 
-    /** The real path of the folder that a path's last name is looked for in. */
+    /** Returns the real path of the folder that contains the last name of {@code path}. */
     Path folderOf(String path) throws AssetException {
         return folder.folderOf(path);
     }
 
-    /** Reads a file, whose size is checked before memory is taken for it. */
+    /** Reads a file. Checks its size before it allocates memory. */
     byte[] read(String path, int maxBytes) throws AssetException {
         return folder.read(path, maxBytes, size -> budget.takeBytes(path, size));
     }
@@ -52,7 +52,7 @@ final class AssetFiles {
         return ImageDecoder.decode(read(path, MAX_IMAGE_BYTES), path, file, budget);
     }
 
-    /** The image of a file that a mesh names; each file is decoded once. */
+    /** Returns the image of a file that a mesh names. Decodes each file once. */
     Texture imageOfMesh(String path) throws AssetException {
         Path real = find(path);
         Texture known = images.get(real);

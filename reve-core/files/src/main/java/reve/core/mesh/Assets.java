@@ -11,8 +11,8 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * The meshes and textures that one world uses. Each file is read once, by whatever path or link it
- * is named, and all items that name it share what was read. One thread.
+ * The meshes and textures of one world. Each file is read once, even if items name it by different
+ * paths or links, and all these items share the result. For one thread.
  */
 public final class Assets {
 
@@ -23,17 +23,17 @@ public final class Assets {
     private final Map<Place, Loaded<Texture>> textures = new HashMap<>();
 
     /**
-     * What a path leads to.
+     * A resolved path.
      *
-     * @param file its real path
-     * @param beside the real folder that the file's own references begin at
+     * @param file real path of the file
+     * @param beside real path of the folder that the file's own references are relative to
      */
     private record Place(Path file, Path beside) {}
 
     /**
-     * What came of reading a file: the same answer for all that name it.
+     * The result of reading a file, which all items that name the file share.
      *
-     * @param path that it was read by
+     * @param path the path that the file was read by
      */
     private record Loaded<T>(String path, Optional<T> value, Optional<AssetException> problem) {
         T get(String by) throws AssetException {
@@ -51,21 +51,21 @@ public final class Assets {
         T read() throws AssetException;
     }
 
-    /** The files in a world's folder; none is read yet. */
+    /** Creates an empty cache for the files in a world's folder. */
     public Assets(WorldFolder folder) {
         this(folder, new Budget(System::nanoTime));
     }
 
-    /** For tests of the time that reading may take. */
+    /** Creates a cache with a budget that tests choose. */
     Assets(WorldFolder folder, Budget budget) {
         this.files = new AssetFiles(folder, budget);
     }
 
     /**
-     * The mesh of a {@code .glb}, {@code .gltf} or {@code .obj} file: all of its triangles.
+     * Returns the mesh of a {@code .glb}, {@code .gltf} or {@code .obj} file: all its triangles.
      *
      * @param path relative to the world's folder
-     * @throws AssetException if it cannot be used, saying why
+     * @throws AssetException if the file cannot be used; the message says why
      */
     public Mesh mesh(String path) throws AssetException {
         return once(
@@ -89,10 +89,10 @@ public final class Assets {
     }
 
     /**
-     * The image of a PNG or JPEG file.
+     * Returns the image of a PNG or JPEG file.
      *
      * @param path relative to the world's folder
-     * @throws AssetException if it cannot be used, saying why
+     * @throws AssetException if the file cannot be used; the message says why
      */
     public Texture texture(String path) throws AssetException {
         return once(textures, path, () -> files.image(path, Optional.of(path)));

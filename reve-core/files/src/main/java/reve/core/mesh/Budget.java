@@ -3,7 +3,7 @@ package reve.core.mesh;
 
 import java.util.function.LongSupplier;
 
-/** Limits what all assets of one world take together. One thread. */
+/** Limits on the time and size of all assets of one world together. For one thread. */
 final class Budget {
 
     static final long MAX_BYTES = 1L << 28;
@@ -11,7 +11,10 @@ final class Budget {
     static final long MAX_TRIANGLES = 1 << 22;
     static final long MAX_PIXELS = 1 << 25;
 
-    /** Longest time that reading may take in all [s]: the last resort, far above all others. */
+    /**
+     * Maximum time to read all assets [s]. A last resort: the size limits normally apply long
+     * before.
+     */
     static final long MAX_SECONDS = 60;
 
     private final LongSupplier nanoTime;
@@ -23,13 +26,13 @@ final class Budget {
     private long begun;
 
     /**
-     * @param nanoTime as {@link System#nanoTime}
+     * @param nanoTime a clock like {@link System#nanoTime}
      */
     Budget(LongSupplier nanoTime) {
         this.nanoTime = nanoTime;
     }
 
-    /** Starts the clock, which stands still between two assets. */
+    /** Starts the clock, which does not run between assets. */
     void begin() {
         begun = nanoTime.getAsLong();
     }
@@ -39,7 +42,7 @@ final class Budget {
         nanoseconds += nanoTime.getAsLong() - begun;
     }
 
-    /** Size of a file, or of data within another that is read again. */
+    /** Subtracts the size of a file, or of data inside a file that is read again. */
     void takeBytes(String path, long count) throws AssetException {
         bytes += count;
         require(path, bytes, MAX_BYTES, "meshes and images", "bytes");

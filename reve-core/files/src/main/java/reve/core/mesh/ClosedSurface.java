@@ -11,15 +11,16 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * Whether a mesh encloses a space: each edge belongs to two triangles that run along it in opposite
- * directions. Vertices in one place count as one, as files part them where normals or textures do.
+ * Check that a mesh encloses a volume: each edge belongs to two triangles, which traverse it in
+ * opposite directions. Vertices at the same position count as one vertex, because files duplicate
+ * vertices where normals or texture coordinates differ.
  */
 final class ClosedSurface {
 
     private final FloatBuffer vertices;
     private final int[] corners;
 
-    /** Where a vertex is; -0 and 0 are one place. */
+    /** A vertex position; -0 and 0 are equal. */
     private record Place(float x, float y, float z) {}
 
     private ClosedSurface(Mesh mesh) {
@@ -35,7 +36,8 @@ final class ClosedSurface {
     }
 
     /**
-     * @throws IllegalArgumentException naming an edge that is open or whose triangles disagree
+     * @throws IllegalArgumentException naming an edge that is open, or whose triangles have
+     *     opposite orientations
      */
     static void require(Mesh mesh) {
         new ClosedSurface(mesh)
@@ -68,7 +70,7 @@ final class ClosedSurface {
         return Optional.empty();
     }
 
-    /** All edges as first and second vertex, without triangles that are a line or a point. */
+    /** Returns all edges as first and second vertex; ignores triangles that are degenerate. */
     private long[] sortedEdges() {
         long[] edges = new long[corners.length];
         int count = 0;

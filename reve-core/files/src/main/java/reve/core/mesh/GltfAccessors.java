@@ -14,7 +14,9 @@ import java.nio.ByteOrder;
 import java.util.HashMap;
 import java.util.Map;
 
-/** The numbers of a glTF file where they lie; every range is checked before a number is read. */
+/**
+ * Access to the numbers of a glTF file without a copy. Checks each range before it reads a number.
+ */
 final class GltfAccessors {
 
     private final GlTF gltf;
@@ -29,7 +31,7 @@ final class GltfAccessors {
     }
 
     /**
-     * @param bytes the elements, {@code stride} bytes from one to the next
+     * @param bytes the elements, at distances of {@code stride} bytes
      * @param type GL code of a component's type
      * @param components per element
      */
@@ -59,12 +61,15 @@ final class GltfAccessors {
             this.normalized = normalized;
         }
 
-        /** Number of elements. */
+        /** Returns the number of elements. */
         int count() {
             return count;
         }
 
-        /** Refuses all but that many reals per element, or whole numbers that stand for 0 to 1. */
+        /**
+         * Requires {@code wanted} components per element, which are floats or, within the given
+         * types, integers that are normalized to 0 to 1.
+         */
         void requireNumbers(String attribute, int least, int most, int wanted)
                 throws AssetException {
             boolean real =
@@ -92,7 +97,7 @@ final class GltfAccessors {
             }
         }
 
-        /** A component of an element, after {@link #requireNumbers}. */
+        /** Returns a component of an element. Call {@link #requireNumbers} first. */
         float number(int element, int component) {
             int at = element * stride + component * sizeOf(type);
             return switch (type) {
@@ -102,7 +107,7 @@ final class GltfAccessors {
             };
         }
 
-        /** A vertex number, below {@code vertices}. */
+        /** Returns a vertex number, which is below {@code vertices}. */
         int index(int element, int vertices) throws AssetException {
             int at = element * stride;
             int index =
@@ -127,7 +132,7 @@ final class GltfAccessors {
     }
 
     /**
-     * @param what says what it is for where there is no such accessor
+     * @param what the purpose of the accessor, for the message if it does not exist
      */
     Accessor find(@Nullable Integer number, String what) throws AssetException {
         var accessor =
@@ -180,7 +185,7 @@ final class GltfAccessors {
                 Boolean.TRUE.equals(accessor.isNormalized()));
     }
 
-    /** The bytes of a bufferView, from position 0. */
+    /** Returns the bytes of a bufferView, from position 0. */
     ByteBuffer view(@Nullable Integer number) throws AssetException {
         BufferView view =
                 GltfContainer.element(gltf.getBufferViews(), number, "bufferView", sources);

@@ -21,7 +21,8 @@ import java.util.List;
 import java.util.Optional;
 
 /**
- * A glTF file taken apart: the JSON with its numbers unchecked, and what a .glb has behind it.
+ * The parts of a glTF file: the JSON, whose numbers are not checked yet, and the binary chunk of a
+ * .glb.
  *
  * @param binary empty for a .gltf
  */
@@ -31,13 +32,18 @@ record GltfContainer(GlTF gltf, Optional<ByteBuffer> binary) {
     private static final int JSON_CHUNK = 0x4e4f534a;
     private static final int BINARY_CHUNK = 0x004e4942;
 
-    /** Most values of the JSON: a megabyte of them can take hundreds as objects. */
+    /**
+     * Maximum number of values in the JSON; one megabyte of JSON can need hundreds of megabytes as
+     * objects.
+     */
     private static final int MAX_TOKENS = 500_000;
 
-    /** Most characters of a text in the JSON, beyond which the library does not read. */
+    /**
+     * Maximum length of a text in the JSON [characters]; the library does not read longer texts.
+     */
     private static final int MAX_TEXT = 19_999_999;
 
-    /** Most lists and objects of the JSON in each other. */
+    /** Maximum nesting depth of lists and objects in the JSON. */
     private static final int MAX_NESTING = 100;
 
     static GltfContainer read(byte[] bytes, Sources sources) throws AssetException {
@@ -82,7 +88,7 @@ record GltfContainer(GlTF gltf, Optional<ByteBuffer> binary) {
         return new GltfContainer(parse(json, sources), binary);
     }
 
-    /** The list's element of that number. */
+    /** Returns the element of the list with that number. */
     static <T> T element(
             @Nullable List<T> list, @Nullable Integer number, String what, Sources sources)
             throws AssetException {
@@ -109,7 +115,8 @@ record GltfContainer(GlTF gltf, Optional<ByteBuffer> binary) {
             List<JsonError> unfit = new ArrayList<>();
             reader.setJsonErrorConsumer(
                     error -> {
-                        // Without a failure it is about a property that glTF does not know.
+                        // Without an exception, the error reports a property that glTF does not
+                        // define, which is allowed.
                         if (error.getThrowable() != null && unfit.isEmpty()) {
                             unfit.add(error);
                         }
@@ -126,7 +133,7 @@ record GltfContainer(GlTF gltf, Optional<ByteBuffer> binary) {
             }
             return gltf;
         } catch (IOException | RuntimeException broken) {
-            // The library answers some broken files with unchecked exceptions.
+            // The library throws unchecked exceptions for some malformed files.
             throw sources.refuse("not glTF: " + Reason.of(broken, "it contradicts itself"));
         }
     }
@@ -163,7 +170,7 @@ record GltfContainer(GlTF gltf, Optional<ByteBuffer> binary) {
                 }
             }
         } catch (JacksonException broken) {
-            // What is beyond the parser's own limits has no place.
+            // Violations of the parser's own limits have no position.
             String place =
                     broken.getLocation() == null
                             ? ""

@@ -17,7 +17,7 @@ import java.util.HashMap;
 import java.util.Map;
 import java.util.Optional;
 
-/** The materials of a glTF file as far as the renderer's model goes. */
+/** The materials of a glTF file, reduced to the properties that the renderer supports. */
 final class GltfMaterials {
 
     private final GlTF gltf;
@@ -34,7 +34,7 @@ final class GltfMaterials {
     }
 
     /**
-     * @param number of the material; null for glTF's own default
+     * @param number of the material; null for the default of glTF
      */
     Material get(@Nullable Integer number) throws AssetException {
         if (number == null) {
@@ -48,14 +48,14 @@ final class GltfMaterials {
         return material;
     }
 
-    /** Name of the attribute that holds the texture coordinates for a material. */
+    /** Returns the name of the attribute with the texture coordinates of a material. */
     String coordinatesOf(@Nullable Integer number) throws AssetException {
         TextureInfo texture = number == null ? null : surface(number).getBaseColorTexture();
         return "TEXCOORD_"
                 + (texture == null || texture.getTexCoord() == null ? 0 : texture.getTexCoord());
     }
 
-    /** An sRGB colour from linear parts of 0 to 1. */
+    /** Converts linear components from 0 to 1 into an sRGB colour. */
     static Colour toSrgb(float red, float green, float blue) {
         return new Colour(toSrgb(red) | toSrgb(green) << 8 | toSrgb(blue) << 16 | 0xff000000);
     }
@@ -118,7 +118,7 @@ final class GltfMaterials {
         return decoded;
     }
 
-    /** Images that name one part of the file are one. */
+    /** Returns the image in a bufferView. Images in the same view share one texture. */
     private Texture inView(@Nullable Integer view, Integer source) throws AssetException {
         Texture known = inViews.get(view);
         if (known == null) {

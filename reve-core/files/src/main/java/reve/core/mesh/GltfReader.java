@@ -20,14 +20,15 @@ import java.util.Set;
 import java.util.stream.IntStream;
 
 /**
- * glTF 2.0 to one mesh: all triangles of the scene where its nodes put them. Cameras, lights,
- * animations and morph targets are passed over; what would change the triangles is refused by name.
+ * Reader of glTF 2.0 files. Returns one mesh with all triangles of the scene, transformed by their
+ * nodes. Ignores cameras, lights, animations and morph targets. Refuses, by name, features that
+ * would change the triangles.
  */
 final class GltfReader {
 
     private static final int MAX_DEPTH = 256;
 
-    /** Most primitives that nodes place, lines and points included. */
+    /** Maximum number of primitives that nodes place, including lines and points. */
     private static final int MAX_PIECES = 1 << 20;
 
     private final GlTF gltf;
@@ -51,7 +52,7 @@ final class GltfReader {
         try {
             return new GltfReader(file, sources).read();
         } catch (RuntimeException broken) {
-            // The library leaves null, and values out of range, in what it read.
+            // The library does not check for missing values and values out of range.
             throw sources.refuse("not glTF: " + Reason.of(broken, "it contradicts itself"));
         }
     }
@@ -82,7 +83,7 @@ final class GltfReader {
                         + (compressed ? " compression" : ""));
     }
 
-    /** The nodes of the scene; without a scene, those that are nobody's child. */
+    /** Returns the root nodes of the scene; without a scene, all nodes that have no parent. */
     private List<Integer> roots() throws AssetException {
         List<Node> nodes = orEmpty(gltf.getNodes());
         if (!orEmpty(gltf.getScenes()).isEmpty()) {
@@ -179,7 +180,7 @@ final class GltfReader {
         }
     }
 
-    /** Which corners make the i-th triangle of a list, a strip or a fan. */
+    /** Returns the corners of the i-th triangle of a list, a strip or a fan. */
     private int[] corners(int mode, int i) throws AssetException {
         return switch (mode) {
             case GltfConstants.GL_TRIANGLES -> new int[] {3 * i, 3 * i + 1, 3 * i + 2};

@@ -16,10 +16,13 @@ import javax.imageio.ImageReader;
 import javax.imageio.stream.ImageInputStream;
 import javax.imageio.stream.MemoryCacheImageInputStream;
 
-/** PNG and JPEG to pixels. The header is looked at first: small files can hold huge images. */
+/**
+ * Decoder of PNG and JPEG files. Reads the header first, because a small file can contain a huge
+ * image.
+ */
 final class ImageDecoder {
 
-    /** Most passes over an image; encoders make some ten. */
+    /** Maximum number of scans of a JPEG image; encoders write about ten. */
     private static final int MAX_SCANS = 64;
 
     private static final int TEM = 0x01;
@@ -31,7 +34,7 @@ final class ImageDecoder {
     private ImageDecoder() {}
 
     /**
-     * @param name what messages call the image
+     * @param name of the image in messages
      * @param file see {@link Texture#file}
      */
     static Texture decode(byte[] bytes, String name, Optional<String> file, Budget budget)
@@ -62,7 +65,7 @@ final class ImageDecoder {
             budget.takePixels(name, (long) width * height);
             return new Texture(width, height, rgba(reader.read(0)), file);
         } catch (IOException | RuntimeException broken) {
-            // The readers of the JDK answer some broken files with unchecked exceptions.
+            // The decoders of the JDK throw unchecked exceptions for some malformed files.
             throw new AssetException(
                     name + ": a broken image: " + Reason.of(broken, "the file contradicts itself"),
                     broken);
@@ -71,7 +74,7 @@ final class ImageDecoder {
         }
     }
 
-    /** Counts the scans: a few bytes of one can cost a pass over all pixels. */
+    /** Limits the number of scans: a scan of a few bytes can cost a pass over all pixels. */
     private static void requireFewScans(byte[] bytes, String name) throws AssetException {
         int scans = 0;
         int at = 2;
@@ -112,7 +115,7 @@ final class ImageDecoder {
         int width = image.getWidth();
         int height = image.getHeight();
         byte[] pixels = new byte[4 * width * height];
-        // To Java, grey is linear light; in image files it is sRGB like all else.
+        // Java treats grey images as linear light; image files store grey as sRGB, like colours.
         boolean grey = image.getColorModel().getColorSpace().getType() == ColorSpace.TYPE_GRAY;
         int[] row = new int[width];
         for (int y = 0; y < height; y++) {

@@ -8,24 +8,24 @@ import java.nio.FloatBuffer;
 import java.nio.IntBuffer;
 
 /**
- * What a solid body of one density weighs and how it resists being turned.
+ * Mass, centre of mass and inertia of a solid body of uniform density.
  *
  * @param volume [m^3]
  * @param mass [kg]
- * @param centre place of the centre of mass in the shape's axes (3) [m]
- * @param moments of inertia about axes through the centre along the shape's own: xx yy zz (3)
- *     [kg*m^2]
- * @param products of inertia there: yz zx xy (3) [kg*m^2]; all 0 where the axes are principal ones
+ * @param centre centre of mass in the axes of the shape (3) [m]
+ * @param moments of inertia about axes through the centre of mass, parallel to the axes of the
+ *     shape: xx yy zz (3) [kg*m^2]
+ * @param products of inertia about the same axes: yz zx xy (3) [kg*m^2]; all 0 for principal axes
  */
 public record MassProperties(
         double volume, double mass, double[] centre, double[] moments, double[] products) {
 
     /**
-     * Of a solid with that form.
+     * Computes the properties of a solid with the given shape.
      *
      * @param density [kg/m^3], positive
-     * @throws IllegalArgumentException if the form encloses no space: a plane, or a mesh that is
-     *     not closed, whose open edge is named, or whose triangles do not all face outward
+     * @throws IllegalArgumentException if the shape encloses no volume: a plane, a mesh with an
+     *     open edge, which the message names, or a mesh whose triangles do not all face outward
      */
     public static MassProperties of(Shape shape, double density) {
         return switch (shape) {
@@ -64,9 +64,9 @@ public record MassProperties(
     }
 
     /**
-     * The sum over the tetrahedra between each triangle and one inner point, each with the sign of
-     * the side that the triangle shows to that point; exact for polyhedra. F. Tonon, Explicit exact
-     * formulas for the 3-D tetrahedron inertia tensor, J. Math. Stat. 1 (2005), 8-11.
+     * Adds the tetrahedra between each triangle and one inner point. The sign of each is the side
+     * that the triangle shows to that point. Exact for polyhedra. F. Tonon, Explicit exact formulas
+     * for the 3-D tetrahedron inertia tensor, J. Math. Stat. 1 (2005), 8-11.
      */
     private static MassProperties mesh(Mesh mesh, double density) {
         ClosedSurface.require(mesh);

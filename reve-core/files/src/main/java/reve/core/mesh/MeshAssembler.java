@@ -9,7 +9,9 @@ import java.util.ArrayList;
 import java.util.Arrays;
 import java.util.List;
 
-/** Puts one mesh together from pieces. What a piece lacks that others have is filled in. */
+/**
+ * Builder of one mesh from pieces. Fills in attributes that a piece lacks and other pieces have.
+ */
 final class MeshAssembler {
 
     private final Sources sources;
@@ -29,7 +31,7 @@ final class MeshAssembler {
         this.sources = sources;
     }
 
-    /** Makes room for more vertices and triangles, and refuses too many. */
+    /** Allocates space for more vertices and triangles. Refuses too many. */
     void reserve(long vertices, long newTriangles) throws AssetException {
         requireRoom("vertices", vertexCount + vertices);
         requireRoom("triangles", indexCount / 3 + newTriangles);
@@ -60,7 +62,9 @@ final class MeshAssembler {
         return Math.min(Math.max(wanted, 2 * now), Mesh.MAX_COUNT);
     }
 
-    /** Begins a vertex, for which there is room; white unless said. Returns its number. */
+    /**
+     * Begins a vertex, which is white by default, and returns its number. Space must be reserved.
+     */
     int vertex(float x, float y, float z) {
         int at = 3 * vertexCount;
         positions[at] = x;
@@ -70,7 +74,7 @@ final class MeshAssembler {
         return vertexCount++;
     }
 
-    /** Of the vertex just begun. */
+    /** Sets the normal of the last vertex. */
     void normal(float x, float y, float z) {
         int at = 3 * vertexCount - 3;
         normals[at] = x;
@@ -79,20 +83,23 @@ final class MeshAssembler {
         hasNormals = true;
     }
 
-    /** Place in the texture of the vertex just begun. */
+    /** Sets the texture coordinates of the last vertex. */
     void coordinates(float u, float v) {
         coordinates[2 * vertexCount - 2] = u;
         coordinates[2 * vertexCount - 1] = v;
         hasCoordinates = true;
     }
 
-    /** Of the vertex just begun. */
+    /** Sets the colour of the last vertex. */
     void colour(int rgba) {
         colours[vertexCount - 1] = rgba;
         hasColours = true;
     }
 
-    /** A triangle, for which there is room, in a material; equal ones in a row make one part. */
+    /**
+     * Adds a triangle with a material. Space must be reserved. Successive triangles with equal
+     * materials form one part.
+     */
     void triangle(int a, int b, int c, Material material) {
         int first = indexCount / 3;
         triangles[indexCount++] = a;
@@ -109,7 +116,7 @@ final class MeshAssembler {
     }
 
     /**
-     * @param ownMaterials whether the file says anything about materials
+     * @param ownMaterials whether the file defines materials
      */
     Mesh finish(boolean ownMaterials) throws AssetException {
         if (indexCount == 0) {

@@ -5,8 +5,8 @@ import java.nio.charset.StandardCharsets;
 import java.util.Locale;
 
 /**
- * The lines of an OBJ or MTL file, word by word. A backslash at the end of a line joins the next
- * one to it, and {@code #} begins a comment where a line begins. One pass, no memory.
+ * Tokenizer of OBJ and MTL files. A backslash at the end of a line continues the line on the next
+ * one. A line that begins with {@code #} is a comment. Reads the bytes once and allocates no copy.
  */
 final class ObjLines {
 
@@ -18,16 +18,16 @@ final class ObjLines {
     private final String format;
     private int at;
 
-    /** Number of the line that {@link #at} is in, from 1. */
+    /** Number of the line that contains {@link #at}, from 1. */
     private int line = 1;
 
-    /** Of the last word: where it begins, and where it ends. */
+    /** Begin of the last word; its end is the next field. */
     private int from;
 
     private int to;
 
     /**
-     * @param format what messages call a file that is none, and which file
+     * @param format name of the file format and of the file, for messages
      */
     ObjLines(byte[] bytes, Sources sources, String format) {
         this.bytes = bytes;
@@ -35,7 +35,10 @@ final class ObjLines {
         this.format = format;
     }
 
-    /** Goes to the next line that has a word, which becomes the last word; false at the end. */
+    /**
+     * Advances to the next line that contains a word, and reads this word. Returns false at the end
+     * of the file.
+     */
     boolean next() {
         while (at < bytes.length) {
             if (word()) {
@@ -52,7 +55,7 @@ final class ObjLines {
         return false;
     }
 
-    /** Whether the last word is this one, given in lower case. */
+    /** Returns whether the last word equals {@code keyword}, which must be in lower case. */
     boolean is(String keyword) {
         if (to - from != keyword.length()) {
             return false;
@@ -65,7 +68,7 @@ final class ObjLines {
         return true;
     }
 
-    /** Goes to the next word of the line; false if there is none. */
+    /** Reads the next word of the line. Returns false if there is none. */
     boolean word() {
         while (at < bytes.length && bytes[at] != '\n' && isGap(at)) {
             skipGap();
@@ -78,25 +81,25 @@ final class ObjLines {
         return to > from;
     }
 
-    /** Passes over what the line has left. */
+    /** Skips the rest of the line. */
     void skipLine() {
         while (at < bytes.length && bytes[at] != '\n') {
             skipGap();
         }
     }
 
-    /** Makes the last word the next one again. */
+    /** Moves back, so that the last word is read again. */
     void back() {
         at = from;
     }
 
-    /** The last word and what the line has left, without gaps around it. */
+    /** Returns the last word and the rest of the line, trimmed. */
     String fromWord() {
         back();
         return rest();
     }
 
-    /** What the line has left, without gaps around it. */
+    /** Returns the rest of the line, trimmed. */
     String rest() {
         int begin = at;
         skipLine();
@@ -104,7 +107,7 @@ final class ObjLines {
         return (rest.indexOf('\n') < 0 ? rest : rest.replaceAll("\\\\\r?\n", " ")).strip();
     }
 
-    /** The next word as a number. */
+    /** Reads the next word as a number. */
     float number(String keyword) throws AssetException {
         if (!word()) {
             throw refuse("`" + keyword + "` has too few numbers");
@@ -112,19 +115,19 @@ final class ObjLines {
         return number();
     }
 
-    /** The last word as a number. */
+    /** Returns the last word as a number. */
     float number() throws AssetException {
         if (to - from <= MAX_NUMBER_LENGTH) {
             try {
                 return Float.parseFloat(text());
             } catch (NumberFormatException none) {
-                // told below
+                // The exception below reports it.
             }
         }
         throw refuse("`" + text() + "` is no number");
     }
 
-    /** Whether the last word is a number. */
+    /** Returns whether the last word is a number. */
     boolean isNumber() {
         try {
             number();
@@ -135,11 +138,11 @@ final class ObjLines {
     }
 
     /**
-     * The numbers of a face's corner, the last word: {@code 1}, {@code 1/2}, {@code 1//3} or {@code
+     * Parses the last word as a corner of a face: {@code 1}, {@code 1/2}, {@code 1//3} or {@code
      * 1/2/3}.
      *
-     * @param counts how many positions, texture coordinates and normals there are so far
-     * @param into (3) which of them, from 0; -1 for none
+     * @param counts number of positions, texture coordinates and normals so far
+     * @param into (3) receives their indices, from 0; -1 for none
      */
     void corner(int[] counts, int[] into) throws AssetException {
         int begin = from;
@@ -157,7 +160,10 @@ final class ObjLines {
         }
     }
 
-    /** From 1 on, or back from the end; where it leads is checked when all is read. */
+    /**
+     * Parses an index: positive from 1, negative relative to the end. The caller checks the range
+     * after the whole file is read.
+     */
     private int index(int begin, int end, int count) throws AssetException {
         boolean back = begin < end && bytes[begin] == '-';
         long number = 0;
@@ -180,19 +186,19 @@ final class ObjLines {
         return sources.refuse(format + ": line " + line + ": " + reason);
     }
 
-    /** The last word, shortened. */
+    /** Returns the last word, shortened. */
     String text() {
         int length = Math.min(to - from, MAX_NUMBER_LENGTH);
         String word = new String(bytes, from, length, StandardCharsets.UTF_8);
         return length <= SHOWN || length == to - from ? word : word.substring(0, SHOWN) + "…";
     }
 
-    /** The last word in lower case. */
+    /** Returns the last word in lower case. */
     String keyword() {
         return text().toLowerCase(Locale.ROOT);
     }
 
-    /** White space, or a backslash that joins two lines. */
+    /** Returns whether the byte is white space or a backslash that joins two lines. */
     private boolean isGap(int place) {
         byte b = bytes[place];
         return b == ' ' || b == '\t' || b == '\r' || b == '\f' || joins(place) > 0;
@@ -204,7 +210,7 @@ final class ObjLines {
         at += Math.max(1, joined);
     }
 
-    /** How many bytes join two lines here; 0 if none do. */
+    /** Returns the number of bytes that join two lines at this place; 0 if none do. */
     private int joins(int place) {
         if (bytes[place] != '\\') {
             return 0;

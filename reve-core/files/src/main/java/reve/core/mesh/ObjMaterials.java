@@ -12,15 +12,15 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * The materials of an OBJ file's libraries (MTL) as far as the renderer's model goes: diffuse
- * colour and texture, and the roughness and metallic of those that say so.
+ * The materials in the libraries (MTL) of an OBJ file, reduced to the properties that the renderer
+ * supports: diffuse colour and texture, and roughness and metallic if present.
  */
 final class ObjMaterials {
 
     private static final int MAX_LIBRARY_BYTES = 1 << 20;
     private static final int MAX_LIBRARIES = 16;
 
-    /** Options of a texture in lower case, and how many words each has at least and at most. */
+    /** Options of a texture in lower case, with the minimum and maximum number of their words. */
     private static final Map<String, int[]> OPTIONS =
             Map.ofEntries(
                     Map.entry("-blendu", new int[] {1, 1}),
@@ -41,7 +41,7 @@ final class ObjMaterials {
     private final Map<String, Material> materials = new HashMap<>();
     private int libraries;
 
-    /** A material that is being read. */
+    /** A material whose definition is not complete yet. */
     private static final class Draft {
         private Colour colour = Colour.WHITE;
         private double roughness = Material.DEFAULT.roughness();
@@ -53,17 +53,19 @@ final class ObjMaterials {
         this.sources = sources;
     }
 
-    /** Whether the libraries have any. */
+    /** Returns whether the libraries define no material. */
     boolean isEmpty() {
         return materials.isEmpty();
     }
 
-    /** The one of that name, else the default. */
+    /** Returns the material with that name, or the default material. */
     Material get(String name) {
         return materials.getOrDefault(name, Material.DEFAULT);
     }
 
-    /** Adds the materials of a library; of two with one name, the later counts. */
+    /**
+     * Adds the materials of a library. A later material replaces an earlier one with the same name.
+     */
     void readLibrary(String name) throws AssetException {
         if (++libraries > MAX_LIBRARIES) {
             throw sources.refuse("more than " + MAX_LIBRARIES + " material libraries");
@@ -110,7 +112,10 @@ final class ObjMaterials {
         }
     }
 
-    /** By custom, the colours of these files are sRGB; without green and blue they are grey. */
+    /**
+     * Reads a colour. By convention, colours in these files are sRGB. One number without green and
+     * blue means grey.
+     */
     private static Colour colour(ObjLines lines) throws AssetException {
         float red = lines.number("Kd");
         float green = lines.word() ? lines.number() : red;
@@ -122,7 +127,7 @@ final class ObjMaterials {
         return Math.round(255 * Math.clamp(value, 0f, 1f));
     }
 
-    /** The name behind the options of a texture; there may be gaps in it. */
+    /** Returns the file name after the options of a texture; it may contain spaces. */
     private static String textureFile(ObjLines lines) throws AssetException {
         while (lines.word()) {
             int[] words = OPTIONS.get(lines.keyword());

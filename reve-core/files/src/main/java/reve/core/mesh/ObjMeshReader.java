@@ -11,9 +11,9 @@ import java.util.List;
 import java.util.Map;
 
 /**
- * Wavefront OBJ to one mesh: all faces, split into triangles around their first corner, in metres.
- * Groups are passed over. One pass over the file, then one over its faces, as a face may refer to
- * what comes later.
+ * Reader of Wavefront OBJ files. Returns one mesh in metres with all faces, split into triangles at
+ * their first corner. Ignores groups. Makes one pass over the file and one over its faces, because
+ * a face may refer to later lines.
  */
 final class ObjMeshReader {
 
@@ -32,19 +32,21 @@ final class ObjMeshReader {
     private final int[] widths = {3, 2, 3};
     private final int[] counts = new int[3];
 
-    /** Three numbers for each corner: which position, texture coordinates and normal. */
+    /** Three indices per corner: position, texture coordinates and normal. */
     private int[] corners = new int[0];
 
     private int cornerCount;
 
-    /** Two numbers for each face: its corners, and the place of its material among the names. */
+    /** Two numbers per face: its number of corners, and the index of its material in the names. */
     private int[] faces = new int[0];
 
     private int faceCount;
     private final Map<String, Integer> materialNumbers = new HashMap<>();
     private final List<String> materialNames = new ArrayList<>();
 
-    /** Vertices of the mesh by their corner: places in {@link #known}, plus 1; open addressing. */
+    /**
+     * Hash table with open addressing from a corner to its vertex: index in {@link #known}, plus 1.
+     */
     private int[] slots = new int[1 << 12];
 
     private int[] known = new int[0];
@@ -96,7 +98,7 @@ final class ObjMeshReader {
         }
     }
 
-    /** A texture coordinate may lack its second number. */
+    /** Reads one line of numbers. The second texture coordinate is optional. */
     private void take(int list, String keyword) throws AssetException {
         int width = widths[list];
         int at = width * counts[list];
@@ -171,7 +173,7 @@ final class ObjMeshReader {
         }
     }
 
-    /** The mesh's vertex for a corner: the same one for all that have the same three numbers. */
+    /** Returns the vertex of a corner. Corners with the same three indices share one vertex. */
     private int vertex(int corner) throws AssetException {
         int at = 3 * corner;
         if (4 * vertexCount >= 3 * slots.length) {
@@ -202,7 +204,7 @@ final class ObjMeshReader {
         return added;
     }
 
-    /** Where a corner's vertex is noted, or would be. */
+    /** Returns the slot of a corner in the hash table: the used one, or the free one for it. */
     private int slot(int[] from, int at) {
         int hash = 31 * (31 * from[at] + from[at + 1]) + from[at + 2];
         int slot = (hash * 0x9e3779b9 >>> 8) & slots.length - 1;
@@ -220,7 +222,7 @@ final class ObjMeshReader {
         }
     }
 
-    /** Where the numbers of a corner's position, texture coordinates or normal begin. */
+    /** Returns where the numbers of a corner's position, texture coordinates or normal begin. */
     private int place(int at, int list) throws AssetException {
         int index = corners[at + list];
         if (index >= counts[list]) {

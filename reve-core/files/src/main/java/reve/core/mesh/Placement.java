@@ -2,9 +2,9 @@
 package reve.core.mesh;
 
 /**
- * Where a node puts its points: turned, scaled, sheared and moved.
+ * An affine transformation of a glTF node: rotation, scale, shear and translation.
  *
- * @param m (3 x 4) by rows; the last column moves
+ * @param m (3 x 4) by rows; the last column is the translation
  */
 record Placement(double[] m) {
 
@@ -22,7 +22,10 @@ record Placement(double[] m) {
         return new Placement(m);
     }
 
-    /** First scaled, then turned by the quaternion xyzw, whatever its length, then moved. */
+    /**
+     * Scales first, then rotates by the quaternion xyzw, which need not be normalized, then
+     * translates.
+     */
     static Placement of(float[] scale, float[] rotation, float[] translation) {
         double x = rotation[0];
         double y = rotation[1];
@@ -49,7 +52,7 @@ record Placement(double[] m) {
                 });
     }
 
-    /** First the inner one, then this. */
+    /** Returns the composition that applies {@code inner} first. */
     Placement times(Placement inner) {
         double[] product = new double[12];
         for (int row = 0; row < 3; row++) {
@@ -64,13 +67,16 @@ record Placement(double[] m) {
         return new Placement(product);
     }
 
-    /** A point's coordinate along an axis. */
+    /** Returns a coordinate of the transformed point. */
     float point(int axis, float x, float y, float z) {
         return (float)
                 (m[4 * axis] * x + m[4 * axis + 1] * y + m[4 * axis + 2] * z + m[4 * axis + 3]);
     }
 
-    /** What turns surface normals: the cofactors, so that they stay upright under any scale. */
+    /**
+     * Returns the transformation of normals: the cofactors, which keep normals perpendicular under
+     * any scale.
+     */
     Placement forNormals() {
         double[] turned = new double[12];
         for (int row = 0; row < 3; row++) {
@@ -85,7 +91,7 @@ record Placement(double[] m) {
         return new Placement(turned);
     }
 
-    /** Whether it turns left hands into right ones. */
+    /** Returns whether the transformation inverts handedness. */
     boolean mirrors() {
         Placement cofactors = forNormals();
         return m[0] * cofactors.m[0] + m[1] * cofactors.m[1] + m[2] * cofactors.m[2] < 0;

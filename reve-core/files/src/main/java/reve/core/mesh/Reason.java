@@ -7,9 +7,9 @@ import java.nio.file.AccessDeniedException;
 import java.nio.file.FileSystemException;
 import java.util.regex.Pattern;
 
-/** Puts what libraries and the system say about a file into words for its author. */
+/** Messages of libraries and of the system, in words for the author of a file. */
 final class Reason {
-    /** Names of Java classes and methods, which say nothing about a file. */
+    /** Names of Java classes and methods, which do not help the author of a file. */
     private static final Pattern CODE =
             Pattern.compile(
                     "\\b[a-z]\\w*(\\.\\w+)*\\.[A-Z]\\w*|[A-Z]\\w+(Exception|Error)\\b|\\w+\\(\\)|\"<");
@@ -18,14 +18,17 @@ final class Reason {
 
     private Reason() {}
 
-    /** The first line of a message; {@code otherwise} if there is none, or it is about code. */
+    /**
+     * Returns the first line of a message, or {@code otherwise} if there is no message or it
+     * contains names of code.
+     */
     static String of(Exception broken, String otherwise) {
         return broken instanceof NullPointerException
                 ? otherwise
                 : of(broken.getMessage(), otherwise);
     }
 
-    /** As the other one. */
+    /** Same as the other method, for a message. */
     static String of(@Nullable String message, String otherwise) {
         String line = message == null ? "" : message.lines().findFirst().orElse("").strip();
         if (line.isEmpty() || CODE.matcher(line).find()) {
@@ -34,7 +37,7 @@ final class Reason {
         return line.length() <= MAX_LENGTH ? line : line.substring(0, MAX_LENGTH - 1) + "…";
     }
 
-    /** Why the system does not read a file. */
+    /** Returns why the system cannot read a file. */
     static String ofSystem(Exception unreadable) {
         if (unreadable instanceof AccessDeniedException) {
             return "permission denied";

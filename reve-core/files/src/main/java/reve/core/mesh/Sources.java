@@ -11,7 +11,7 @@ import java.util.Base64;
 import java.util.HashMap;
 import java.util.Map;
 
-/** What a mesh file refers to: files beside it and below, or data in itself. */
+/** The data that a mesh file refers to: files in its folder or below, or data inside the file. */
 final class Sources {
 
     private static final int MAX_BYTES = 64 << 20;
@@ -19,7 +19,7 @@ final class Sources {
     private final AssetFiles files;
     private final String path;
 
-    /** What was read for this mesh, by real path. */
+    /** Contents of the files read for this mesh, by real path. */
     private final Map<Path, byte[]> read = new HashMap<>();
 
     /**
@@ -30,7 +30,7 @@ final class Sources {
         this.path = path;
     }
 
-    /** The mesh file's path, which all messages begin with. */
+    /** Returns the mesh file's path, with which all messages begin. */
     String path() {
         return path;
     }
@@ -43,7 +43,7 @@ final class Sources {
         return new AssetException(path + ": " + reason);
     }
 
-    /** The bytes behind a URI: base64 data, or a file named relative to the mesh file. */
+    /** Returns the data of a URI: base64 data, or a file relative to the mesh file. */
     ByteBuffer read(String uri) throws AssetException {
         if (!uri.startsWith("data:")) {
             return ByteBuffer.wrap(file(decode(uri), MAX_BYTES));
@@ -59,17 +59,17 @@ final class Sources {
         }
     }
 
-    /** The image of a file that a URI names. */
+    /** Returns the image of a file that a URI names. */
     Texture imageBehind(String uri) throws AssetException {
         return image(decode(uri));
     }
 
-    /** The image of a file named relative to the mesh file. */
+    /** Returns the image of a file relative to the mesh file. */
     Texture image(String name) throws AssetException {
         return files.imageOfMesh(beside(name));
     }
 
-    /** The bytes of a file named relative to the mesh file, which is read once. */
+    /** Returns the bytes of a file relative to the mesh file. Reads each file once. */
     byte[] file(String name, int maxBytes) throws AssetException {
         Path real = files.find(beside(name));
         byte[] bytes = read.get(real);

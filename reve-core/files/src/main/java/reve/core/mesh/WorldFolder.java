@@ -12,9 +12,9 @@ import java.util.List;
 import java.util.Optional;
 
 /**
- * The folder that a world file lies in, from which alone all that it names is read: included files,
- * tables, meshes, textures. Paths are relative to it, with {@code /} between names, and never lead
- * out of it: not by {@code ..}, not by a link, not by a URL. Any thread.
+ * The folder of a world file. All files that the world file names are read from this folder:
+ * included files, tables, meshes, textures. Paths are relative to it and separate names with {@code
+ * /}. They never leave the folder: not by {@code ..}, a link or a URL. Any thread.
  */
 public final class WorldFolder {
 
@@ -22,7 +22,7 @@ public final class WorldFolder {
 
     private final Optional<Path> folder;
 
-    /** What lies in this folder or below it. */
+    /** Gives access to the files in this folder and below. */
     public WorldFolder(Path folder) {
         this(Optional.of(folder));
     }
@@ -31,16 +31,16 @@ public final class WorldFolder {
         this.folder = folder;
     }
 
-    /** Of a world that is not read from a file: there is nothing in it. */
+    /** Returns an empty folder, for a world that is not read from a file. */
     public static WorldFolder none() {
         return new WorldFolder(Optional.empty());
     }
 
     /**
-     * Where a file lies.
+     * Finds a file.
      *
-     * @return the real path of a regular file in this folder or one below it
-     * @throws AssetException if the path is not of that kind, or there is no such file
+     * @return the real path of a regular file in this folder or below
+     * @throws AssetException if the path is not of this form, or there is no such file
      */
     public Path find(String path) throws AssetException {
         requireWithin(path);
@@ -70,7 +70,10 @@ public final class WorldFolder {
         }
     }
 
-    /** The real path of the folder that the last name of a path that was found is in. */
+    /**
+     * Returns the real path of the folder that contains the last name of a path that {@link #find}
+     * accepted.
+     */
     Path folderOf(String path) throws AssetException {
         try {
             return folder.orElseThrow()
@@ -82,13 +85,13 @@ public final class WorldFolder {
         }
     }
 
-    /** Is asked before memory is taken for a file. */
+    /** Called with the size of a file before memory is allocated for it. */
     interface SizeCheck {
         void check(long bytes) throws AssetException;
     }
 
     /**
-     * @throws AssetException if there is no such file, or more than {@code maxBytes} in it
+     * @throws AssetException if there is no such file, or it is larger than {@code maxBytes}
      */
     byte[] read(String path, int maxBytes, SizeCheck check) throws AssetException {
         Path file = find(path);

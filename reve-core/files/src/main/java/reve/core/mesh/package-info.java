@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /**
- * From files of a {@link reve.core.mesh.WorldFolder} to shapes and textures: glTF 2.0 and OBJ
- * meshes, PNG and JPEG images, read once, checked and limited before memory is taken for them.
- * {@link reve.core.mesh.Assets} is the way in; {@link reve.core.mesh.MassProperties} weighs shapes.
+ * Readers of shapes and textures from files of a {@link reve.core.mesh.WorldFolder}: glTF 2.0 and
+ * OBJ meshes, PNG and JPEG images. Each file is read once, and checked and limited before memory is
+ * allocated for it. {@link reve.core.mesh.Assets} is the entry point; {@link
+ * reve.core.mesh.MassProperties} computes mass and inertia of shapes.
  */
 @NullMarked
 package reve.core.mesh;
