@@ -325,8 +325,6 @@ class ControlIT {
         after(boss, 5);
     }
 
-    // ---- helpers ----
-
     private int port;
 
     /** Serves the world on this thread while an operator works on another. */

@@ -138,8 +138,6 @@ class SeveralWorldsIT {
         assertThat(faults).anySatisfy(fault -> assertThat(fault).contains("doomed", "as if"));
     }
 
-    // ---- helpers ----
-
     private interface Client {
         void run(int port) throws Exception;
     }

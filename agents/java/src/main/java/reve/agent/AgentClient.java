@@ -195,8 +195,6 @@ public final class AgentClient implements AutoCloseable {
         };
     }
 
-    // ---- lock-step ----
-
     /**
      * In lock-step: does these things in the next frame and returns what is perceived then, or at
      * the end of a round of several frames, with the results.
@@ -294,8 +292,6 @@ public final class AgentClient implements AutoCloseable {
         }
     }
 
-    // ---- asking ----
-
     private <T extends ServerMessage> T ask(LongFunction<ObjectNode> build, Class<T> answerType) {
         return ask(() -> talk.question(build), answerType);
     }
@@ -386,7 +382,7 @@ public final class AgentClient implements AutoCloseable {
                 "lost", "the connection broke: " + cause.getMessage(), Optional.empty());
     }
 
-    // ---- the reader's thread ----
+    // Methods for the reader's thread.
 
     private void read() {
         try {

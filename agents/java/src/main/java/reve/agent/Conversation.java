@@ -75,8 +75,6 @@ final class Conversation {
         return welcome;
     }
 
-    // ---- asking ----
-
     Question question(LongFunction<ObjectNode> build) {
         long id = ++lastId;
         byte[] line = encode(build.apply(id));
@@ -121,8 +119,6 @@ final class Conversation {
         return Wire.encode(message, join.encoding());
     }
 
-    // ---- a stream of perceptions ----
-
     /** Begins another stream in place of the one there is, if any. */
     byte[] subscribe(int frames) {
         subscription = ++lastId;
@@ -160,8 +156,6 @@ final class Conversation {
         latest = null;
         return Optional.of(encode(Protocol.perceive(++lastId, 0)));
     }
-
-    // ---- lock-step ----
 
     /** Does these things and is done with the round. */
     byte[] ready(Act... acts) {
@@ -229,8 +223,6 @@ final class Conversation {
     private boolean isAllDone() {
         return doing.stream().allMatch(this::hasAnswer);
     }
-
-    // ---- hearing ----
 
     long missedEvents() {
         return missedEvents;
@@ -343,8 +335,6 @@ final class Conversation {
             seenAfter.removeIf(later -> later <= frame);
         }
     }
-
-    // ---- when a connection breaks ----
 
     /** How another connection goes on; empty where that is not possible. */
     Optional<Join> greeting() {

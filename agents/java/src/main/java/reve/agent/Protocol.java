@@ -32,8 +32,6 @@ final class Protocol {
 
     private Protocol() {}
 
-    // ---- what a client says ----
-
     static ObjectNode hello(Join join) {
         ObjectNode message = message("hello").put("protocol", VERSION).put("name", join.name());
         if (!join.role().equals("agent")) {
@@ -193,8 +191,6 @@ final class Protocol {
         }
         return number;
     }
-
-    // ---- what a server says ----
 
     /**
      * @throws AgentException with code {@code protocol} if the line says nothing of version 1

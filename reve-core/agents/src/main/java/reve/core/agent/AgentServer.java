@@ -32,8 +32,8 @@ import java.util.Optional;
 import java.util.stream.Stream;
 
 /**
- * Lets agents join worlds over TCP, protocol version 1. Each world goes on at its own pace whatever
- * agents do; they come and go at any time. Its methods may be called from any thread.
+ * Server for agents over TCP, protocol version 1. Each world keeps its own pace; agents join and
+ * leave at any time. Methods may be called on any thread.
  */
 public final class AgentServer implements AutoCloseable {
 
@@ -50,17 +50,17 @@ public final class AgentServer implements AutoCloseable {
     private final Connections connections;
     private final Optional<AuditLog> audit;
 
-    /** The event loop's own, as long as it runs. */
+    /** Belongs to the event loop while it runs. */
     private final List<FileProblem> fileProblems;
 
     private volatile boolean closed;
 
     /**
-     * Begins to listen.
+     * Starts the server.
      *
-     * @param ports of worlds of different names, at least one
-     * @param problems receives what is wrong with the server's files while it runs
-     * @throws BindException naming the address if it cannot be had
+     * @param ports of worlds with different names, at least one
+     * @param problems receives problems of the server's files while it runs
+     * @throws BindException naming the address if it is not available
      * @throws IOException if the audit file cannot be written
      */
     public static AgentServer start(
@@ -109,7 +109,8 @@ public final class AgentServer implements AutoCloseable {
                         log,
                         new KeptSessions(config.limits().kept(), log),
                         loop::wake);
-        // A world in real time has frames to make while agents are served; so do others beside it.
+        // A thread of a world in real time must make frames while agents are served; so must the
+        // threads of several worlds.
         boolean helps = ports.size() == 1 && ports.getFirst().loop().pacing() == Pacing.FAST;
         LockStep.Waiting waiting = helps ? new LoopHelper(loop) : LockStep.Waiting.IDLE;
         this.worlds = ports.stream().map(port -> new ServedWorld(services, port, waiting)).toList();
@@ -167,12 +168,12 @@ public final class AgentServer implements AutoCloseable {
                 .orElseThrow();
     }
 
-    /** Where it listens, with the port it got. */
+    /** Returns the address with the actual port. */
     public InetSocketAddress address() {
         return address;
     }
 
-    /** The counts as of now. */
+    /** Returns the present counters. */
     public AgentStats stats() {
         return new AgentStats(
                 counters.connections.sum(),
@@ -188,7 +189,7 @@ public final class AgentServer implements AutoCloseable {
                 audit.map(AuditLog::unrecorded).orElse(0L));
     }
 
-    /** A world makes no more frames: says bye to everybody who is in it, and lets nobody in. */
+    /** Ends a world: sends {@code bye} to all its clients, and admits no more. */
     public void end(String world) {
         loop.later(
                 () ->
@@ -198,7 +199,8 @@ public final class AgentServer implements AutoCloseable {
     }
 
     /**
-     * Says bye to everybody and returns when all are gone, at the latest after the time to linger.
+     * Sends {@code bye} to all clients, and returns when all connections are closed, at the latest
+     * after the linger time.
      */
     @Override
     public void close() {
@@ -224,7 +226,7 @@ public final class AgentServer implements AutoCloseable {
         audit.ifPresent(AgentServer::closeQuietly);
     }
 
-    /** What the event loop does in every turn, after it has read. */
+    /** Work of the event loop in each turn, after reading. */
     private final class LoopWork implements EventLoop.Work {
 
         @Override
@@ -300,7 +302,7 @@ public final class AgentServer implements AutoCloseable {
         try {
             resource.close();
         } catch (IOException e) {
-            // Closing frees the descriptor even when it complains.
+            // Closing frees the descriptor even if it fails.
         }
     }
 }

@@ -12,13 +12,13 @@ import java.time.Duration;
 import java.util.Optional;
 
 /**
- * Where the server listens and what it takes from a client.
+ * Settings of the server.
  *
- * @param address port 0 takes any free one
- * @param limits how much it takes from clients, and keeps for them
- * @param timeouts how long it waits for them
- * @param audit where a record of all that clients are told is appended
- * @param security how clients and server know each other
+ * @param address port 0 selects a free port
+ * @param limits on clients' messages and on stored data
+ * @param timeouts time limits
+ * @param audit settings of the audit record
+ * @param security authentication and encryption
  */
 public record AgentServerConfig(
         InetSocketAddress address,
@@ -28,8 +28,8 @@ public record AgentServerConfig(
         AgentSecurity security) {
 
     /**
-     * @throws IllegalArgumentException if other machines reach the address and there are no tokens
-     *     or no TLS
+     * @throws IllegalArgumentException if other machines can reach the address and there are no
+     *     tokens or no TLS
      */
     public AgentServerConfig {
         if (address.isUnresolved()) {
@@ -43,35 +43,35 @@ public record AgentServerConfig(
         }
     }
 
-    /** The protocol's limits on 127.0.0.1. */
+    /** Returns the protocol's limits on 127.0.0.1. */
     public static AgentServerConfig onPort(int port) {
         return on(new InetSocketAddress(InetAddress.ofLiteral("127.0.0.1"), port));
     }
 
-    /** The protocol's limits on a loopback address. */
+    /** Returns the protocol's limits on a loopback address. */
     public static AgentServerConfig on(InetSocketAddress address) {
         return on(address, AgentSecurity.NONE);
     }
 
-    /** The protocol's limits on any address. */
+    /** Returns the protocol's limits on any address. */
     public static AgentServerConfig on(InetSocketAddress address, AgentSecurity security) {
         return new AgentServerConfig(
                 address, AgentLimits.PROTOCOL, AgentTimeouts.PROTOCOL, Optional.empty(), security);
     }
 
-    /** The same, with a record of all that clients are told. */
+    /** Returns a copy with an audit record. */
     public AgentServerConfig withAudit(AuditPlan plan) {
         return new AgentServerConfig(address, limits, timeouts, Optional.of(plan), security);
     }
 
-    /** The same, with another longest time that an agent in lock-step may have the world wait. */
+    /** Returns a copy with another maximum deadline for agents in lock-step. */
     public AgentServerConfig withDeadline(Duration longest) {
         return with(longest, timeouts.waiting());
     }
 
     /**
-     * The same, with another time that agents in lock-step may keep others waiting; without, there
-     * is no limit.
+     * Returns a copy with another allowance for delays by agents in lock-step; if empty, there is
+     * no limit.
      */
     public AgentServerConfig withWaiting(Optional<Duration> allowance) {
         return with(timeouts.deadline(), allowance);

@@ -2,19 +2,19 @@
 package reve.core.agent;
 
 /**
- * Counters since the server started.
+ * Counters since the start of the server.
  *
  * @param connections accepted so far
  * @param open connections now
  * @param agents with a body now
- * @param joined agents welcomed so far
- * @param lines received
- * @param errors lines refused with an error
- * @param perceptions handed to connections
+ * @param joined agents that were sent a welcome so far
+ * @param lines messages received
+ * @param errors messages refused with an error
+ * @param perceptions queued for connections
  * @param actsAccepted acts that took effect
- * @param actsRefused acts that did not
- * @param cut connections that the server ended for breaking a limit
- * @param unrecorded messages sent without the record that was asked for
+ * @param actsRefused acts that were refused
+ * @param cut connections that the server ended because the client exceeded a limit
+ * @param unrecorded messages sent without an audit record
  */
 public record AgentStats(
         long connections,

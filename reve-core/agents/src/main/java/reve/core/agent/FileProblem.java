@@ -4,7 +4,7 @@ package reve.core.agent;
 import java.util.Optional;
 import java.util.function.Supplier;
 
-/** Reports the problem of one of a server's files when it changes and when it is over. */
+/** Reports the problem of one of a server's files when it begins, changes or ends. */
 final class FileProblem {
 
     private final String source;
@@ -14,8 +14,8 @@ final class FileProblem {
     private Optional<String> reported = Optional.empty();
 
     /**
-     * @param problem what is wrong now
-     * @param solved what to say when nothing is wrong any more
+     * @param problem returns the present problem, if any
+     * @param solved returns the message for the end of a problem
      */
     FileProblem(
             String source,
@@ -28,7 +28,7 @@ final class FileProblem {
         this.listener = listener;
     }
 
-    /** Called every now and then by one thread at a time. */
+    /** Called periodically by one thread at a time. */
     void check() {
         Optional<String> now = problem.get();
         if (!now.equals(reported)) {

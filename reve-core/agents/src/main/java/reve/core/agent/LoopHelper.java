@@ -7,7 +7,7 @@ import reve.core.frame.FrameClock;
 
 import java.util.function.BooleanSupplier;
 
-/** Has a world's thread run the event loop while the world waits for agents in lock-step. */
+/** Runs the event loop on a world's thread while the world waits for agents in lock-step. */
 record LoopHelper(EventLoop loop) implements LockStep.Waiting {
 
     @Override

@@ -6,7 +6,7 @@ package reve.core.agent;
 public interface ServerProblems {
 
     /**
-     * A problem has begun, has changed, or is over. Called by the event loop's thread.
+     * Called on the event loop's thread when a problem begins, changes or ends.
      *
      * @param source {@code audit}, {@code tokens} or {@code tls}
      */

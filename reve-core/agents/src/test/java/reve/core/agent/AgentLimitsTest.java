@@ -36,8 +36,6 @@ class AgentLimitsTest {
     private static final Duration SOON = Duration.ofMillis(150);
     private static final String HELLO = "{'t':'hello','protocol':1,'name':'%s'}";
 
-    // ---- too slow, too long, too silent ----
-
     @Test
     void whoSaysNoHelloInTimeIsCut() throws IOException {
         try (AgentRoom room = new AgentRoom(AgentRoom.config(SOON, NEVER, NEVER, NEVER));
@@ -147,8 +145,6 @@ class AgentLimitsTest {
             }
         }
     }
-
-    // ---- garbage ----
 
     static List<JsonNode> refusedLines() {
         return Vectors.lines("refused.jsonl");
@@ -269,8 +265,6 @@ class AgentLimitsTest {
             message = client.next();
         }
     }
-
-    // ---- many ----
 
     @Test
     void twoHundredAgentsPerceiveActAndLeaveTogether() throws IOException {

@@ -47,8 +47,6 @@ class AgentServerTest {
         room.close();
     }
 
-    // ---- the example session ----
-
     @Test
     void theDocumentedSessionHappensLineByLine() throws IOException {
         try (TestClient client = room.connect()) {
@@ -111,8 +109,6 @@ class AgentServerTest {
                 .allSatisfy(
                         code -> assertThat(Vectors.text("PROTOCOL.md")).contains("`" + code + "`"));
     }
-
-    // ---- perceiving ----
 
     @Test
     void perceptionsComeEveryNFramesUntilStopped() throws IOException {
@@ -219,8 +215,6 @@ class AgentServerTest {
             assertThat(count).isLessThan(frames / 2);
         }
     }
-
-    // ---- acting ----
 
     @Test
     void anActIsDoneInTheNextFrameAndItsResultNamesIt() throws IOException {
@@ -347,8 +341,6 @@ class AgentServerTest {
         }
     }
 
-    // ---- events ----
-
     @Test
     void everybodyHearsWhatHappensFromTheirWelcomeOn() throws IOException {
         try (TestClient ada = room.join("ada");
@@ -367,8 +359,6 @@ class AgentServerTest {
                                             + "'fields':{'agent':'bob','body':'bob','reason':'goodbye'}}"));
         }
     }
-
-    // ---- joining and leaving ----
 
     @Test
     void aMadeBodyComesToTheFirstPlaceThatNoAgentHas() throws IOException {
@@ -584,8 +574,6 @@ class AgentServerTest {
             client.expect("error", "hello-again");
         }
     }
-
-    // ---- the server itself ----
 
     @Test
     void theWorldsThreadAllocatesNothingForAgentsThatOnlyPerceive() throws IOException {

@@ -129,8 +129,6 @@ class LockStepServerTest {
         }
     }
 
-    // ---- who keeps others waiting ----
-
     /** A room whose agents may keep others waiting for 50 ms. */
     private void openImpatient() throws IOException {
         room.close();

@@ -224,8 +224,6 @@ class RewindTest {
         assertThat(refused.get("reason").stringValue()).contains("three").contains("[one, two]");
     }
 
-    // ---- helpers ----
-
     /** A room whose world runs on a thread of its own, until it is closed. */
     private record Running(AgentRoom room, ExecutorService thread) implements AutoCloseable {
         Running(AgentRoom room) {

@@ -60,8 +60,6 @@ class RightsModelTest {
     private static final double NEAR = 10;
     private static final int MAX_ERRORS = 6;
 
-    // ---- the world, as data for both the real one and the model ----
-
     /**
      * @param needs capabilities by action; every action pushes its item by 1 N s
      */
@@ -158,8 +156,6 @@ class RightsModelTest {
             ITEMS.add(thing.name);
         }
     }
-
-    // ---- the model ----
 
     private record Holder(String name, String secret, Rights rights) {}
 
@@ -302,8 +298,6 @@ class RightsModelTest {
         seen.merge(what, 1, Integer::sum);
     }
 
-    // ---- coming and going ----
-
     private void comeOrGo() throws IOException {
         if (!clients.isEmpty() && random.nextInt(4) == 0) {
             leave(any(List.copyOf(clients.values())));
@@ -433,8 +427,6 @@ class RightsModelTest {
         room.step(); // in which its body becomes free
         count("goodbye");
     }
-
-    // ---- doing ----
 
     private void act() throws IOException {
         var expected = new ArrayList<Map<Long, String>>();

@@ -43,8 +43,6 @@ class SensorsTest {
 
     private static final double QUARTER_TURN = Math.sqrt(0.5);
 
-    // ---- one sensor at a time ----
-
     @Test
     void aRangeIsMeasuredToTheNearestPointOfTheBox() throws IOException {
         assertThat(
@@ -154,8 +152,6 @@ class SensorsTest {
             assertThat(seen).containsExactly(0.0, 0.0, 0.0, 3.0, 3.0, 3.0, 6.0);
         }
     }
-
-    // ---- events and actions ----
 
     @Test
     void anEventAboutWhatIsNotSensedIsNotHeardAndUnsensedNamesAreLeftOut() throws IOException {
@@ -365,8 +361,6 @@ class SensorsTest {
                                                                 == frame - (frame - turn) % every));
     }
 
-    // ---- against an oracle ----
-
     @Test
     void inRandomWorldsExactlyWhatTheOracleSensesIsSentAndDifferencesAddUp() throws IOException {
         long seed = Seed.of("worlds");
@@ -560,8 +554,6 @@ class SensorsTest {
         return sensor;
     }
 
-    // ---- the oracle: the definition again, by other means ----
-
     private static Set<String> oracle(AgentRoom room, List<Sensor> sensors) {
         Item body = room.item("ada");
         var sensed = new TreeSet<String>();
@@ -689,8 +681,6 @@ class SensorsTest {
         }
         return false;
     }
-
-    // ---- helpers ----
 
     private static List<String> sensed(Sensor sensor, ItemDefinition... items) throws IOException {
         return sensed(body(sensor).build(), items);

@@ -21,7 +21,7 @@ final class EntryRing {
         }
     }
 
-    // ---- world's thread ----
+    // Methods for the world's thread.
 
     /** Returns the next entry to fill, or null if all entries wait. */
     @Nullable Entry next() {
@@ -42,7 +42,7 @@ final class EntryRing {
         written.setRelease(written.getPlain() + 1);
     }
 
-    // ---- writer's thread ----
+    // Methods for the writer's thread.
 
     /** Returns the oldest waiting entry, or null. */
     @Nullable Entry peek() {

@@ -33,11 +33,11 @@ import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 
 /**
- * A record of exactly what each client was told, and when: one JSON object per message, appended to
- * a file at the moment in which the message is written to the connection; of secrets, only that
- * they were told, and of the pixels of pictures a hash (SHA-256). A file that has its size is
- * rotated. While the file cannot be written, messages are counted instead, and each second one
- * write is tried; the first record after such a gap says how many messages it lacks. Any thread.
+ * A record of every message to clients with its time: one JSON object per message, appended to a
+ * file when the message is written to the connection. Secrets are omitted, and pixels of pictures
+ * are replaced by a hash (SHA-256). A file that reaches the maximum size is rotated. While the file
+ * cannot be written, messages are counted, and a write is tried once per second; the first record
+ * after such a gap contains the number of missing records. Any thread.
  */
 public final class AuditLog implements Closeable {
 
@@ -60,10 +60,10 @@ public final class AuditLog implements Closeable {
     /** Size at which the file is rotated [bytes]. */
     private long fullSize;
 
-    /** The file ends in the middle of a record. */
+    /** True if the file ends with an incomplete record. */
     private boolean torn;
 
-    /** Messages without a record since the file could not be written. */
+    /** Number of messages without a record since the last successful write. */
     private long missing;
 
     private Instant missingSince = Instant.EPOCH;
@@ -74,14 +74,14 @@ public final class AuditLog implements Closeable {
     private long unrecorded;
 
     /**
-     * @throws IOException if the file cannot be appended to, or holds something else
+     * @throws IOException if the file cannot be appended to, or contains something else
      */
     public AuditLog(AuditPlan plan) throws IOException {
         this(plan, InstantSource.system(), System::nanoTime);
     }
 
     /**
-     * @param nanos what {@link System#nanoTime} is
+     * @param nanos a clock like {@link System#nanoTime}
      */
     public AuditLog(AuditPlan plan, InstantSource clock, LongSupplier nanos) throws IOException {
         this.plan = plan;
@@ -96,7 +96,10 @@ public final class AuditLog implements Closeable {
         }
     }
 
-    /** A crash may have left the file in the middle of a record, which is looked at unlocked. */
+    /**
+     * Opens and locks the file. A crash may have left an incomplete record at its end; the check of
+     * the content needs no lock.
+     */
     private OwnedFile open() throws IOException {
         boolean regular = !Files.exists(file) || Files.isRegularFile(file);
         boolean cut = regular && Files.exists(file) && !endsWithLine();
@@ -107,7 +110,9 @@ public final class AuditLog implements Closeable {
         return opened;
     }
 
-    /** A file of another kind that was named by mistake stays as it is. */
+    /**
+     * Checks the end of the file. A file of another kind, named by mistake, is refused unchanged.
+     */
     private boolean endsWithLine() throws IOException {
         try (FileChannel in = FileChannel.open(file)) {
             long end = in.size();
@@ -121,7 +126,7 @@ public final class AuditLog implements Closeable {
         }
     }
 
-    /** Where the line begins that goes on up to a place. */
+    /** Returns where the line begins that contains the byte before {@code place}. */
     private static long lineBefore(FileChannel in, long place) throws IOException {
         ByteBuffer some = ByteBuffer.allocate(READ_BYTES);
         for (long end = place; end > 0; end -= some.capacity()) {
@@ -136,7 +141,7 @@ public final class AuditLog implements Closeable {
         return 0;
     }
 
-    /** Whether a line begins as a record, or as the part of one that a crash left. */
+    /** Returns whether the line begins like a record, or like an incomplete one. */
     private static boolean isRecord(FileChannel in, long start) throws IOException {
         ByteBuffer some = ByteBuffer.allocate(HEAD_BYTES);
         in.read(some, start);
@@ -152,7 +157,7 @@ public final class AuditLog implements Closeable {
     /**
      * Records a message that is about to be written.
      *
-     * @return false if that was not possible, and the message must not be sent without
+     * @return false if that failed and the message must not be sent without a record
      */
     public synchronized boolean told(
             String world, String client, Encoding encoding, ByteBuffer line) {
@@ -193,14 +198,15 @@ public final class AuditLog implements Closeable {
         return true;
     }
 
-    /** Whether clients may be served: the record can be written, or need not be. */
+    /** Returns whether messages may be sent: the record can be written, or is not required. */
     public synchronized boolean isServing() {
         return !plan.required() || isWritable();
     }
 
     /**
-     * Why the record cannot be written or rotated, or is no longer where it was, if so. A file that
-     * was moved or removed takes the record along: a new one begins in its place.
+     * Returns why the record cannot be written or rotated, or that the file is no longer at its
+     * path; empty if there is no problem. If the file was moved or removed, a new one begins at its
+     * path.
      */
     public synchronized Optional<String> problem() {
         if (failure == null && !out.isInPlace()) {
@@ -225,12 +231,12 @@ public final class AuditLog implements Closeable {
                                         : "; they are served without a record"));
     }
 
-    /** What to say when there is no problem any more. */
+    /** Returns the message that reports the end of a problem. */
     public synchronized String solved() {
         return "what clients are sent is recorded in " + file + " again" + lastGap;
     }
 
-    /** Messages that were sent without a record so far. */
+    /** Returns the number of messages that were sent without a record so far. */
     public synchronized long unrecorded() {
         return unrecorded;
     }
@@ -246,7 +252,10 @@ public final class AuditLog implements Closeable {
         }
     }
 
-    /** After a failure, opens the file again once a second, which may be another one then. */
+    /**
+     * Returns whether the file can be written. After a failure, opens it again once per second; it
+     * may then be another file.
+     */
     private boolean isWritable() {
         if (failure == null) {
             return true;
@@ -255,7 +264,7 @@ public final class AuditLog implements Closeable {
             return false;
         }
         triedNanos = nanos.getAsLong();
-        closeQuietly(out); // unlocks it
+        closeQuietly(out); // closing releases the lock
         try {
             out = open();
         } catch (IOException e) {
@@ -323,7 +332,10 @@ public final class AuditLog implements Closeable {
         }
     }
 
-    /** The older files move on by one, the oldest is removed. Without success, the file grows. */
+    /**
+     * Renames each older file to the next number, and removes the oldest. If that fails, the file
+     * grows.
+     */
     private void rotate() {
         try {
             OwnedFile.rotate(file, plan.keep());
@@ -335,7 +347,7 @@ public final class AuditLog implements Closeable {
         try {
             out = open();
             rotationFailure = null;
-        } catch (IOException e) { // goes on in the full one, by whatever name
+        } catch (IOException e) { // continues in the full file, whatever its name
             out = full;
             rotationFailed(e);
             return;
@@ -347,7 +359,7 @@ public final class AuditLog implements Closeable {
         try {
             closing.close();
         } catch (IOException e) {
-            // Nothing waits to be written.
+            // No data is buffered, so nothing is lost.
         }
     }
 

@@ -4,13 +4,13 @@ package reve.core.agent.audit;
 import java.nio.file.Path;
 
 /**
- * Where and how a server records what it sends to clients.
+ * Settings of the audit record.
  *
  * @param file records are appended to it
  * @param maxBytes size at which the file becomes {@code FILE.1} and a new one begins [bytes]
- * @param keep older files {@code FILE.1} to {@code FILE.keep} that are kept
- * @param required whether a client that cannot be recorded is disconnected; else the server goes on
- *     without the record
+ * @param keep number of older files {@code FILE.1} to {@code FILE.keep}
+ * @param required whether clients are disconnected if messages cannot be recorded; otherwise the
+ *     server continues without the record
  */
 public record AuditPlan(Path file, long maxBytes, int keep, boolean required) {
 
@@ -31,7 +31,7 @@ public record AuditPlan(Path file, long maxBytes, int keep, boolean required) {
         }
     }
 
-    /** The default limits; the server goes on where the record cannot be written. */
+    /** Returns a plan with the default limits, which does not require the record. */
     public static AuditPlan of(Path file) {
         return new AuditPlan(file, DEFAULT_BYTES, DEFAULT_KEEP, false);
     }

@@ -4,18 +4,18 @@ package reve.core.agent.auth;
 import java.util.Optional;
 
 /**
- * How a server knows its clients, and they it.
+ * Authentication and encryption of a server.
  *
- * @param tokens who may come in, and with which rights; without, whoever can connect has all of
- *     them
- * @param tls what connections are kept private with; without, they are plain text
+ * @param tokens clients' tokens with their rights; if empty, every client that can connect has all
+ *     rights
+ * @param tls encryption of connections; if empty, connections are plain text
  */
 public record AgentSecurity(Optional<TokenFile> tokens, Optional<ServerTls> tls) {
 
-    /** For a loopback address, where all clients are this machine's own. */
+    /** For a loopback address, where all clients run on the same machine. */
     public static final AgentSecurity NONE = new AgentSecurity(Optional.empty(), Optional.empty());
 
-    /** Whether it will do for an address that other machines reach. */
+    /** Returns whether the settings suffice for an address that other machines can reach. */
     public boolean isComplete() {
         return tokens.isPresent() && tls.isPresent();
     }

@@ -14,14 +14,13 @@ import java.util.HexFormat;
 import java.util.Optional;
 
 /**
- * What the server keeps of a token: not the secret, only its SHA-256. That is enough: the secret is
- * 128 random bits, so there is no list of likely ones to try, which is what salts and slow hashes
- * are against.
+ * A token as the server stores it: with the SHA-256 of its secret, not the secret. Salts and slow
+ * hashes are not needed, because the secret has 128 random bits and cannot be guessed from a list.
  *
- * @param name that the client has to have
+ * @param name required name of the client
  * @param sha256 of the secret's text, in hexadecimal
- * @param rights that it gives
- * @param expires when it ceases to open anything
+ * @param rights of the client
+ * @param expires time when the token becomes invalid
  */
 public record AgentToken(String name, String sha256, Rights rights, Optional<Instant> expires) {
 
@@ -30,7 +29,7 @@ public record AgentToken(String name, String sha256, Rights rights, Optional<Ins
     private static final int ID_LENGTH = 8;
 
     /**
-     * @throws IllegalArgumentException naming what is wrong
+     * @throws IllegalArgumentException naming the invalid field
      */
     public AgentToken {
         if (!ClientMessage.Hello.isName(name)) {
@@ -49,14 +48,14 @@ public record AgentToken(String name, String sha256, Rights rights, Optional<Ins
         }
     }
 
-    /** A token with a new secret. */
+    /** Creates a token with a new secret. */
     public static Issued issue(String name, Rights rights, Optional<Instant> expires) {
         String secret = newSecret();
         return new Issued(secret, new AgentToken(name, hash(secret), rights, expires));
     }
 
     /**
-     * @param secret for the client, kept nowhere else
+     * @param secret for the client; the server does not store it
      */
     public record Issued(String secret, AgentToken token) {
         @Override
@@ -65,7 +64,7 @@ public record AgentToken(String name, String sha256, Rights rights, Optional<Ins
         }
     }
 
-    /** 128 random bits in hexadecimal. */
+    /** Returns 128 random bits in hexadecimal. */
     public static String newSecret() {
         byte[] bytes = new byte[SECRET_BYTES];
         RANDOM.nextBytes(bytes);
@@ -83,12 +82,12 @@ public record AgentToken(String name, String sha256, Rights rights, Optional<Ins
         }
     }
 
-    /** Says which token it is and gives nothing away. */
+    /** Returns an identification of the token that reveals nothing about the secret. */
     public String id() {
         return sha256.substring(0, ID_LENGTH);
     }
 
-    /** True from the moment on at which the token expires. */
+    /** Returns whether the token has expired; true from the moment of expiry. */
     public boolean hasExpired(Instant now) {
         return expires.isPresent() && !now.isBefore(expires.get());
     }

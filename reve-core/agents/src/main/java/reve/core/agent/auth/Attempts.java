@@ -9,10 +9,10 @@ import java.util.LinkedHashMap;
 import java.util.Map;
 
 /**
- * Bounds how often clients of one address may offer a wrong secret: {@value #BURST} times at once,
- * then one time a second. What is wrong beyond that is cut as too much; a right secret is never
- * asked about here, so that an attacker does not lock out others of its address. Remembers the last
- * {@value #ADDRESSES} addresses; those of one IPv6 network of 64 bits count as one. Any thread.
+ * Limit on wrong secrets per network address: a burst of {@value #BURST}, then one per second.
+ * Further wrong secrets disconnect with the code for too many attempts. Right secrets are not
+ * counted, so an attacker cannot lock out other clients at its address. Stores the last {@value
+ * #ADDRESSES} addresses; addresses of one IPv6 /64 network count as one. Any thread.
  */
 public final class Attempts {
 
@@ -34,7 +34,11 @@ public final class Attempts {
 
     private record Left(double attempts, long atNanos) {}
 
-    /** Counts a wrong secret. @return false if there were too many from that address */
+    /**
+     * Counts a wrong secret.
+     *
+     * @return false if the address has exceeded the limit
+     */
     public synchronized boolean take(InetAddress address, long nowNanos) {
         ByteBuffer network = network(address);
         double now = attempts(network, nowNanos);
@@ -52,7 +56,7 @@ public final class Attempts {
                 : Math.min(BURST, before.attempts + (nowNanos - before.atNanos) * PER_NANO);
     }
 
-    /** Those of one IPv6 network of 64 bits count as one. */
+    /** Returns the counted address: the /64 network of an IPv6 address. */
     public static ByteBuffer network(InetAddress address) {
         byte[] bytes = address.getAddress();
         return ByteBuffer.wrap(

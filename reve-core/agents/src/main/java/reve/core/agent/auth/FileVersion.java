@@ -11,7 +11,7 @@ import java.nio.file.attribute.PosixFilePermissions;
 import java.util.EnumSet;
 import java.util.Set;
 
-/** Distinguishes one content of a file from the next, and says whose it is. */
+/** Identifies a version of a file, and holds its permissions. */
 record FileVersion(
         FileTime modified,
         long bytes,
@@ -25,7 +25,7 @@ record FileVersion(
             EnumSet.of(PosixFilePermission.OWNER_READ, PosixFilePermission.OWNER_WRITE);
 
     /**
-     * @throws IOException if there is no such file
+     * @throws IOException if the file does not exist
      */
     static FileVersion of(Path path) throws IOException {
         PosixFileAttributes file = Files.readAttributes(path, PosixFileAttributes.class);
@@ -38,7 +38,7 @@ record FileVersion(
                 file.permissions());
     }
 
-    /** Whether others than the owner may read or write it. */
+    /** Returns whether users other than the owner may read or write the file. */
     boolean isOpenToOthers() {
         return permissions.stream()
                 .anyMatch(
@@ -55,7 +55,7 @@ record FileVersion(
                                 });
     }
 
-    /** What is wrong with a file that is open to others, and what to do. */
+    /** Returns the message for a file that other users may access, with the remedy. */
     String openToOthers(Path path) {
         return path
                 + " is open to others (mode "

@@ -7,14 +7,13 @@ import java.util.Optional;
 import java.util.Set;
 
 /**
- * What a client may be and do. Whatever is not named here is refused, but for what is empty: an
- * absent set does not restrict.
+ * The rights of a client. An empty Optional does not restrict; a set allows only its elements.
  *
- * @param roles that it may join in
- * @param worlds that it may join, by name
- * @param bodies the lent items that it may have as a body; with them, no body is made for it
- * @param capabilities those of its body that it may use
- * @param lockStep whether it may have the world wait for it
+ * @param roles allowed roles
+ * @param worlds names of the allowed worlds
+ * @param bodies items that the client may take as a body; if present, no new body is created for it
+ * @param capabilities allowed capabilities of its body
+ * @param lockStep whether the client may run in lock-step
  */
 public record Rights(
         Set<Role> roles,
@@ -23,7 +22,7 @@ public record Rights(
         Optional<Set<String>> capabilities,
         boolean lockStep) {
 
-    /** All there are: of whoever can connect to a server without tokens. */
+    /** All rights, for clients of a server without tokens. */
     public static final Rights ALL =
             new Rights(
                     Set.of(Role.values()),
@@ -40,17 +39,17 @@ public record Rights(
         capabilities = capabilities.map(Set::copyOf);
     }
 
-    /** Returns true if a world may be joined. */
+    /** Returns whether the client may join a world. */
     public boolean opensWorld(String name) {
         return worlds.isEmpty() || worlds.get().contains(name);
     }
 
-    /** Returns true if a lent item may be had as a body. */
+    /** Returns whether the client may take an item as a body. */
     public boolean opensBody(String name) {
         return bodies.isEmpty() || bodies.get().contains(name);
     }
 
-    /** Returns true if a capability of the body may be used. */
+    /** Returns whether the client may use a capability of its body. */
     public boolean opensCapability(String name) {
         return capabilities.isEmpty() || capabilities.get().contains(name);
     }

@@ -34,9 +34,9 @@ import javax.net.ssl.SSLContext;
 import javax.net.ssl.SSLEngine;
 
 /**
- * Keeps connections private, with TLS 1.3, and shows clients the server's certificate. Both files
- * are read again when they change: new connections use the new pair, and a pair that cannot be used
- * leaves the one before it. {@link #engine} is for any thread, the rest for the event loop's.
+ * TLS 1.3 with the server's certificate. Reads both files again when they change: new connections
+ * use the new pair, and an invalid pair leaves the previous one in use. {@link #engine} may be
+ * called on any thread, all else on the event loop's.
  */
 public final class ServerTls {
 
@@ -56,11 +56,11 @@ public final class ServerTls {
     private Optional<String> problem = Optional.empty();
 
     /**
-     * @param expires when clients begin to refuse the certificate
+     * @param expires end of the certificate's validity
      */
     private record Pair(SSLContext context, Instant expires) {}
 
-    /** Versions of the certificate's and the key's file; empty for one that is not there. */
+    /** Versions of the certificate file and the key file; empty for a missing file. */
     private record Versions(Optional<FileVersion> certificate, Optional<FileVersion> key) {}
 
     private ServerTls(Path certificate, Path key, InstantSource clock) throws IOException {
@@ -75,23 +75,23 @@ public final class ServerTls {
     /**
      * Reads both from PEM files.
      *
-     * @param certificate the server's own first, then those that vouch for it
-     * @param key the private one of the first certificate: PKCS#8, not encrypted, for its owner
-     *     alone
-     * @throws IOException naming the file and what is wrong with it
+     * @param certificate the server's certificate first, then its issuers
+     * @param key private key of the first certificate: PKCS#8, not encrypted, readable by its owner
+     *     only
+     * @throws IOException naming the file and the error
      */
     public static ServerTls of(Path certificate, Path key) throws IOException {
         return of(certificate, key, InstantSource.system());
     }
 
-    /** Reads the files as the method without a clock does; the clock decides about validity. */
+    /** Reads the files with a clock for the check of validity. */
     public static ServerTls of(Path certificate, Path key, InstantSource clock) throws IOException {
         return new ServerTls(certificate, key, clock);
     }
 
     /**
-     * Reads both files again if one has changed since they were read, and neither since the last
-     * call: they are replaced one after the other.
+     * Reads both files again if one has changed since they were read and neither has changed since
+     * the last call, because the two files are replaced one after the other.
      */
     public void refresh() {
         Versions now = versions();
@@ -111,7 +111,10 @@ public final class ServerTls {
         seen = now;
     }
 
-    /** Why clients do not get the certificate of the file, or refuse it, if so. */
+    /**
+     * Returns why clients do not receive the certificate of the file, or refuse it; empty if there
+     * is no problem.
+     */
     public Optional<String> problem() {
         Instant expires = pair.expires;
         return problem.isPresent() || clock.instant().isBefore(expires)
@@ -124,7 +127,7 @@ public final class ServerTls {
                                 + "), and clients refuse it; replace it and its key");
     }
 
-    /** What to say when there is no problem any more. */
+    /** Returns the message that reports the end of a problem. */
     public String solved() {
         return "new connections use the certificate of "
                 + certificate
@@ -168,7 +171,7 @@ public final class ServerTls {
         }
     }
 
-    /** The server's side of a new connection. */
+    /** Creates the server's TLS engine for a new connection. */
     public SSLEngine engine() {
         SSLEngine engine = pair.context.createSSLEngine();
         engine.setUseClientMode(false);
@@ -180,7 +183,7 @@ public final class ServerTls {
         if (!Files.exists(file) || Files.isDirectory(file)) {
             throw new NoSuchFileException("there is no file " + file + ", expected one in PEM");
         }
-        if (!Files.isRegularFile(file)) { // reading a pipe waits for a writer
+        if (!Files.isRegularFile(file)) { // reading a pipe would block until a writer opens it
             throw new FileSystemException(
                     file + " is a pipe or a device, expected a file in PEM; " + "name that file");
         }

@@ -30,22 +30,22 @@ import java.util.function.UnaryOperator;
 import java.util.stream.Collectors;
 
 /**
- * The tokens of a server, in a file that its owner alone may read and write. A change of the file
- * counts at once; one that cannot be read leaves what was read before. Any thread.
+ * The tokens of a server, in a file with access for its owner only. Changes of the file take effect
+ * at once; if the file is invalid, the tokens read before stay in effect. Any thread.
  */
 public final class TokenFile {
 
     private static final Logger LOG = LoggerFactory.getLogger("reve.agents");
     private static final long MAX_BYTES = 16L * 1024 * 1024;
 
-    /** Of files for their owner alone, from the moment in which they are made. */
+    /** Attributes that give access to the owner only from the creation of a file. */
     public static final FileAttribute<Set<PosixFilePermission>> PRIVATE =
             PosixFilePermissions.asFileAttribute(FileVersion.OWNERS);
 
     private final Path path;
     private final InstantSource clock;
 
-    /** Null if the file was not there. */
+    /** Null if the file did not exist. */
     private @Nullable FileVersion read;
 
     private Map<String, AgentToken> tokens;
@@ -60,19 +60,19 @@ public final class TokenFile {
     }
 
     /**
-     * @throws IOException if it is not there, not private, or not a file of tokens; the message
-     *     says what to do
+     * @throws IOException if the file does not exist, is accessible to others, or has no valid
+     *     tokens; the message names the remedy
      */
     public static TokenFile open(Path path) throws IOException {
         return open(path, InstantSource.system());
     }
 
-    /** Opens the file as the method without a clock does; the clock decides about expiry. */
+    /** Opens the file with a clock for the check of expiry. */
     public static TokenFile open(Path path, InstantSource clock) throws IOException {
         return new TokenFile(path, clock);
     }
 
-    /** Adds a token to a file, which is made if it is not there. */
+    /** Adds a token to a file; creates the file if needed. */
     public static void add(Path path, AgentToken token) throws IOException {
         change(
                 path,
@@ -84,10 +84,10 @@ public final class TokenFile {
     }
 
     /**
-     * Takes tokens out of a file.
+     * Removes tokens from a file.
      *
-     * @param nameOrId a client's name, for all of its tokens, or a token's id
-     * @return those taken out
+     * @param nameOrId a client's name, for all its tokens, or a token's id
+     * @return the removed tokens
      */
     public static List<AgentToken> revoke(Path path, String nameOrId) throws IOException {
         var revoked = new ArrayList<AgentToken>();
@@ -107,22 +107,21 @@ public final class TokenFile {
         return revoked;
     }
 
-    /** In the order in which they were added. */
+    /** Returns the tokens in the order in which they were added. */
     public Collection<AgentToken> tokens() {
         return refreshed().values();
     }
 
     /**
-     * The token with that secret, unless it has expired. Takes as long whether there is one or not,
-     * and however many there are: they are found by the hash, no part of which an attacker can
-     * choose.
+     * Returns the token with that secret unless it has expired. The time does not depend on whether
+     * one exists or how many there are: the lookup uses the hash, which an attacker cannot choose.
      */
     public Optional<AgentToken> find(String secret) {
         return Optional.ofNullable(refreshed().get(AgentToken.hash(secret)))
                 .filter(this::isCurrent);
     }
 
-    /** Those that open something now. */
+    /** Returns the tokens that are valid now. */
     public Set<AgentToken> current() {
         return tokens().stream().filter(this::isCurrent).collect(Collectors.toUnmodifiableSet());
     }
@@ -131,13 +130,15 @@ public final class TokenFile {
         return !token.hasExpired(clock.instant());
     }
 
-    /** Why the file as it is now does not count, if so. */
+    /**
+     * Returns why the present content of the file is not in effect; empty if there is no problem.
+     */
     public synchronized Optional<String> problem() {
         refreshed();
         return problem;
     }
 
-    /** What to say when there is no problem any more. */
+    /** Returns the message that reports the end of a problem. */
     public synchronized String solved() {
         return path + " was read again: " + tokens.size() + " tokens";
     }
@@ -158,8 +159,6 @@ public final class TokenFile {
         return tokens;
     }
 
-    // ---- the file ----
-
     private static FileVersion version(Path path) throws IOException {
         FileVersion version;
         try {
@@ -175,7 +174,7 @@ public final class TokenFile {
         if (version.isFolder()) {
             throw new FileSystemException(path + " is a folder, expected a file of tokens");
         }
-        if (!version.isFile()) { // reading a pipe waits for a writer
+        if (!version.isFile()) { // reading a pipe would block until a writer opens it
             throw new FileSystemException(
                     path
                             + " is a pipe or a device, expected a file of "
@@ -203,8 +202,8 @@ public final class TokenFile {
     }
 
     /**
-     * Changes of several programs come one after the other; readers see the file before or after
-     * one.
+     * Changes the file. A lock serializes changes by several programs; readers see the file before
+     * or after a change.
      */
     private static void change(Path path, boolean make, UnaryOperator<List<AgentToken>> change)
             throws IOException {

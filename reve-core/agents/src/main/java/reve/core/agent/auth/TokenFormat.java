@@ -20,7 +20,10 @@ import java.util.Optional;
 import java.util.Set;
 import java.util.TreeSet;
 
-/** Tokens as JSON. Strict: a field that is misspelt would else open more than was meant. */
+/**
+ * JSON format of tokens. Strict, because ignoring a misspelt field could grant more rights than
+ * intended.
+ */
 final class TokenFormat {
 
     private static final int VERSION = 1;
@@ -71,7 +74,7 @@ final class TokenFormat {
     }
 
     /**
-     * @throws IllegalArgumentException saying which token is wrong, and how
+     * @throws IllegalArgumentException naming the invalid token and the error
      */
     static List<AgentToken> read(byte[] bytes) {
         JsonNode file;

@@ -24,8 +24,8 @@ import java.util.concurrent.atomic.AtomicLong;
 import java.util.function.Consumer;
 
 /**
- * Has commands done, each where it belongs: the world's queue, its frame loop, or the program. Any
- * thread.
+ * Executes commands of clients where each belongs: in the world's queue, in its frame loop, or in
+ * the program. Any thread.
  */
 public final class ControlDesk {
 
@@ -38,10 +38,10 @@ public final class ControlDesk {
     private final AtomicLong sequence = new AtomicLong();
     private final AtomicBoolean promptDue = new AtomicBoolean();
 
-    /** World's thread. */
+    /** Belongs to the world's thread. */
     private boolean executesPrompt;
 
-    /** A desk for the commands to one world. */
+    /** Creates a desk for the commands to one world. */
     public ControlDesk(WorldPort port, Publisher publisher, RateLimitedLog log) {
         this.port = port;
         this.publisher = publisher;
@@ -52,15 +52,15 @@ public final class ControlDesk {
     }
 
     /**
-     * The command that does this to the world.
+     * Returns the command that applies an input to the world.
      *
-     * @param done told how it went, on the world's thread
+     * @param done receives the outcome on the world's thread
      */
     public AgentCommand command(AgentInput input, Consumer<Outcome> done) {
         return new AgentCommand(embodiment, sequence.incrementAndGet(), input, done);
     }
 
-    /** Has a command done and its result sent. */
+    /** Submits a command; its result is sent to the requester. */
     public void submit(Requester requester, ClientMessage.Request request) {
         switch (request) {
             case ClientMessage.Act act -> {
@@ -124,8 +124,8 @@ public final class ControlDesk {
     }
 
     /**
-     * An agent in lock-step was late, or came back. Loop's thread; done in the frame that begins
-     * now, if that has room for it.
+     * Queues the news that an agent in lock-step was late or returned, for the next frame if it has
+     * room. Called on the loop's thread.
      */
     public void lockStep(AgentInput news) {
         port.commands()
@@ -163,7 +163,7 @@ public final class ControlDesk {
         return taken;
     }
 
-    /** Sends the result of a command with its frame or, if that is not being made, at once. */
+    /** Sends the result of a command with its frame or, if no frame is being made, at once. */
     private void deliver(Requester requester, ClientMessage.Request request, Outcome outcome) {
         if (executesPrompt) {
             publisher.later(() -> answer(requester, request, outcome));
@@ -172,7 +172,7 @@ public final class ControlDesk {
         }
     }
 
-    /** Has operators' commands executed before the next frame, which agents may hold up. */
+    /** Executes operators' commands before the next frame, which agents in lock-step may delay. */
     private void executePrompt() {
         if (!promptDue.getAndSet(true)) {
             port.loop()
@@ -189,17 +189,15 @@ public final class ControlDesk {
         }
     }
 
-    // ---- between frames ----
-
-    /** Something done between frames. */
+    /** Work between two frames. */
     private interface Errand {
         /**
-         * @return the frame that it took effect in
+         * @return the frame in which it takes effect
          */
         long run() throws ActionRefused;
     }
 
-    /** The answer is on its way before the next frame is made. */
+    /** Runs an errand between frames. Its answer is queued before the next frame is made. */
     private void between(Requester requester, ClientMessage.Request request, Errand errand) {
         port.loop()
                 .betweenFrames(
@@ -241,14 +239,12 @@ public final class ControlDesk {
         }
     }
 
-    // ---- changes of the program's own ----
-
     private interface Preparation {
         WorldControl.Change prepare() throws ActionRefused;
     }
 
     /**
-     * @param isPrompt false if it is about the next frame itself
+     * @param isPrompt false if the change depends on the next frame itself
      */
     private void change(
             Requester requester,
@@ -278,7 +274,7 @@ public final class ControlDesk {
         return new Outcome.Refused(frame, e.code(), e.getMessage(), Optional.empty());
     }
 
-    /** A prepared change on its way through the world's queue. */
+    /** A prepared change in the world's queue. */
     private record ChangeCommand(
             String origin,
             long sequence,
@@ -299,8 +295,6 @@ public final class ControlDesk {
             }
         }
     }
-
-    // ---- answers ----
 
     private void answer(Requester requester, ClientMessage.Request request, Outcome outcome) {
         switch (outcome) {

@@ -24,12 +24,12 @@ import java.util.concurrent.TimeoutException;
 import java.util.concurrent.atomic.AtomicReference;
 
 /**
- * What is done with a copy of a world while the world goes on: saving it, and looking ahead. One at
- * a time, on the thread of whoever asks.
+ * Work on a copy of a world while the world continues: saving and forking. One at a time, on the
+ * requester's thread.
  */
 final class ForkAndSave {
 
-    /** Longest wait for the world to have a moment between frames. */
+    /** Maximum wait for a moment between two frames [s]. */
     private static final long PATIENCE_SECONDS = 10;
 
     private final WorldPort port;

@@ -17,13 +17,14 @@ import java.util.Optional;
 import java.util.TreeMap;
 
 /**
- * What clients of the role control keep of a world by name, to go back to. World's thread, between
+ * States of a world that clients of the role control have saved by name. World's thread, between
  * frames.
  */
 final class Images {
 
     /**
-     * Less than a world can have, so that there is room for the copies that `save` and `fork` take.
+     * Maximum number of names; less than the maximum of a world, so that `save` and `fork` can make
+     * copies.
      */
     private static final int MAX_NAMES = 32;
 
@@ -42,9 +43,9 @@ final class Images {
     }
 
     /**
-     * Keeps the world as it is, in place of what was kept under that name.
+     * Saves the present state of the world; replaces a state with the same name.
      *
-     * @return the frame at whose end it is like this
+     * @return the frame at whose end the state was saved
      */
     long keep(String name) throws ActionRefused {
         if (kept.size() >= MAX_NAMES && !kept.containsKey(name)) {
@@ -64,10 +65,10 @@ final class Images {
     }
 
     /**
-     * Goes back.
+     * Rewinds the world.
      *
-     * @param agent who wants it
-     * @param name of what was kept, or none and where the world began
+     * @param agent name of the requester
+     * @param name of the saved state; if empty, the beginning
      */
     Rewound rewind(String agent, Optional<String> name, Optional<WorldControl.Image> beginning)
             throws ActionRefused {

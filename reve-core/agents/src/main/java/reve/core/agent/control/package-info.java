@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/**
- * Commands of clients on their way to the world, and what operators do with worlds: images, saving,
- * forking.
- */
+/** Commands of clients to the world, and operators' work with worlds: images, saving, forking. */
 @NullMarked
 package reve.core.agent.control;
 

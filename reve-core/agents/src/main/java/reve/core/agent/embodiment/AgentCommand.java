@@ -7,7 +7,7 @@ import reve.core.world.World;
 
 import java.util.function.Consumer;
 
-/** What an agent wants of the world, done on the world's thread in ACT. */
+/** An input of an agent as a command, executed on the world's thread in ACT. */
 public final class AgentCommand implements Command {
 
     private final Embodiment embodiment;
@@ -16,7 +16,7 @@ public final class AgentCommand implements Command {
     private final Consumer<Outcome> done;
 
     /**
-     * @param done told how it went, on the world's thread
+     * @param done receives the outcome on the world's thread
      */
     public AgentCommand(
             Embodiment embodiment, long sequence, AgentInput input, Consumer<Outcome> done) {
@@ -26,7 +26,7 @@ public final class AgentCommand implements Command {
         this.done = done;
     }
 
-    /** What is wanted, for whoever records it. */
+    /** Returns the input, for recordings. */
     public AgentInput input() {
         return input;
     }
@@ -41,7 +41,7 @@ public final class AgentCommand implements Command {
         return sequence;
     }
 
-    /** An operator's hand is not held up by agents in lock-step. */
+    /** Agents in lock-step do not delay operators' edits. */
     @Override
     public boolean isPrompt() {
         return input instanceof AgentInput.Edit;

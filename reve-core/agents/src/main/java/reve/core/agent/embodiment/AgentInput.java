@@ -10,22 +10,22 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * What a client does to the world, as data: with the frame and the place in its order it is all
- * that a recording needs, since {@link Embodiment#apply} depends on nothing else but the world.
+ * An input of a client to the world, as data. Together with the frame and the order it is all that
+ * a recording needs, because {@link Embodiment#apply} depends only on the input and the world.
  */
 public sealed interface AgentInput {
 
-    /** The name that the client declared. */
+    /** Returns the name that the client declared. */
     String agent();
 
     /**
-     * @param body the lent item that it asks for
-     * @param rights what it may have and do
+     * @param body name of the requested item
+     * @param rights of the client
      */
     record Join(String agent, Optional<String> body, Rights rights) implements AgentInput {}
 
     /**
-     * @param arguments Double, List of Double, String or Boolean by parameter name, not yet checked
+     * @param arguments Double, List of Double, String or Boolean by parameter name, not checked yet
      */
     record Act(String agent, String item, String action, Map<String, Object> arguments)
             implements AgentInput {
@@ -36,20 +36,22 @@ public sealed interface AgentInput {
     }
 
     /**
-     * A change by an operator, whom nothing is refused that the world can do.
+     * A change by an operator, who may make every change that the world permits.
      *
-     * @param property {@code physical.location}, {@code physics.mass}, {@code semantic.class}
+     * @param property for example {@code physical.location}, {@code physics.mass} or {@code
+     *     semantic.class}
      * @param value Double, List of Double, String or Boolean
      */
     record Edit(String agent, String item, String property, Object value) implements AgentInput {}
 
     /**
-     * An agent in lock-step did not say in time what it does.
+     * An agent in lock-step missed its deadline.
      *
-     * @param count how often it was late until now
-     * @param fallback what its body does instead
-     * @param told whether the others hear of it
-     * @param away true if it was late so often in a row that the world no longer waits for it
+     * @param count number of missed deadlines so far
+     * @param fallback the act of its body instead
+     * @param told whether other agents are sent an event
+     * @param away true if the agent missed so many deadlines in a row that the world no longer
+     *     waits for it
      */
     record Late(
             String agent,
@@ -59,11 +61,11 @@ public sealed interface AgentInput {
             boolean away)
             implements AgentInput {}
 
-    /** An agent in lock-step that was away has been ready: the world waits for it again. */
+    /** An agent in lock-step that was away is ready again; the world waits for it again. */
     record Back(String agent) implements AgentInput {}
 
     /**
-     * @param reason a code, for the others
+     * @param reason a code for other agents
      */
     record Leave(String agent, String reason) implements AgentInput {}
 }

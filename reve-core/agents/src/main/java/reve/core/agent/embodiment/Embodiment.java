@@ -39,13 +39,12 @@ import java.util.TreeSet;
 import java.util.stream.Collectors;
 
 /**
- * The agents that are in a world, and the one place where what they want is checked and done. The
- * same inputs in the same frames and order give the same world, whether they come from connections
- * or from a recording. World's thread only.
+ * The agents in a world; checks and applies their inputs. The same inputs in the same frames and
+ * order produce the same world, whether from connections or from a recording. World's thread only.
  */
 public final class Embodiment {
 
-    /** Codes of the world's own refusals whose reasons tell more of it than that. */
+    /** Codes of the world's own refusals whose reasons contain details of the world. */
     private static final Set<String> TELLING =
             Set.of(
                     "condition-failed",
@@ -65,7 +64,7 @@ public final class Embodiment {
                     "not-a-colour",
                     "not-a-symbol");
 
-    /** The action has an error of its own, which is for the log. */
+    /** Code for an error inside an action, which is written to the log. */
     private static final String ACTION_FAILED = "action-failed";
 
     private final AgentPolicy policy;
@@ -76,12 +75,12 @@ public final class Embodiment {
     private final StepBudget steps = new StepBudget();
 
     /**
-     * @param name what it was called when the agent came
-     * @param made true if the item exists for this agent only and goes with it
-     * @param place where it was made, by the order of the world's places; empty if it has none
-     * @param sensors what the agent perceives with; none for everything
-     * @param ofActions those of them that perceive actions
-     * @param needsSight true if one of them needs a line of sight
+     * @param name of the body when the agent joined
+     * @param made true if the item was created for this agent and is removed with it
+     * @param place index of the place where it was created; empty if it has none
+     * @param sensors of the body; if empty, the agent perceives everything
+     * @param ofActions sensors that perceive actions
+     * @param needsSight true if one of these needs a line of sight
      * @param rights of the agent
      */
     private record Body(
@@ -118,7 +117,7 @@ public final class Embodiment {
             return world.find(id);
         }
 
-        /** Those of the item that the agent may use. */
+        /** Returns the item's capabilities that the agent may use. */
         List<String> capabilities(Item item) {
             List<String> all = item.access().capabilities();
             return rights.capabilities().isEmpty()
@@ -128,8 +127,8 @@ public final class Embodiment {
     }
 
     /**
-     * @param policy which bodies the world grants
-     * @param framesPerSecond frames of one second of world time
+     * @param policy of the world for agents
+     * @param framesPerSecond frames per second of world time
      */
     public Embodiment(AgentPolicy policy, int framesPerSecond) {
         this.policy = policy;
@@ -137,7 +136,7 @@ public final class Embodiment {
                 new EventBudget(policy.eventBytes(), policy.worldEventBytes(), framesPerSecond);
     }
 
-    /** Checks and does what an agent wants, outside PHYSICS; either all of it happens or none. */
+    /** Checks and applies an input, outside PHYSICS, completely or not at all. */
     public Outcome apply(World world, long frame, AgentInput input) {
         try {
             return switch (input) {
@@ -166,28 +165,26 @@ public final class Embodiment {
         }
     }
 
-    // ---- going back ----
-
-    /** The ids of the agents' bodies, by agent. */
+    /** Returns the ids of the agents' bodies, by agent. */
     public Map<String, ItemId> bodies() {
         var ids = new TreeMap<String, ItemId>();
         bodies.forEach((agent, body) -> ids.put(agent, body.id()));
         return ids;
     }
 
-    /** The bodies that were made for agents. */
+    /** Returns the bodies that were created for agents. */
     public List<ItemId> made() {
         return bodies.values().stream().filter(Body::made).map(Body::id).sorted().toList();
     }
 
     /**
-     * The world has become one that it was. Who is in it now stays: with the body lent to it; or
-     * with the one that was made for it, as it was then, or made anew if there was none. Bodies of
-     * others who were there then go.
+     * Updates the bodies after a rewind. An agent that is in the world now keeps the item granted
+     * to it, or gets the body that was created for it in its former state, or a new one if there
+     * was none. Bodies of agents that have left since are removed.
      *
-     * @param then what {@link #bodies} were when the world was like this
-     * @return Joined for each who is there now, or Refused for those who cannot have a body any
-     *     more and have left
+     * @param then the result of {@link #bodies} at the restored frame
+     * @return Joined for each agent in the world, or Refused for each agent that can no longer have
+     *     a body and has left
      */
     public Map<String, Outcome> rewound(World world, long frame, Map<String, ItemId> then) {
         then.forEach(
@@ -240,9 +237,7 @@ public final class Embodiment {
         return world.find(id).filter(item -> !policy.bodies().contains(item.name())).isPresent();
     }
 
-    // ---- acting ----
-
-    /** False if the agent has to wait for a later frame with what it wants to do. */
+    /** Returns false if the act of the agent must wait for a later frame. */
     boolean mayAct(World world, String agent, long frame) {
         world.charges().take().forEach((who, cost) -> steps.charge(who, frame, cost));
         return steps.hasLeft(agent, frame);
@@ -352,7 +347,7 @@ public final class Embodiment {
                         events));
     }
 
-    /** To who senses only some things, a refusal does not tell what the action found. */
+    /** Performs an action. Hides the refusal's details from agents with limited sensors. */
     private static void perform(Action action, Body body, ActionCall call) throws ActionRefused {
         try {
             call.perform(action);
@@ -372,7 +367,7 @@ public final class Embodiment {
     }
 
     /**
-     * An item that an agent does not sense is none to it; the refusal must not tell the difference.
+     * Finds an item. An item that the agent does not sense is refused like one that does not exist.
      */
     private Item find(World world, Body body, String name) throws ActionRefused {
         Optional<Item> item = world.find(name);
@@ -427,8 +422,6 @@ public final class Embodiment {
                         + (names.isEmpty() ? "; it has none" : "; it has " + names));
     }
 
-    // ---- joining and leaving ----
-
     private Outcome join(World world, long frame, AgentInput.Join join) throws CloseReason {
         if (bodies.containsKey(join.agent())) {
             throw CloseReason.nameTaken(join.agent());
@@ -449,7 +442,7 @@ public final class Embodiment {
         return new Outcome.Joined(frame, body.name(), body.id(), body.sensors());
     }
 
-    /** A body may be gone from the world already. */
+    /** Removes an agent; its body may be gone from the world already. */
     private Outcome leave(World world, long frame, AgentInput.Leave leave) {
         Body body = bodies.remove(leave.agent());
         if (body == null) {
@@ -476,8 +469,9 @@ public final class Embodiment {
     }
 
     /**
-     * The lent item that an agent asks for, else any free one, else a new item. An agent that is
-     * called like an item has this item or none: others could not distinguish the two.
+     * Chooses a body: the requested item, else a free one, else a new one. If an item has the
+     * agent's name, the agent gets that item or none, because other agents could not distinguish
+     * the two.
      */
     private Body take(World world, AgentInput.Join join) throws CloseReason {
         Rights rights = join.rights();
@@ -563,7 +557,7 @@ public final class Embodiment {
         return new Body(item.id(), item.name(), false, OptionalInt.empty(), item.sensors(), rights);
     }
 
-    /** The first place that nobody who is here has come to. */
+    /** Returns the first place that no present agent occupies. */
     private OptionalInt freePlace(World world) throws CloseReason {
         if (policy.places().isEmpty()) {
             return OptionalInt.empty();
@@ -611,7 +605,7 @@ public final class Embodiment {
         }
     }
 
-    /** An event's fields from names and values in turn, in the order given. */
+    /** Returns an event's fields from names and values in turn, in this order. */
     private static Map<String, Object> fields(String... namesAndValues) {
         var fields = new LinkedHashMap<String, Object>();
         for (int i = 0; i < namesAndValues.length; i += 2) {

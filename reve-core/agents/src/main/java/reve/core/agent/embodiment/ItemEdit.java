@@ -23,7 +23,7 @@ final class ItemEdit {
     private ItemEdit() {}
 
     /**
-     * @throws ActionRefused if there is no such item or property, or the value does not fit
+     * @throws ActionRefused if the item or property does not exist, or the value is invalid
      */
     static void apply(World world, AgentInput.Edit edit) throws ActionRefused {
         Item item =
@@ -62,7 +62,7 @@ final class ItemEdit {
         if (why.isPresent()) {
             throw outOfRange(item, "physics." + property, values, why.get());
         }
-        item.physics().set(property, values); // which refuses the rest
+        item.physics().set(property, values); // refuses all other properties
         world.arrests().suspect(item.id());
     }
 
@@ -80,7 +80,7 @@ final class ItemEdit {
                         + why);
     }
 
-    /** A saved world has to be read again, so the name is one that a world file may have. */
+    /** Sets a symbol. The name must be valid in a world file, so that a saved world can be read. */
     private static void setSymbol(Item item, String symbol, Object value) {
         if (!SYMBOL.matcher(symbol).matches()) {
             throw new IllegalArgumentException(

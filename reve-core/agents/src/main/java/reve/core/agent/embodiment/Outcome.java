@@ -7,30 +7,30 @@ import reve.core.world.Sensor;
 import java.util.List;
 import java.util.Optional;
 
-/** What became of an {@link AgentInput}. */
+/** The outcome of an {@link AgentInput}. */
 public sealed interface Outcome {
 
-    /** It took effect in that frame. */
+    /** The input took effect in that frame. */
     record Done(long frame) implements Outcome {}
 
     /**
-     * The agent has that body since that frame.
+     * The agent has the body from that frame.
      *
-     * @param sensors it perceives with; none for everything
+     * @param sensors of the body; if empty, the agent perceives everything
      */
     record Joined(long frame, String body, ItemId id, List<Sensor> sensors) implements Outcome {}
 
     /**
-     * Nothing happened.
+     * The input was refused, and nothing changed.
      *
-     * @param hint what to do about it
+     * @param hint the remedy
      */
     record Refused(long frame, String code, String reason, Optional<String> hint)
             implements Outcome {}
 
-    /** The action has an error of its own, which is for whoever wrote it. */
+    /** The action failed because of an error in its code, for its author. */
     record Failed(long frame, Exception cause) implements Outcome {}
 
-    /** The agent is not in the world: it never came in, which it has been told. */
+    /** The agent is not in the world because its join was refused, which it knows. */
     record Absent() implements Outcome {}
 }

@@ -4,9 +4,9 @@ package reve.core.agent.embodiment;
 import java.util.Map;
 
 /**
- * The world has gone back.
+ * The result of a rewind.
  *
- * @param frame that shows it
- * @param bodies what became of the bodies of those who are in the world, by agent
+ * @param frame that shows the restored state
+ * @param bodies outcome for each agent in the world, by agent
  */
 public record Rewound(long frame, Map<String, Outcome> bodies) {}

@@ -5,32 +5,35 @@ import java.util.Map;
 import java.util.TreeMap;
 
 /**
- * How many steps the acts of agents may take, so that no agent takes the frames of the others. All
- * agents that have acted of late share the steps of a frame alike. What an act takes beyond its
- * agent's share is a debt, which the shares of the following frames pay off; until then the agent
- * waits. Agents that act for the first time also share a pool of their own, so that nobody gains by
- * coming under other names. Counts steps and frames, never time: the same acts wait for the same
- * frames on every machine. World's thread.
+ * Limit on evaluation steps of agents' acts, so that no agent delays the frames of others. All
+ * agents that acted recently share the steps of a frame equally. Steps beyond its share are a debt
+ * of the agent, which its shares of later frames pay; until then its acts wait. Agents that act for
+ * the first time also share a separate pool, so that a client gains nothing by using new names.
+ * Counts steps and frames, never time: the same acts wait for the same frames on every machine.
+ * World's thread.
  */
 final class StepBudget {
-    /** Steps of all agents in one frame: about 6 ms. */
+    /** Steps of all agents in one frame; about 6 ms. */
     static final int OF_FRAME = 60_000;
 
-    /** Most steps of one agent in one frame: those of one evaluation. */
+    /** Maximum steps of one agent in one frame: the limit of one evaluation. */
     static final int MOST = 20_000;
 
-    /** Fewest steps of one agent in one frame, however many others there are. */
+    /** Minimum steps of one agent in one frame, for any number of agents. */
     static final int FEWEST = 500;
 
-    /** Steps of an act besides those of its expressions. */
+    /** Steps of an act in addition to those of its expressions. */
     static final int OF_ACT = 100;
 
-    /** Frames after its last act for which an agent has a share. */
+    /** Frames after its last act during which an agent has a share. */
     static final int FRAMES_KEPT = 60;
 
     private final Map<String, Account> accounts = new TreeMap<>();
 
-    /** Left for agents in the frame of their first act: those of one evaluation in each frame. */
+    /**
+     * Remaining steps for agents in the frame of their first act; refilled in each frame with the
+     * limit of one evaluation.
+     */
     private long ofNewcomers = MOST;
 
     private long frame;
@@ -46,7 +49,7 @@ final class StepBudget {
         }
     }
 
-    /** True if an agent may act in a frame. */
+    /** Returns whether an agent may act in a frame. */
     boolean hasLeft(String agent, long now) {
         refill(now);
         Account account = accounts.get(agent);
@@ -56,7 +59,7 @@ final class StepBudget {
         return account.steps > 0 && (account.firstFrame != now || ofNewcomers > 0);
     }
 
-    /** An agent has acted. */
+    /** Charges an act to an agent. */
     void spend(String agent, long now, long steps) {
         refill(now);
         Account account =
@@ -70,10 +73,7 @@ final class StepBudget {
         }
     }
 
-    /**
-     * Charges an agent for what the last frame computed because of its acts: the evaluation of
-     * rules that read what they changed.
-     */
+    /** Charges an agent for the last frame's evaluation of rules whose inputs its acts changed. */
     void charge(String agent, long now, long steps) {
         refill(now);
         Account account =

@@ -6,16 +6,16 @@ import java.time.Duration;
 import java.util.Optional;
 
 /**
- * How long agents in lock-step may still keep others waiting. The agents of one token share an
- * allowance; without tokens all agents do. Waiting uses it up, and {@value #REFILL} of all time
- * comes back. The frame loop's thread, but where said otherwise.
+ * Time by which agents in lock-step may still delay others. Agents with the same token share an
+ * allowance; without tokens, all agents do. Waiting consumes it, and it is refilled with the
+ * fraction {@value #REFILL} of elapsed time. The frame loop's thread, except where stated.
  */
 public final class Allowance {
 
-    /** Part of the time that comes back. */
+    /** Refill as a fraction of elapsed time. */
     static final double REFILL = 0.1;
 
-    /** Part of the whole that must have come back before a spent allowance counts again. */
+    /** Fraction of the full allowance at which an exhausted one is restored. */
     static final double RESTORED = 0.5;
 
     private static final double NO_LIMIT = 1e18;
@@ -24,7 +24,7 @@ public final class Allowance {
     private double leftNanos;
     private long countedNanos;
 
-    /** In this frame an agent was not ready yet. */
+    /** True if one of the agents was not ready in this frame. */
     private boolean noted;
 
     private volatile ByteBuffer home = ByteBuffer.allocate(0);
@@ -32,7 +32,7 @@ public final class Allowance {
     private volatile boolean spent;
 
     /**
-     * @param full the whole; without, there is no limit
+     * @param full the full allowance; if empty, there is no limit
      */
     Allowance(Optional<Duration> full, long nowNanos) {
         this.fullNanos = full.map(time -> (double) time.toNanos()).orElse(NO_LIMIT);
@@ -41,31 +41,35 @@ public final class Allowance {
         this.answeredNanos = nowNanos;
     }
 
-    // ---- any thread ----
+    // Methods for any thread.
 
-    /** One of its agents is ready, or is no longer there. */
+    /** Records that one of the agents is ready, or has left. */
     void answer(long nowNanos) {
         answeredNanos = nowNanos;
     }
 
-    /** Returns true if its agents may no longer keep others waiting. */
+    /** Returns whether the allowance is exhausted, so that its agents may not delay others. */
     public boolean isSpent() {
         return spent;
     }
 
-    /** Its agent comes from that network address. */
+    /** Records the network address of an agent. */
     void comeFrom(ByteBuffer address) {
         home = address;
     }
 
-    /** Whether their agents come from the same network address. */
+    /** Returns whether the agents of both allowances have the same network address. */
     boolean isNeighbourOf(Allowance other) {
         return this == other || home.equals(other.home);
     }
 
-    // ---- loop's thread ----
+    // Methods for the frame loop's thread.
 
-    /** Notes that an agent is not ready yet. @return false if that is noted already */
+    /**
+     * Records that an agent is not ready.
+     *
+     * @return false if that is recorded already
+     */
     boolean note() {
         boolean isNew = !noted;
         noted = true;
@@ -76,7 +80,7 @@ public final class Allowance {
         noted = false;
     }
 
-    /** When the last of its agents was ready, as far as that is between two times. */
+    /** Returns the time when the last of the agents became ready, clamped to the interval [ns]. */
     long answeredBetween(long fromNanos, long toNanos) {
         long answered = answeredNanos;
         if (answered - fromNanos < 0) {
@@ -85,15 +89,15 @@ public final class Allowance {
         return answered - toNanos < 0 ? answered : toNanos;
     }
 
-    /** The longest that others may wait in one frame [ns], at least that time. */
+    /** Returns the maximum wait of others in one frame [ns], at least {@code leastNanos}. */
     long left(long leastNanos) {
         return spent ? leastNanos : Math.max(leastNanos, (long) leftNanos);
     }
 
     /**
-     * Others have waited that long [ns] until now.
+     * Charges the time that others have waited [ns].
      *
-     * @return true if the allowance is spent by that, or counts again
+     * @return true if the allowance has become exhausted, or restored
      */
     boolean charge(long waitedNanos, long nowNanos) {
         leftNanos = Math.min(fullNanos, leftNanos + REFILL * (nowNanos - countedNanos));

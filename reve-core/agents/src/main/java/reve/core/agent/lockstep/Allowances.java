@@ -14,11 +14,11 @@ import java.util.concurrent.atomic.AtomicInteger;
 import java.util.function.Consumer;
 
 /**
- * Bounds how long agents in lock-step keep others waiting. Others are agents in real time, and
- * agents in lock-step that come from another network address and are ready. An {@link Allowance} is
- * charged with the time by which a frame is later than the world's rate asks for. An agent without
- * allowance delays a frame by no more than a frame lasts, so that the world has half its rate. The
- * frame loop's thread, but where said otherwise.
+ * Limits on the delay that agents in lock-step cause to others. Others are agents in real time, and
+ * ready agents in lock-step from another network address. An {@link Allowance} is charged with the
+ * time by which a frame is later than the world's rate requires. An agent without allowance delays
+ * a frame by at most the duration of a frame, so that the world keeps at least half its rate. The
+ * frame loop's thread, except where stated.
  */
 public final class Allowances {
 
@@ -27,24 +27,24 @@ public final class Allowances {
     private final Consumer<Allowance> judged;
     private final AtomicInteger realTime = new AtomicInteger();
 
-    /** By token; of all agents without one. Guarded by this. */
+    /** By token name; one entry for all agents without a token. Guarded by this. */
     private final Map<Optional<String>, Allowance> all = new HashMap<>();
 
-    /** Of agents that were not ready when the frame was due, and those that are spent. */
+    /** Allowances of agents that were not ready when the frame was due, and exhausted ones. */
     private final List<Allowance> noted = new ArrayList<>();
 
     private boolean hasBegun;
     private long begunNanos;
 
-    /** When the frame has to begin at the world's rate. */
+    /** Start of the frame at the world's rate [ns]. */
     private long wantedNanos;
 
     private boolean othersWait;
 
     /**
-     * @param frameNanos how long a frame lasts at the world's rate [ns]
-     * @param full the whole of an allowance; without, there is no limit
-     * @param judged takes each allowance that is spent now, or no longer
+     * @param frameNanos duration of a frame at the world's rate [ns]
+     * @param full the full allowance; if empty, there is no limit
+     * @param judged receives each allowance that has become exhausted or restored
      */
     public Allowances(long frameNanos, Optional<Duration> full, Consumer<Allowance> judged) {
         this.frameNanos = frameNanos;
@@ -52,14 +52,14 @@ public final class Allowances {
         this.judged = judged;
     }
 
-    // ---- any thread ----
+    // Methods for any thread.
 
     /**
-     * The allowance of a token's agent or, without tokens, that of all agents. It stays when its
-     * agents leave.
+     * Returns the allowance for the agents of a token or, without tokens, of all agents. It remains
+     * when its agents leave.
      *
-     * @param tokenName name of the agent's token, if the server takes tokens
-     * @param home network address that the agent comes from
+     * @param tokenName name of the agent's token, if the server uses tokens
+     * @param home network address of the agent
      */
     public synchronized Allowance of(Optional<String> tokenName, ByteBuffer home, long nowNanos) {
         Allowance allowance =
@@ -68,32 +68,32 @@ public final class Allowances {
         return allowance;
     }
 
-    /** Agents in real time have come, or gone if that is negative. */
+    /** Changes the number of agents in real time by {@code agents}, which may be negative. */
     public void addRealTime(int agents) {
         realTime.addAndGet(agents);
     }
 
-    /** The longest that the agent may keep others waiting in a round [ns]. */
+    /** Returns the maximum delay that the agent may cause in a round [ns]. */
     public long longestWaitNanos(Turn turn) {
         return turn.allowance().isSpent()
                 ? Math.min(turn.deadlineNanos(), frameNanos)
                 : turn.deadlineNanos();
     }
 
-    // ---- loop's thread ----
+    // Methods for the frame loop's thread.
 
-    /** From now on a frame could begin. */
+    /** Records the time from which the frame could begin. */
     void due(long nowNanos) {
         long early = hasBegun ? begunNanos + frameNanos - nowNanos : 0;
         wantedNanos = nowNanos + Math.max(0, early);
     }
 
-    /** Notes whether any other agent can be kept waiting in this frame. */
+    /** Determines whether any other agent can be delayed in this frame. */
     void look(Turn[] turns) {
         othersWait = realTime.get() > 0 || haveSeveralHomes(turns);
     }
 
-    /** Returns false if others wait that the agent has no allowance to delay. */
+    /** Returns false if the agent's return would delay others and it has no allowance. */
     boolean mayReturn(Turn turn, Turn[] turns) {
         return !turn.allowance().isSpent()
                 || realTime.get() == 0 && !hasStranger(turn.allowance(), turns);
@@ -121,7 +121,7 @@ public final class Allowances {
         return false;
     }
 
-    /** Records that an agent is not ready, or that its allowance is spent. */
+    /** Records that an agent is not ready, or that its allowance is exhausted. */
     void note(Turn turn, long nowNanos) {
         Allowance allowance = turn.allowance();
         if (allowance.note()) {
@@ -130,14 +130,14 @@ public final class Allowances {
         }
     }
 
-    /** How long others still wait for an agent [ns], if they do; negative if no longer. */
+    /** Returns how long others still wait for an agent [ns]; negative if the time is over. */
     long nanosecondsLeft(Turn turn, long nowNanos) {
         return othersWait
                 ? wantedNanos - nowNanos + turn.allowance().left(frameNanos)
                 : Long.MAX_VALUE;
     }
 
-    /** Charges the time that others waited; the frame begins now. */
+    /** Charges the time that others have waited; called when the frame begins. */
     void begin(Turn[] turns, long nowNanos) {
         hasBegun = true;
         begunNanos = nowNanos;
@@ -160,7 +160,10 @@ public final class Allowances {
         forget();
     }
 
-    /** The agent that was ready first of those that are not neighbours of another one. */
+    /**
+     * Returns the agent that was ready first, among those with another network address than {@code
+     * another}.
+     */
     private @Nullable Turn firstReady(Turn[] turns, @Nullable Turn another, long nowNanos) {
         Turn first = null;
         long firstNanos = 0;
@@ -183,7 +186,7 @@ public final class Allowances {
         }
     }
 
-    /** Discards the waiting time of this frame, which is not charged. */
+    /** Discards the waiting time of this frame without a charge. */
     void forget() {
         for (Allowance allowance : noted) {
             allowance.forgetNote();

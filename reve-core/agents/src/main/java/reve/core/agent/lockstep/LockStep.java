@@ -11,10 +11,9 @@ import java.util.function.BooleanSupplier;
 import java.util.function.Consumer;
 
 /**
- * Holds the world until all agents in lock-step are ready whose round it is, or their deadlines
- * have passed. All are waited for at once, from the moment when the world could go on; nobody is
- * late before the world goes on without it. Agents that keep others waiting have {@link Allowances}
- * for it.
+ * Holds the world until all agents in lock-step whose round is due are ready, or their deadlines
+ * have passed. All deadlines begin when the world could make the frame; no agent is late before the
+ * world continues without it. {@link Allowances} limit agents that delay others.
  */
 public final class LockStep implements FrameGate {
 
@@ -26,27 +25,30 @@ public final class LockStep implements FrameGate {
     private final Consumer<AgentInput> news;
     private final Allowances allowances;
 
-    /** Never changed, only replaced, with this held. */
+    /** Copy-on-write, under this object's lock. */
     private volatile Turn[] turns = NOBODY;
 
-    /** The place of one who was found missing: asked first, so that each is asked once a frame. */
+    /**
+     * Index of an agent that was not ready. It is checked first, so that each agent is checked once
+     * per frame.
+     */
     private volatile int missing;
 
-    /** How many wait to be let into the world, which takes a frame. */
+    /** Number of agents that wait to join, which takes a frame. */
     private final AtomicInteger coming = new AtomicInteger();
 
-    /** The frame that is held, {@link #NO_FRAME} if none is. */
+    /** The frame that is held; {@link #NO_FRAME} if none is. */
     private volatile long held = NO_FRAME;
 
-    /** Loop's thread: the frame that is due, and since when. */
+    /** Belongs to the loop's thread: the frame that is due, and the time since when. */
     private long due = NO_FRAME;
 
     private long dueSinceNanos;
 
-    /** How the frame loop's thread waits for agents. */
+    /** The wait of the frame loop's thread for agents. */
     public interface Waiting {
 
-        /** Does nothing else. */
+        /** Waits without other work. */
         Waiting IDLE =
                 new Waiting() {
                     @Override
@@ -59,17 +61,17 @@ public final class LockStep implements FrameGate {
                 };
 
         /**
-         * @param enough true if there is nothing to wait for any more
+         * @param enough true when the wait is over
          */
         void await(long nanoseconds, BooleanSupplier enough, FrameClock clock);
 
-        /** Ends it; the thread is unparked, too. Any thread. */
+        /** Ends the wait; the caller also unparks the thread. Any thread. */
         void wake();
     }
 
     /**
-     * @param wake has the loop ask again
-     * @param news takes the agents that missed a deadline, and those that came back after the world
+     * @param wake makes the loop ask the gate again
+     * @param news receives agents that missed a deadline, and agents that returned after the world
      *     had stopped waiting for them; on the loop's thread
      */
     public LockStep(
@@ -80,23 +82,23 @@ public final class LockStep implements FrameGate {
         this.waiting = waiting;
     }
 
-    // ---- any thread ----
+    // Methods for any thread.
 
     /**
-     * Somebody waits to be let in: agents that have not been ready yet do not keep the next frame
-     * from being made.
+     * Records that an agent waits to join. Agents that have never been ready do not delay the next
+     * frame then.
      */
     public void comes() {
         coming.incrementAndGet();
         wake.run();
     }
 
-    /** Who has come is in the world, or could not be let in. */
+    /** Records that a waiting agent has joined or was refused. */
     public void came() {
         coming.decrementAndGet();
     }
 
-    /** An agent is in the world: from now on it is waited for. */
+    /** Adds an agent that is in the world; the world waits for it from now on. */
     public synchronized void add(Turn turn) {
         if (turn.hasLeft()) {
             return;
@@ -106,12 +108,12 @@ public final class LockStep implements FrameGate {
         turns = grown;
     }
 
-    /** How long its agents may keep others waiting. */
+    /** Returns the limits on the delays by the world's agents. */
     public Allowances allowances() {
         return allowances;
     }
 
-    /** An agent leaves. Does nothing if it is not there. */
+    /** Removes an agent that leaves; does nothing if it is absent. */
     public void remove(Turn turn, long nowNanos) {
         synchronized (this) {
             turn.leave(nowNanos);
@@ -120,7 +122,10 @@ public final class LockStep implements FrameGate {
         changed();
     }
 
-    /** Some agent may be ready. Wakes the loop only if nobody else is missing. */
+    /**
+     * Notifies the gate that an agent may be ready. Wakes the loop only if no other agent is
+     * missing.
+     */
     public void changed() {
         long frame = held;
         if (frame == NO_FRAME) {
@@ -149,7 +154,7 @@ public final class LockStep implements FrameGate {
         waiting.wake();
     }
 
-    // ---- loop's thread ----
+    // Methods for the frame loop's thread.
 
     @Override
     public long nanosecondsToWait(long frame, long nowNanoseconds) {
@@ -158,7 +163,7 @@ public final class LockStep implements FrameGate {
             dueSinceNanos = nowNanoseconds;
             allowances.due(nowNanoseconds);
         }
-        held = frame; // before we look: who is ready from now on wakes us
+        held = frame; // set before the check: an agent that becomes ready from now on wakes the loop
         boolean somebodyComes = coming.get() > 0;
         Turn[] all = turns;
         for (Turn turn : all) {
@@ -167,7 +172,7 @@ public final class LockStep implements FrameGate {
             }
             if (somebodyComes) {
                 if (turn.holds(frame)) {
-                    turn.allowance().answer(nowNanoseconds); // until now it held the frame
+                    turn.allowance().answer(nowNanoseconds); // until now the agent held the frame
                 }
                 turn.putOff(frame);
             }
@@ -187,7 +192,10 @@ public final class LockStep implements FrameGate {
         return wait;
     }
 
-    /** Before we ask who still holds the frame: an agent that is ready meanwhile wakes us then. */
+    /**
+     * Stops waiting for late agents. Called before the check which agents still hold the frame, so
+     * that an agent that becomes ready meanwhile wakes the loop.
+     */
     private void giveUpLate(Turn[] all, long frame, long nowNanos) {
         allowances.look(all);
         for (Turn turn : all) {

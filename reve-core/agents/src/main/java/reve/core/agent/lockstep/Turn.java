@@ -8,26 +8,28 @@ import java.util.concurrent.atomic.AtomicLong;
 import java.util.concurrent.atomic.AtomicReference;
 
 /**
- * One agent in lock-step, and how far it has come. A round begins with every Nth frame, the first
- * of which is the one the agent came in; the agent perceives that frame, and the next one does not
- * begin before it is ready.
+ * The rounds of one agent in lock-step. A round begins every Nth frame, starting with the frame in
+ * which the agent joined. The agent perceives that frame, and the next round does not begin before
+ * it is ready.
  */
 public final class Turn {
 
     private enum Presence {
-        /** It is waited for. */
+        /** The world waits for the agent. */
         HERE,
-        /** It was late too often in a row: the world does not wait until it says ready. */
+        /**
+         * The agent missed too many deadlines in a row: the world does not wait until it is ready.
+         */
         AWAY,
-        /** Its connection is broken: the world does not wait until there is another one. */
+        /** The connection is broken: the world does not wait until there is a new one. */
         BROKEN,
-        /** It is there again: its rounds restart with the next frame. */
+        /** The agent is back: its rounds restart with the next frame. */
         RETURNING,
-        /** It has left the world. */
+        /** The agent has left the world. */
         GONE
     }
 
-    /** Rounds in a row for which an agent may be late; then the world no longer waits for it. */
+    /** Number of missed rounds in a row after which the world no longer waits for an agent. */
     static final int MAX_LATE_ROUNDS = 3;
 
     private final String agent;
@@ -35,39 +37,39 @@ public final class Turn {
     private final long deadlineNanos;
     private final Allowance allowance;
 
-    /** Rounds that the agent has done with, or was too late for. */
+    /** Number of rounds that the agent has finished or missed. */
     private final AtomicLong done = new AtomicLong();
 
-    /** Messages by which the agent said that it is done with a round, counted before they act. */
+    /** Number of messages that ended a round, counted before they take effect. */
     private final AtomicLong said = new AtomicLong();
 
     private final AtomicReference<Presence> presence = new AtomicReference<>(Presence.HERE);
 
-    /** It has been ready at least once. */
+    /** True if the agent has been ready at least once. */
     private volatile boolean playing;
 
-    /** The frame of the first round. Set on the loop's thread. */
+    /** Frame of the first round. Set on the loop's thread. */
     private volatile long origin = Long.MAX_VALUE;
 
-    /** The frame that is not held for the agent any more. Set on the loop's thread. */
+    /** The frame that is no longer held for the agent. Set on the loop's thread. */
     private volatile long givenUp = -1;
 
-    // Loop's thread.
+    // The fields below belong to the loop's thread.
     private long missed;
     private boolean missedUnawaited;
     private int lateInRow;
 
-    /** Rounds that were found to be done or missed, and {@link #said} at that time. */
+    /** Number of rounds known to be finished or missed, and the value of {@link #said} then. */
     private long judged;
 
     private long saidWhenJudged;
 
-    /** The others were told that it is away. */
+    /** True if other agents were sent the event that it is away. */
     private boolean away;
 
     /**
-     * @param deadlineNanos longest wait for it [ns]
-     * @param allowance what it uses up by keeping others waiting
+     * @param deadlineNanos maximum wait for the agent [ns]
+     * @param allowance charged with the delays that the agent causes
      */
     public Turn(
             String agent, ClientMessage.LockStep wanted, long deadlineNanos, Allowance allowance) {
@@ -77,33 +79,31 @@ public final class Turn {
         this.allowance = allowance;
     }
 
-    /** Returns what the hello asked for. */
+    /** Returns the settings of the hello. */
     public ClientMessage.LockStep wanted() {
         return wanted;
     }
 
-    /** Returns the longest wait for the agent [ns]. */
+    /** Returns the maximum wait for the agent [ns]. */
     public long deadlineNanos() {
         return deadlineNanos;
     }
 
-    /** Returns what the agent uses up by keeping others waiting. */
+    /** Returns the allowance that is charged with its delays. */
     public Allowance allowance() {
         return allowance;
     }
 
-    // ---- its connection ----
-
-    /** The agent is done with the oldest round that is open. */
+    /** Ends the oldest open round of the agent. */
     public void ready(long nowNanos) {
         playing = true;
-        allowance.answer(nowNanos); // before it counts: the loop reads the two in turn
+        allowance.answer(nowNanos); // before the count changes, because the loop reads both in this order
         done.incrementAndGet();
         speak();
     }
 
     /**
-     * The agent is done with what it perceived in a frame, unless that was not the last round that
+     * Ends the round of the perception in {@code frame}, unless it was not the last round that
      * began.
      */
     public void ready(long frame, long published, long nowNanos) {
@@ -120,13 +120,13 @@ public final class Turn {
         presence.compareAndSet(Presence.AWAY, Presence.RETURNING);
     }
 
-    /** The connection broke: the world does not wait until there is another one. */
+    /** Records that the connection broke: the world does not wait until there is a new one. */
     public void breakOff(long nowNanos) {
         allowance.answer(nowNanos);
         presence.set(Presence.BROKEN);
     }
 
-    /** Another connection goes on: rounds restart with the next frame. */
+    /** Records a new connection: rounds restart with the next frame. */
     public void comeBack() {
         presence.set(Presence.RETURNING);
     }
@@ -136,28 +136,33 @@ public final class Turn {
         presence.set(Presence.GONE);
     }
 
-    // ---- any thread ----
+    // Methods for any thread.
 
     boolean hasLeft() {
         return presence.get() == Presence.GONE;
     }
 
-    /** Whether the world has to wait for the agent before it makes the frame after that one. */
+    /**
+     * Returns whether the world must wait for the agent before it makes the frame after {@code
+     * frame}.
+     */
     boolean isAwaited(long frame) {
         return presence.get() == Presence.HERE && done.get() < rounds(frame);
     }
 
-    /** Whether it is waited for before that frame, and not given up. */
+    /**
+     * Returns whether the agent holds {@code frame}, and the world has not stopped waiting for it.
+     */
     boolean holds(long frame) {
         return isAwaited(frame - 1) && givenUp != frame;
     }
 
-    /** Whether it takes part, ready or not. */
+    /** Returns whether the agent takes part, ready or not. */
     boolean isHere() {
         return presence.get() == Presence.HERE;
     }
 
-    /** Whether the agent perceives a frame, having been told last of another one. */
+    /** Returns whether the agent perceives a frame, given the frame of its last perception. */
     public boolean isDue(long frame, long told) {
         Presence now = presence.get();
         return (now == Presence.HERE || now == Presence.AWAY)
@@ -169,24 +174,24 @@ public final class Turn {
         return frame < first ? 0 : (frame - first) / wanted.every() + 1;
     }
 
-    // ---- loop's thread ----
+    // Methods for the frame loop's thread.
 
-    /** The agent came into the world in that frame. */
+    /** Begins the first round, in the frame in which the agent joined. */
     public void begin(long frame) {
         origin = frame;
     }
 
-    /** That frame is not held for it any more, although others may hold it. */
+    /** Stops holding a frame for this agent; other agents may still hold it. */
     void giveUp(long frame) {
         givenUp = frame;
     }
 
-    /** It may hold every frame, as before. */
+    /** Lets the agent hold every frame again. */
     void giveUpNone() {
         givenUp = -1;
     }
 
-    /** Rounds begin anew in that frame. */
+    /** Restarts the rounds in that frame. */
     void restart(long frame) {
         origin = frame;
         done.set(0);
@@ -194,16 +199,19 @@ public final class Turn {
         giveUpNone();
     }
 
-    /** Whether the agent was ready, or has another connection, after the world went on without. */
+    /**
+     * Returns whether the agent became ready, or has a new connection, after the world continued
+     * without it.
+     */
     boolean isReturning() {
         return presence.get() == Presence.RETURNING;
     }
 
     /**
-     * Lets an agent that is returning take part again from that frame on, which has not been begun.
+     * Lets a returning agent take part again from that frame, which has not begun.
      *
-     * @param granted false if an agent that is away stays away, until it is ready another time
-     * @return true if the others were told that it was away
+     * @param granted false if an agent that is away stays away until it is ready again
+     * @return true if other agents were sent the event that it was away
      */
     boolean takeBack(long frame, boolean granted) {
         if (!isReturning()) {
@@ -222,16 +230,18 @@ public final class Turn {
         return wasAway;
     }
 
-    /**
-     * Somebody comes into the world in that frame: who has not been ready yet begins with it, too.
-     */
+    /** Restarts an agent that has never been ready, because another agent joins in that frame. */
     void putOff(long frame) {
         if (!playing) {
             restart(frame);
         }
     }
 
-    /** Ends the rounds up to a frame. @return true if the agent was not done with them */
+    /**
+     * Ends the rounds up to a frame.
+     *
+     * @return true if the agent had not finished them
+     */
     boolean miss(long frame) {
         long rounds = rounds(frame);
         if (rounds == judged) {
@@ -245,8 +255,9 @@ public final class Turn {
     }
 
     /**
-     * Returns what comes of a missed round. The others are told each round that the world waited
-     * for in vain and the first that a broken connection costs, not those that follow.
+     * Returns the input that reports a missed round. Other agents are notified of each round that
+     * the world waited for in vain and of the first round after a broken connection, not of later
+     * ones.
      */
     AgentInput.Late late() {
         missed++;
@@ -256,13 +267,13 @@ public final class Turn {
                         && presence.compareAndSet(Presence.HERE, Presence.AWAY);
         away |= goes;
         missedUnawaited = presence.get() != Presence.HERE;
-        if (goes && said.get() != saidWhenJudged) { // it was ready at this very moment
+        if (goes && said.get() != saidWhenJudged) { // the agent became ready at this moment
             presence.compareAndSet(Presence.AWAY, Presence.RETURNING);
         }
         return new AgentInput.Late(agent, missed, wanted.fallback(), told, goes);
     }
 
-    /** Returns the event for others about an agent that was away and takes part again. */
+    /** Returns the input that reports the return of an agent that was away. */
     AgentInput.Back back() {
         return new AgentInput.Back(agent);
     }

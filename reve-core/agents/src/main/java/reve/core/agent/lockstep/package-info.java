@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/** How a world waits for agents in lock-step, and how long they may keep others waiting. */
+/** The wait of a world for agents in lock-step, and the limits on the delays that they cause. */
 @NullMarked
 package reve.core.agent.lockstep;
 

@@ -7,41 +7,47 @@ import reve.core.agent.protocol.ClientMessage;
 import reve.core.agent.protocol.CloseReason;
 
 /**
- * The session behind a connection that has said hello. The event loop's thread, but where said
- * otherwise.
+ * The session behind a connection after its hello. Called on the event loop's thread, except where
+ * stated.
  */
 public interface Client {
 
-    /** Returns true if one more message of it may be taken now. */
+    /** Returns whether the message quota allows one more message now. */
     boolean hasQuota();
 
-    /** Counts a message that is taken. */
+    /** Counts a received message against the quota. */
     void count();
 
-    /** Notes what the client asks to perceive. */
+    /** Records which perceptions the client requests. */
     void perceive(ClientMessage.Perceive perceive) throws BadMessage;
 
-    /** Has a picture taken by a camera of its body, and sent. */
+    /** Requests a picture from a camera of the client's body, and sends it. */
     void look(ClientMessage.Look look) throws BadMessage;
 
     /** Ends the agent's round. */
     void ready(ClientMessage.Ready ready) throws BadMessage;
 
-    /** Has a command done, unless it was given before. Any thread. */
+    /** Executes a command, unless a command with the same id was received before. Any thread. */
     void request(ClientMessage.Request request) throws BadMessage;
 
-    /** A connection has ended; if it was this client's, the session breaks or ends. Any thread. */
+    /**
+     * Handles the end of a connection. If it was this client's current connection, the session
+     * waits for a new one or ends. Any thread.
+     */
     void disconnected(Connection ended, CloseReason why);
 
-    /** Returns what writes the perceptions of its world. */
+    /** Returns the encoder for the perceptions of the client's world. */
     PerceptionEncoder encoder();
 
-    /** A perception was written in so much time, on whichever thread writes to it. */
+    /**
+     * Charges the time for writing a perception [ns]. Called on the thread that writes to the
+     * connection.
+     */
     void wrotePerception(long nanos);
 
-    /** Returns the name of its world. */
+    /** Returns the name of the client's world. */
     String worldName();
 
-    /** Returns the name that it declared. */
+    /** Returns the name that the client declared. */
     String name();
 }

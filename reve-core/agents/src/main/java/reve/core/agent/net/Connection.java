@@ -26,10 +26,10 @@ import java.util.regex.Pattern;
 import javax.net.ssl.SSLException;
 
 /**
- * One connection, and the session behind it once it has said hello. However it ends, it ends once,
- * with a reason: then what waits is written, and what the client still sends is read and thrown
- * away until it closes too, since its last lines would else reset the connection before it has read
- * its bye.
+ * One connection, and its session after the hello. A connection ends once, with a reason. The
+ * server then writes the waiting messages and discards further input until the client closes too.
+ * If it closed at once, unread input would reset the connection, and the client would not receive
+ * its {@code bye}.
  */
 public final class Connection implements EventLoop.Handler, Writers.Target {
 
@@ -44,32 +44,39 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
     private final InetSocketAddress address;
     private final Outbox outbox;
 
-    // The event loop's thread.
+    // The fields below belong to the event loop's thread.
     private final MessageFramer messages;
     private final SelectionKey key;
     private final ConnectionWriter writer;
 
     private int errors;
 
-    /** Not read at the moment. */
+    /** True while reading is suspended. */
     private boolean held;
 
-    /** Since when it has always sent more than was taken; 0 if it has not. */
+    /**
+     * Time since which the client has sent more than its quota without a pause [ns]; 0 if it does
+     * not.
+     */
     private long floodingSinceNanos;
 
     private int drained;
 
-    /** It waits to be written to, once. */
+    /** True while the connection is in the queue for writing, so that it is queued once. */
     private final AtomicBoolean queued = new AtomicBoolean();
 
-    /** Set once, with this held. */
+    /** Set once, under this object's lock. */
     private volatile @Nullable Client session;
 
     private volatile Encoding encoding = Encoding.JSON;
     private volatile @Nullable CloseReason ending;
     private volatile long endedNanos;
 
-    /** On the event loop. @throws IOException if it is gone already */
+    /**
+     * Creates the connection. Called on the event loop's thread.
+     *
+     * @throws IOException if the peer has closed already
+     */
     Connection(Connections connections, Wire wire) throws IOException {
         this.connections = connections;
         this.limits = connections.limits();
@@ -83,23 +90,23 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
         this.writer = new ConnectionWriter(connections, this, wire, key, outbox);
     }
 
-    // ---- any thread ----
+    // Methods for any thread.
 
     boolean hasEnded() {
         return ending != null;
     }
 
-    /** Returns what waits to be written. */
+    /** Returns the queue of outgoing messages. */
     public Outbox outbox() {
         return outbox;
     }
 
-    /** Where the client is. */
+    /** Returns the client's network address. */
     public InetAddress address() {
         return address.getAddress();
     }
 
-    /** How it is written to; JSON until the hello has come. */
+    /** Returns the encoding of outgoing messages; JSON before the hello. */
     public Encoding encoding() {
         return encoding;
     }
@@ -118,17 +125,18 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
         }
     }
 
-    /** Says bye and lets go; the first reason counts. */
+    /** Sends {@code bye} and ends the connection. Only the first reason is sent. */
     public synchronized void end(CloseReason why) {
         if (leave(why)) {
-            // Who has read its bye has left, and may come back.
+            // The session ends before `bye` is flushed, so a client may reconnect as soon as it
+            // reads it.
             outbox.finish(why.bye().in(encoding));
         }
     }
 
     /**
-     * Ends as another connection has taken its place: what waits is discarded, and the bye is
-     * written if it would not be in the middle of a message. The event loop's thread.
+     * Ends because a new connection replaces this one. Discards waiting messages, and writes {@code
+     * bye} unless a message is partly written. The event loop's thread.
      */
     public synchronized void replace(CloseReason why) {
         if (leave(why)) {
@@ -140,7 +148,7 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
     }
 
     /**
-     * @return false if it has ended before
+     * @return false if the connection has ended before
      */
     private synchronized boolean leave(CloseReason why) {
         if (hasEnded()) {
@@ -182,7 +190,7 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
         }
     }
 
-    // ---- the event loop's thread ----
+    // Methods for the event loop's thread.
 
     @Override
     public void ready(SelectionKey ready) {
@@ -194,7 +202,7 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
         }
     }
 
-    /** Called every now and then; ends what takes too long. */
+    /** Checks time limits, and ends a connection that exceeds one. Called periodically. */
     void checkDeadlines(long nowNanos) {
         try {
             if (hasEnded()) {
@@ -217,7 +225,10 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
         }
     }
 
-    /** More waits to be read than the server keeps, and this client has waited the longest. */
+    /**
+     * Ends the connection because the server holds too much unread data, and this client has been
+     * slow the longest.
+     */
     void giveUp() {
         end(
                 CloseReason.cut(
@@ -227,19 +238,17 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
         close();
     }
 
-    /** Lets go of the socket. */
+    /** Closes the socket. */
     void close() {
         connections.slowReaders().release(this);
-        leave(CloseReason.regular("lost", "the connection broke")); // nobody is there to be told
+        leave(CloseReason.regular("lost", "the connection broke")); // the client is gone and cannot receive a reason
         try {
             wire.close();
         } catch (IOException e) {
-            // Closing frees the descriptor even when it complains.
+            // Closing frees the descriptor even if it fails.
         }
         connections.forget(this);
     }
-
-    // ---- reading ----
 
     private void read() {
         guard(
@@ -249,7 +258,7 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
                         return;
                     }
                     if (held) {
-                        pause(); // its wire had something to say of its own
+                        pause(); // the wire has data to write itself
                         return;
                     }
                     do {
@@ -267,7 +276,7 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
         void read() throws IOException, CloseReason;
     }
 
-    /** However it fails, the connection ends with a reason. */
+    /** Runs a read; ends the connection with a reason if it fails. */
     private void guard(Reading reading) {
         try {
             reading.read();
@@ -305,7 +314,10 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
         }
     }
 
-    /** It has sent more than it may: the rest waits in its socket, and then with the client. */
+    /**
+     * Suspends reading because the client has used up its quota. Further data waits in the socket,
+     * then at the client.
+     */
     private void throttle() throws CloseReason {
         long now = System.nanoTime();
         if (floodingSinceNanos == 0) {
@@ -328,7 +340,7 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
         key.interestOpsAnd(~SelectionKey.OP_READ);
     }
 
-    /** Reads it again, if it may send something. */
+    /** Resumes reading if the quota allows it. */
     void readAgain() {
         release(null);
     }
@@ -346,8 +358,8 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
     }
 
     /**
-     * An error in the server, even of the virtual machine: the agent must not stay behind in the
-     * world.
+     * Ends the connection after an error in the server, including errors of the virtual machine, so
+     * that the agent does not stay in the world.
      */
     private void fail(Throwable error) {
         connections.log().error("serving a connection failed", error);
@@ -372,7 +384,8 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
     }
 
     /**
-     * A page in a browser can send what it likes to this machine, but only behind a line like this.
+     * Recognizes an HTTP request line. A web page can send arbitrary data to a local port, but only
+     * after such a line.
      */
     private static boolean isHttp(ByteBuffer line) {
         return HTTP.matcher(StandardCharsets.ISO_8859_1.decode(line.duplicate())).find();
@@ -413,7 +426,7 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
         }
     }
 
-    /** What may take its time is done on a thread of its own; meanwhile the client is not read. */
+    /** Runs a long command on its own thread. Reading from the client is suspended meanwhile. */
     private void hold(Client client, ClientMessage.Control control) {
         pause();
         Thread.ofVirtual()
@@ -445,7 +458,7 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
                     takeAll();
                 });
         if (!held && wire.isOpen()) {
-            read(); // the wire may hold what the key says nothing of
+            read(); // the wire may hold data that the selection key does not report
         }
     }
 
@@ -473,7 +486,8 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
         }
     }
 
-    // ---- writing: the event loop's thread, or another while that waits for it ----
+    // The methods below run on the event loop's thread, or on another thread while the event loop
+    // waits for it.
 
     @Override
     public void writeQueued(WriteBuffers buffers) {
@@ -481,7 +495,7 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
         write(buffers);
     }
 
-    /** Writes what waits, as far as the socket takes it. The event loop's thread. */
+    /** Writes waiting messages until the socket accepts no more. The event loop's thread. */
     public void write() {
         write(connections.buffers());
     }
@@ -504,7 +518,10 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
         connections.loop().later(this::close);
     }
 
-    /** Says nothing any more of what waits, but why; not even that in the middle of a message. */
+    /**
+     * Replaces all waiting messages by {@code bye}; sends not even that if a message is partly
+     * written.
+     */
     private void sayBye() {
         CloseReason why = ending;
         if (why == null || writer.isStuck() || !wire.isOpen()) {

@@ -17,15 +17,18 @@ import java.util.Objects;
 import java.util.OptionalLong;
 
 /**
- * Encodes and writes what waits in the outbox of a connection, as far as its socket takes it. The
- * event loop's thread, or another one while the event loop waits for it.
+ * Encodes and writes the outbox of a connection until its socket accepts no more. Runs on the event
+ * loop's thread, or on another thread while the event loop waits for it.
  */
 final class ConnectionWriter {
 
-    /** What large perceptions cost besides the time to write them: memory, until they are read. */
+    /**
+     * Cost of large perceptions in addition to writing time, for the memory that they occupy until
+     * they are read [ns/byte].
+     */
     private static final long NANOS_PER_LARGE_BYTE = 4;
 
-    /** So much of a write has to go in the time that one may take. */
+    /** Minimum progress of a write within the time limit of one write [bytes]. */
     private static final int PROGRESS_BYTES = 64 * 1024;
 
     private final Connections connections;
@@ -34,26 +37,26 @@ final class ConnectionWriter {
     private final SelectionKey key;
     private final Outbox outbox;
 
-    /** What is being written, of which {@link #sent} bytes have gone; null if nothing is. */
+    /** The data being written, of which {@link #sent} bytes are sent; null if there is none. */
     private @Nullable Rope unsent;
 
     private int sent;
 
-    /** Since when no more than {@link #PROGRESS_BYTES} of it have gone. */
+    /** Time of the last {@link #PROGRESS_BYTES} of progress [ns]. */
     private long unsentSinceNanos;
 
-    /** What of it had gone then. */
+    /** Bytes sent at that time. */
     private int progress;
 
-    /** What is written holds a perception. */
+    /** True if the data being written contains a perception. */
     private boolean perceives;
 
-    /** Its socket has room for much at a time. */
+    /** True after the socket's send buffer was enlarged. */
     private boolean expectsMuch;
 
     private long perceivedBytes;
 
-    /** All is written; the client closes next. */
+    /** True if all data is written and the output is shut down; the client closes next. */
     private boolean shut;
 
     ConnectionWriter(
@@ -70,10 +73,10 @@ final class ConnectionWriter {
     }
 
     /**
-     * Writes what waits; after the last message, tells the client that nothing more will come.
+     * Writes waiting messages; after the last one, shuts down the output.
      *
      * @param client null before its hello
-     * @throws CloseReason if the client may be sent nothing
+     * @throws CloseReason if nothing may be sent to the client
      */
     void write(WriteBuffers buffers, Encoding encoding, @Nullable Client client)
             throws IOException, CloseReason {
@@ -86,18 +89,18 @@ final class ConnectionWriter {
         }
     }
 
-    /** Writes a message in place of all that waits. The connection is not stuck. */
+    /** Writes a message and discards all waiting ones. The connection must not be stuck. */
     void writeLast(byte[] message) throws IOException {
         wire.write(ByteBuffer.wrap(message));
         shut();
     }
 
-    /** Returns true if the last message is written. */
+    /** Returns whether the output is shut down. */
     boolean isShut() {
         return shut;
     }
 
-    /** Returns true if the socket has taken less than 64 KiB for longer than that. */
+    /** Returns whether the socket has accepted less than 64 KiB for longer than {@code nanos}. */
     boolean isStuckFor(long nanos, long nowNanos) {
         return isStuck() && nowNanos - unsentSinceNanos > nanos;
     }
@@ -121,7 +124,7 @@ final class ConnectionWriter {
     }
 
     /**
-     * @return true if nothing is left to be written
+     * @return true if nothing is left to write
      */
     private boolean writeWaiting(WriteBuffers buffers, Encoding encoding, @Nullable Client client)
             throws IOException, CloseReason {
@@ -213,7 +216,7 @@ final class ConnectionWriter {
     }
 
     /**
-     * @return true if nothing is left of what was to be written
+     * @return true if nothing is left of the data that was being written
      */
     private boolean writeUnsent(ByteBuffer piece) throws IOException {
         if (isStuck()) {
@@ -232,11 +235,11 @@ final class ConnectionWriter {
         return true;
     }
 
-    /** Writes what is unsent, as far as the socket takes it. */
+    /** Writes the unsent data until the socket accepts no more. */
     private void writePieces(ByteBuffer piece) throws IOException {
         Rope rest = unsent;
         if (rest == null || sent == rest.size()) {
-            wire.write(piece.clear().limit(0)); // what the wire itself has kept
+            wire.write(piece.clear().limit(0)); // flushes the wire's own buffer
         }
         boolean isTaken = true;
         while (rest != null && sent < rest.size() && isTaken) {
@@ -250,7 +253,7 @@ final class ConnectionWriter {
         }
     }
 
-    /** Returns true if something was given to the socket that it has not taken. */
+    /** Returns whether the socket has not accepted all data of the last write. */
     boolean isStuck() {
         return unsent != null || wire.hasUnsent();
     }

@@ -25,15 +25,18 @@ import java.util.function.Supplier;
 import javax.net.ssl.SSLEngine;
 
 /**
- * The connections of a server: takes them in, has them written to and read again, and lets go of
- * them. The event loop's thread, but where said otherwise.
+ * The connections of a server: accepts them, schedules their reads and writes, and closes them.
+ * Runs on the event loop's thread, except where stated.
  */
 public final class Connections {
 
-    /** So that a flood of connections does not keep the others waiting. */
+    /**
+     * Maximum number of accepted connections per turn, so that a flood of connections does not
+     * delay other clients.
+     */
     private static final int ACCEPTED_PER_TURN = 16;
 
-    /** Least time between two looks at clients that have sent all that they may. */
+    /** Minimum time between two attempts to read from clients that have used up their quota. */
     private static final long THROTTLE_NANOS = 10_000_000;
 
     private final AgentLimits limits;
@@ -42,7 +45,10 @@ public final class Connections {
     private final Counters counters;
     private final RateLimitedLog log;
 
-    /** Of its own, so that a flood of connections hides nothing that is said of agents. */
+    /**
+     * Log about connections without hello, separate so that a flood of connections does not
+     * suppress log lines about agents.
+     */
     private final RateLimitedLog strangersLog =
             new RateLimitedLog(1, "clients that have not said hello");
 
@@ -56,16 +62,16 @@ public final class Connections {
     private final Writers writers = new Writers(Runtime.getRuntime().availableProcessors());
     private final SlowReaders<Connection> slowReaders = new SlowReaders<>();
 
-    /** They have sent all that they may. */
+    /** Connections that have used up their quota. */
     private List<Connection> throttled = new ArrayList<>();
 
     private long readThrottledNanos = System.nanoTime();
 
     /**
-     * @param tls makes the engine of each connection; without, they are plain text
-     * @param log about clients that have said hello
-     * @param audit records all that clients are sent
-     * @param listening its connections are accepted
+     * @param tls creates the TLS engine of each connection; if empty, connections are plain text
+     * @param log about clients that have sent hello
+     * @param audit records all messages to clients
+     * @param listening the server socket
      */
     public Connections(
             AgentLimits limits,
@@ -92,46 +98,44 @@ public final class Connections {
         this.accepting = loop.register(listening, SelectionKey.OP_ACCEPT, key -> accept());
     }
 
-    // ---- for the server ----
-
-    /** Any thread. */
+    /** Starts the threads that write. Any thread. */
     public void start() {
         writers.start();
     }
 
-    /** Stops the writers: nothing is written any more. Any thread. */
+    /** Stops the threads that write. Any thread. */
     public void stop() {
         writers.stop();
     }
 
-    /** Returns true if a connection waits to be written to. Any thread. */
+    /** Returns whether a connection has data to write. Any thread. */
     public boolean isWaiting() {
         return writers.isWaiting();
     }
 
-    /** Returns true if no connection is open. */
+    /** Returns whether no connection is open. */
     public boolean isEmpty() {
         return open.isEmpty();
     }
 
-    /** Accepts no more connections, and ends those that are open. */
+    /** Stops accepting, and ends all open connections. */
     public void close(CloseReason why) {
         closeQuietly(listening);
         open.forEach(connection -> connection.end(why));
     }
 
-    /** Writes what waits for clients, and cuts those that have been slow for the longest. */
+    /** Writes waiting messages, and disconnects the slowest clients if too much data is waiting. */
     public void writeAll() {
         writers.writeAll();
         slowReaders.excess().forEach(Connection::giveUp);
     }
 
-    /** Ends connections that take too long. Called every now and then. */
+    /** Ends connections that exceed time limits. Called periodically. */
     public void checkDeadlines(long nowNanos) {
         List.copyOf(open).forEach(connection -> connection.checkDeadlines(nowNanos));
     }
 
-    /** Accepts again after it failed. */
+    /** Accepts connections again after a failure. */
     public void acceptAgain() {
         if (accepting.isValid()) {
             accepting.interestOps(SelectionKey.OP_ACCEPT);
@@ -139,8 +143,8 @@ public final class Connections {
     }
 
     /**
-     * Reads clients again that have sent all that they may. Not in every turn: many a frame of a
-     * fast world goes by before they may send much more.
+     * Resumes reading from clients that had used up their quota. Not in every turn, because a fast
+     * world makes many frames before the quota grows.
      */
     public void readThrottled() {
         long now = System.nanoTime();
@@ -152,8 +156,6 @@ public final class Connections {
         throttled = new ArrayList<>();
         due.forEach(Connection::readAgain);
     }
-
-    // ---- for connections ----
 
     AgentLimits limits() {
         return limits;
@@ -171,7 +173,7 @@ public final class Connections {
         return log;
     }
 
-    /** About connections that have not said hello. */
+    /** Returns the log about connections that have not sent hello. */
     RateLimitedLog strangersLog() {
         return strangersLog;
     }
@@ -188,28 +190,28 @@ public final class Connections {
         return loop;
     }
 
-    /** Returns what the event loop writes with. */
+    /** Returns the buffers of the event loop's thread. */
     WriteBuffers buffers() {
         return writers.buffers();
     }
 
-    /** Returns the connections that do not read what was written to them. */
+    /** Returns the connections whose clients read too slowly. */
     public SlowReaders<Connection> slowReaders() {
         return slowReaders;
     }
 
-    /** Has what waits for a client written in this turn. Any thread. */
+    /** Schedules the connection for writing in this turn. Any thread. */
     void writeSoon(Connection connection) {
         writers.add(connection);
         loop.wake();
     }
 
-    /** Has it read again in a while: with news, which a frame is, or when deadlines are checked. */
+    /** Schedules a later read: when a frame is published, or when deadlines are checked. */
     void readLater(Connection connection) {
         throttled.add(connection);
     }
 
-    /** It has said hello. */
+    /** Removes the connection from the pending ones, because its hello has arrived. */
     void known(Connection connection) {
         pending.remove(connection.address(), connection);
     }
@@ -221,8 +223,6 @@ public final class Connections {
         }
     }
 
-    // ---- accepting ----
-
     private void accept() {
         try {
             for (int i = 0; i < ACCEPTED_PER_TURN; i++) {
@@ -232,7 +232,7 @@ public final class Connections {
                 }
                 admit(accepted);
             }
-        } catch (IOException e) { // out of descriptors: wait for some to come free
+        } catch (IOException e) { // no free file descriptors; wait until some are closed
             log.error("accepting a connection failed", e);
             accepting.interestOps(0);
         }
@@ -259,7 +259,7 @@ public final class Connections {
             pending.add(connection.address(), connection);
             counters.open.increment();
         } catch (IOException e) {
-            closeQuietly(channel); // it has gone by itself
+            closeQuietly(channel); // the peer has closed already
         }
     }
 
@@ -274,12 +274,12 @@ public final class Connections {
             strangersLog.warn(
                     () -> "a client at " + client + " was turned away: " + why.getMessage());
             channel.configureBlocking(false);
-            if (tls.isEmpty()) { // else it would take a handshake
+            if (tls.isEmpty()) { // a TLS message would need a handshake
                 channel.write(ByteBuffer.wrap(why.bye().in(Encoding.JSON)));
             }
             channel.shutdownOutput();
         } catch (IOException e) {
-            // It has gone by itself.
+            // The peer has closed already.
         }
     }
 
@@ -287,7 +287,7 @@ public final class Connections {
         try {
             resource.close();
         } catch (IOException e) {
-            // Closing frees the descriptor even when it complains.
+            // Closing frees the descriptor even if it fails.
         }
     }
 }

@@ -4,14 +4,15 @@ package reve.core.agent.net;
 import reve.core.agent.protocol.ClientMessage;
 import reve.core.agent.protocol.CloseReason;
 
-/** Lets clients in. */
+/** Admission of clients. */
 public interface Door {
 
     /**
-     * Lets a client in, or lets it go on where its last connection broke. The event loop's thread.
+     * Admits a client, or resumes the session of its broken connection. Called on the event loop's
+     * thread.
      *
-     * @return its session; the welcome comes when the world has taken it
-     * @throws CloseReason if it cannot come in
+     * @return the session; its welcome is sent after the world has executed the join
+     * @throws CloseReason if the client is refused
      */
     Client greet(Connection connection, ClientMessage.Hello hello) throws CloseReason;
 }

@@ -13,37 +13,37 @@ import java.util.concurrent.locks.ReentrantLock;
 import java.util.function.BooleanSupplier;
 
 /**
- * Reads, writes and works for all agents, on one thread at a time: its own, or another that has
- * nothing better to do. It waits for sockets, for other threads and for the clock, never for a
- * client.
+ * The event loop of a server: reads, writes and processes messages of all agents. One thread at a
+ * time runs it: its own, or a world's thread that is waiting. It waits for sockets, other threads
+ * and the clock, never for a client.
  */
 public final class EventLoop {
 
     private static final long NAP_NANOS = 5_000_000;
 
     /**
-     * As long as this a world's thread looks for what comes before it sleeps, if what it waited for
-     * last came within that time: to wake a thread on an idle processor takes longer than most of
-     * what agents do. With one processor that would be the agents' time.
+     * Maximum busy-wait of a world's thread before it blocks in {@code select}, if the last event
+     * arrived within that time. Waking a thread on an idle processor takes longer than most
+     * requests. 0 on one processor, where a busy-wait would take time from the agents.
      */
     private static final long AWAKE_NANOS =
             Runtime.getRuntime().availableProcessors() > 1 ? 100_000 : 0;
 
-    /** Something that a channel brings work for. */
+    /** Handles the operations of one channel. */
     interface Handler {
-        /** The channel is ready for an operation that the key is interested in. */
+        /** Called when the channel is ready for an operation in the key's interest set. */
         void ready(SelectionKey key);
     }
 
-    /** What is done in every turn, after what channels and tasks brought. */
+    /** Work in each turn, after channels and tasks. */
     public interface Work {
-        /** True if there is something to do at once. */
+        /** Returns whether there is work that can be done now. */
         boolean isWaiting();
 
-        /** Does what there is to do. */
+        /** Does the work. */
         void run();
 
-        /** Called every now and then. */
+        /** Called periodically. */
         void checkDeadlines(long nowNanos);
     }
 
@@ -53,27 +53,30 @@ public final class EventLoop {
     private final long checkNanos;
     private final Thread thread;
 
-    /** Held by the thread that works. */
+    /** Held by the thread that runs the loop. */
     private final ReentrantLock duty = new ReentrantLock();
 
     private final Queue<Runnable> tasks = new ConcurrentLinkedQueue<>();
     private long checkedNanos = System.nanoTime();
 
-    /** What was waited for last was there within {@link #AWAKE_NANOS}. */
+    /** True if the last event arrived within {@link #AWAKE_NANOS}. */
     private boolean quick;
 
-    /** Somebody brought work since this turn began. */
+    /** True if another thread has added work since this turn began. */
     private volatile boolean woken;
 
     private volatile boolean selecting;
 
-    /** Another thread works at times; the loop's own looks only whether it still does. */
+    /**
+     * True while another thread runs the loop at times; the loop's own thread then only checks
+     * whether it still does.
+     */
     private volatile boolean taken;
 
     private volatile boolean stopped;
 
     /**
-     * @param checkNanos time between two looks at the deadlines
+     * @param checkNanos time between two checks of deadlines
      */
     public EventLoop(RateLimitedLog log, Work work, long checkNanos) throws IOException {
         this.log = log;
@@ -83,35 +86,39 @@ public final class EventLoop {
         this.thread = Thread.ofPlatform().name("agents").daemon().unstarted(this::run);
     }
 
-    // ---- any thread ----
+    // Methods for any thread.
 
     /** Starts the loop's own thread. */
     public void start() {
         thread.start();
     }
 
-    /** Ends after the turn. */
+    /** Stops the loop after the current turn. */
     public void stop() {
         stopped = true;
         wake();
     }
 
-    /** Waits for the end. @return false if it has not ended after that time */
+    /**
+     * Waits for the loop's thread to end.
+     *
+     * @return false if it has not ended within the time
+     */
     public boolean join(long millis) throws InterruptedException {
         thread.join(millis);
         return !thread.isAlive();
     }
 
-    /** Has something done on the loop's thread. */
+    /** Runs a task on the thread that runs the loop. */
     public void later(Runnable task) {
         tasks.add(task);
         wake();
     }
 
-    /** Makes it look for work. */
+    /** Wakes the loop, so that it looks for work. */
     public void wake() {
         if (duty.isHeldByCurrentThread()) {
-            return; // it looks for work before it waits
+            return; // the loop looks for work before it blocks
         }
         woken = true;
         if (selecting) {
@@ -119,9 +126,9 @@ public final class EventLoop {
         }
     }
 
-    // ---- the loop's thread ----
+    // Methods for the loop's thread.
 
-    /** Tells the handler from now on what the channel is ready for. */
+    /** Registers a channel; the handler is called when the channel is ready. */
     SelectionKey register(SelectableChannel channel, int operations, Handler handler)
             throws IOException {
         channel.configureBlocking(false);
@@ -129,9 +136,10 @@ public final class EventLoop {
     }
 
     /**
-     * Works in place of the loop's own thread, until something has come or the time is over: from
-     * what the last agent says to what that brings about, no thread has to wake another. The loop's
-     * own thread goes on where this one does not come back for a while.
+     * Runs the loop on the calling thread instead of the loop's own, until {@code enough} holds or
+     * the time has passed. A request of the last agent then needs no switch between threads before
+     * the world continues. The loop's own thread takes over if this method is not called again for
+     * a while.
      */
     public void work(long nanoseconds, BooleanSupplier enough) {
         taken = true;
@@ -151,7 +159,7 @@ public final class EventLoop {
 
     private void run() {
         while (!stopped) {
-            // Another thread that waits comes first, however late it gets a processor.
+            // Another waiting thread has priority, because it may get a processor late.
             if (taken || duty.hasQueuedThreads() || !duty.tryLock()) {
                 taken = false;
                 LockSupport.parkNanos(NAP_NANOS);
@@ -174,8 +182,8 @@ public final class EventLoop {
     }
 
     /**
-     * First what there is to do, then waits for more: so that whoever serves leaves nothing read
-     * behind.
+     * Does one turn: processes available work first, then waits for more, so that no work is left
+     * when another thread takes over.
      */
     private void turn(long mostNanos, long awakeNanos) {
         try {
@@ -190,13 +198,13 @@ public final class EventLoop {
             }
             select(Math.min(mostNanos, checkedNanos + checkNanos - now), now + awakeNanos);
             quick = System.nanoTime() - now < AWAKE_NANOS;
-        } catch (Throwable e) { // one client's error must not end the others
+        } catch (Throwable e) { // an error caused by one client must not stop the others
             log.error("serving agents failed", e);
         }
     }
 
     private void select(long nanoseconds, long awakeUntilNanos) throws IOException {
-        selecting = true; // whoever brings work from here on wakes us
+        selecting = true; // from here, a thread that adds work must wake the selector
         if (!findsSoon(awakeUntilNanos)) {
             if (hasWork()) {
                 selector.selectNow(EventLoop::handle);
@@ -208,9 +216,9 @@ public final class EventLoop {
     }
 
     /**
-     * Looks at the sockets again and again.
+     * Polls the sockets in a busy-wait.
      *
-     * @return true if one of them was ready before there was other work
+     * @return true if a socket was ready before other work arrived
      */
     private boolean findsSoon(long awakeUntilNanos) throws IOException {
         while (!hasWork() && System.nanoTime() - awakeUntilNanos < 0) {

@@ -14,13 +14,15 @@ import java.nio.channels.ReadableByteChannel;
 import java.util.Arrays;
 
 /**
- * Cuts what a client sends into messages: lines of JSON, or MessagePack behind its length; within
- * limits of length and time. Memory grows with what has arrived, never with what was announced. The
+ * Splits received bytes into messages: lines of JSON, or MessagePack with a length prefix. Enforces
+ * limits of length and time. The buffer grows with received data, not with announced lengths. The
  * event loop's thread.
  */
 final class MessageFramer {
 
-    /** For who has not said hello: many may come and say nothing. */
+    /**
+     * Initial buffer before the hello [bytes]; small, because many connections may send nothing.
+     */
     private static final int FIRST_BYTES = 128;
 
     private static final int INITIAL_BYTES = 1024;
@@ -41,7 +43,7 @@ final class MessageFramer {
     private long helloBytes;
 
     /**
-     * @param ping asks a silent client whether it is still there
+     * @param ping sends a ping to a silent client
      */
     MessageFramer(AgentLimits limits, AgentTimeouts timeouts, Runnable ping) {
         this.limits = limits;
@@ -49,9 +51,7 @@ final class MessageFramer {
         this.ping = ping;
     }
 
-    /**
-     * The hello has come: from now on the limits of messages hold, no longer those of the hello.
-     */
+    /** Switches from the limits of the hello to the limits of messages. */
     void greeted(Encoding ofWhatFollows) {
         greeted = true;
         encoding = ofWhatFollows;
@@ -59,11 +59,10 @@ final class MessageFramer {
     }
 
     /**
-     * Reads what has arrived, or some of it. Whatever was whole before has been taken by {@link
-     * #next}.
+     * Reads available data. Call {@link #next} until it returns null first.
      *
-     * @return false where the client closed the connection
-     * @throws CloseReason if the client broke a limit
+     * @return false if the client has closed the connection
+     * @throws CloseReason if the client exceeded a limit
      */
     boolean fill(ReadableByteChannel in) throws IOException, CloseReason {
         makeRoom();
@@ -93,11 +92,11 @@ final class MessageFramer {
     }
 
     /**
-     * The next whole message.
+     * Returns the next complete message.
      *
-     * @return it without line end or length, valid until the next call; null if it has not arrived
-     *     yet
-     * @throws CloseReason if the client broke a limit
+     * @return the message without line end or length, valid until the next call; null if it is
+     *     incomplete
+     * @throws CloseReason if the client exceeded a limit
      */
     @Nullable ByteBuffer next() throws CloseReason {
         ByteBuffer message = encoding == Encoding.JSON ? line() : packed();
@@ -107,15 +106,15 @@ final class MessageFramer {
         return message;
     }
 
-    /** True if {@link #fill} found no more than it had room for. */
+    /** Returns whether {@link #fill} read all available data. */
     boolean hasTakenAll() {
         return drained;
     }
 
     /**
-     * Called every now and then; asks a silent client whether it is there.
+     * Checks time limits; sends a ping to a silent client. Called periodically.
      *
-     * @throws CloseReason if the client has let too much time pass
+     * @throws CloseReason if the client exceeded a time limit
      */
     void checkTime(long nowNanos) throws CloseReason {
         boolean begun = end > start;
@@ -189,7 +188,7 @@ final class MessageFramer {
             searched = 0;
             end = 0;
             if (bytes.length > KEPT_BYTES || greeted && bytes.length < INITIAL_BYTES) {
-                // A long line, or the hello, is behind us.
+                // The large buffer for a long line, or for the hello, is no longer needed.
                 buffer = ByteBuffer.allocate(INITIAL_BYTES);
             }
         } else if (end == bytes.length && start > 0) {

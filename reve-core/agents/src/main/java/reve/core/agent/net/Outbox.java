@@ -12,34 +12,35 @@ import java.util.Deque;
 import java.util.List;
 
 /**
- * What waits to be written to one client. Messages keep their order and are bounded. Events count
- * apart from the others, as they are what other clients do: those that exceed the bound are missed,
- * frame by frame, and one message says so. Of perceptions only the newest waits, and what is
- * different in it from the one before is worked out when it is written. Filled from any thread,
- * emptied by the event loop.
+ * The queue of outgoing messages of one client. Messages keep their order, and their number and
+ * size are limited. Events are counted separately, because other clients cause them: events beyond
+ * the limit are dropped by whole frames, and one message reports them. Only the newest perception
+ * waits, and its difference from the previous one is computed when it is written. Any thread adds;
+ * the event loop removes.
  */
 public final class Outbox {
 
-    /** What is written next. */
+    /** An entry of the queue. */
     sealed interface Waiting {}
 
-    /** A message as it goes over the wire. */
+    /** An encoded message. */
     public record Message(byte[] bytes, boolean isEvent) implements Waiting {}
 
-    /** So many events of these frames, and all of each frame, were not kept. */
+    /** The number of dropped events and their frames; all events of these frames are dropped. */
     record Missed(long events, long first, long last) implements Waiting {}
 
     /**
-     * What is perceived, encoded only when it is written.
+     * A perception, which is encoded when it is written.
      *
-     * @param before what the client was handed last, to which the difference is told; null for all
+     * @param before the previous view of the client, from which the difference is computed; null
+     *     for a full perception
      */
     record Perception(long id, View view, @Nullable View before) implements Waiting {}
 
-    /** Memory of an event in the queue, without what it shares [bytes]. */
+    /** Memory of an event in the queue, without shared data [bytes]. */
     private static final int EVENT_BYTES = 64;
 
-    /** Memory of a shared event in a list [bytes]. */
+    /** Memory of a reference to a shared event in a list [bytes]. */
     private static final int REFERENCE_BYTES = 8;
 
     private final int maxMessages;
@@ -47,8 +48,8 @@ public final class Outbox {
     private final Runnable filled;
 
     /**
-     * What happened while a returning client was away, shared with others and encoded when it is
-     * written; it may be more than may pile up.
+     * Events during the client's absence. They are shared with other clients and encoded when they
+     * are written; the limit on waiting events does not apply.
      */
     private List<HeardEvent.Told> history = List.of();
 
@@ -59,10 +60,10 @@ public final class Outbox {
     private final Load answers = new Load();
     private final Load events = new Load();
 
-    /** The last frame of which events were added. */
+    /** The last frame whose events were added. */
     private long happenedIn = -1;
 
-    /** Events that were not kept since {@link #events} was empty last; 0 if all were. */
+    /** Number of dropped events since {@link #events} was empty; 0 if none. */
     private long missed;
 
     private long firstMissed;
@@ -73,7 +74,7 @@ public final class Outbox {
     private @Nullable View told;
     private boolean finished;
 
-    /** How much waits. */
+    /** Number and size of waiting messages. */
     private static final class Load {
         private int count;
         private int bytes;
@@ -90,7 +91,7 @@ public final class Outbox {
     }
 
     /**
-     * @param filled told, with this held, whenever there is something to write
+     * @param filled called under this object's lock when data to write is added
      */
     public Outbox(int maxMessages, int maxBytes, Runnable filled) {
         this.maxMessages = maxMessages;
@@ -99,8 +100,8 @@ public final class Outbox {
     }
 
     /**
-     * Begins with the welcome of a client that goes on with its session, and with what happened
-     * meanwhile. Nothing of it is left out.
+     * Begins with the welcome of a resumed session and the events of the client's absence. Limits
+     * do not apply to these.
      */
     public synchronized void begin(byte[] line, List<HeardEvent.Told> happened, Encoding encoding) {
         if (!finished) {
@@ -111,7 +112,9 @@ public final class Outbox {
         }
     }
 
-    /** Discards what waits and takes nothing more; only this line is still written. */
+    /**
+     * Discards all waiting messages, and accepts no more; only {@code lastLine} is still written.
+     */
     public synchronized void abandon(byte[] lastLine) {
         if (!finished) {
             finished = true;
@@ -130,9 +133,9 @@ public final class Outbox {
     }
 
     /**
-     * Adds a message that is no event.
+     * Adds a message that is not an event.
      *
-     * @return false if the client has let too many of these pile up
+     * @return false if too many messages are waiting
      */
     public synchronized boolean offer(byte[] line) {
         if (finished) {
@@ -146,10 +149,10 @@ public final class Outbox {
     }
 
     /**
-     * Adds an event of a frame, or counts it as missed while the client misses events. However many
-     * events a frame has, only what is left of earlier frames counts as piled up.
+     * Adds an event of a frame, or counts it as dropped while events are dropped. Only events of
+     * earlier frames count towards the limit, so a frame may have any number of events.
      *
-     * @return false if too many have piled up; {@link #miss} is next
+     * @return false if too many events are waiting; the caller must call {@link #miss}
      */
     public synchronized boolean offer(byte[] line, long frame) {
         if (finished) {
@@ -167,15 +170,12 @@ public final class Outbox {
         return true;
     }
 
-    /**
-     * The client misses an event of a frame, and all that follow until it has been written what
-     * waits.
-     */
+    /** Drops an event of a frame and all further events until the waiting ones are written. */
     public synchronized void miss(long frame) {
         miss(1, frame, frame);
     }
 
-    /** The client misses so many events of these frames, as with {@link #miss(long)}. */
+    /** Drops {@code count} events of these frames, like {@link #miss(long)}. */
     public synchronized void miss(long count, long first, long last) {
         if (!finished) {
             firstMissed = missed == 0 ? first : firstMissed;
@@ -199,7 +199,9 @@ public final class Outbox {
         }
     }
 
-    /** Adds the perception that was asked for once; the one before has been written. */
+    /**
+     * Adds the answer to a single request for a perception. The previous answer must be written.
+     */
     public synchronized void offerAnswer(long id, View view) {
         if (!finished) {
             answer = new Perception(id, view, null);
@@ -207,7 +209,7 @@ public final class Outbox {
         }
     }
 
-    /** Puts the newest perception of the stream in the place of one that nobody has read. */
+    /** Adds the newest perception of the stream; it replaces a waiting one. */
     public synchronized void offerLatest(long id, View view) {
         if (!finished) {
             latest = view;
@@ -216,32 +218,35 @@ public final class Outbox {
         }
     }
 
-    /** A new stream of perceptions begins. */
+    /** Begins a new stream of perceptions. */
     public synchronized void restart() {
         latest = null;
         told = null;
     }
 
-    /** Returns true if a perception that was asked for once waits. */
+    /** Returns whether the answer to a single request for a perception is waiting. */
     public synchronized boolean hasAnswer() {
         return answer != null;
     }
 
-    /** Takes nothing more; what waits is written, then this line, then the writer ends. */
+    /**
+     * Accepts no more messages; the waiting ones are written, then {@code lastLine}, then the
+     * writer ends.
+     */
     synchronized void finish(byte[] lastLine) {
         if (!finished) {
             finished = true;
             latest = null;
             tellMissed();
             if (answer != null) {
-                messages.addLast(answer); // behind what happened until the frame that it shows
+                messages.addLast(answer); // after the events up to its frame
                 answer = null;
             }
             add(lastLine, false);
         }
     }
 
-    /** Takes what is to be written next; null if nothing waits. */
+    /** Returns the next entry to write, and removes it; null if the queue is empty. */
     public synchronized @Nullable Waiting poll() {
         if (welcome != null) {
             var first = new Message(welcome, false);
@@ -273,12 +278,12 @@ public final class Outbox {
         return next;
     }
 
-    /** True when nothing waits, and nothing more will come. */
+    /** Returns whether the queue is empty and accepts no more messages. */
     public synchronized boolean isDone() {
         return finished && isEmpty();
     }
 
-    /** Returns true if nothing waits. */
+    /** Returns whether the queue is empty. */
     public synchronized boolean isEmpty() {
         return welcome == null
                 && history.isEmpty()
@@ -288,8 +293,8 @@ public final class Outbox {
     }
 
     /**
-     * Returns how many bytes of memory what waits takes, besides perceptions. The bytes of events
-     * are shared by all who are sent them, so an event counts for its place in the queue.
+     * Returns the memory of the queue without perceptions [bytes]. An event counts only for its
+     * entry, because clients share its encoded bytes.
      */
     public synchronized int bytes() {
         return answers.bytes

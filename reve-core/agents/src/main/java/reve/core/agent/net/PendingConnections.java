@@ -11,8 +11,8 @@ import java.util.Map;
 import java.util.Set;
 
 /**
- * The connections that have not said hello yet, by their addresses, so that one address does not
- * fill all places with them. The event loop's thread.
+ * Connections that have not sent hello yet, by address, so that one address cannot take all places.
+ * The event loop's thread.
  *
  * @param <C> a connection
  */
@@ -25,7 +25,7 @@ final class PendingConnections<C> {
         this.mostOfAnAddress = mostOfAnAddress;
     }
 
-    /** True if one more from that address may come. */
+    /** Returns whether one more connection from that address is allowed. */
     boolean haveRoomFor(InetAddress address) {
         return byNetwork.getOrDefault(Attempts.network(address), Set.of()).size() < mostOfAnAddress;
     }
@@ -36,7 +36,7 @@ final class PendingConnections<C> {
                 .add(connection);
     }
 
-    /** It has said hello, or gone. Does nothing if it was not there. */
+    /** Removes a connection that has sent hello or has ended; does nothing if it is absent. */
     void remove(InetAddress address, C connection) {
         byNetwork.computeIfPresent(
                 Attempts.network(address),

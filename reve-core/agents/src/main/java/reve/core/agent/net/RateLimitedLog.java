@@ -8,8 +8,8 @@ import java.util.concurrent.TimeUnit;
 import java.util.function.Supplier;
 
 /**
- * A log that clients cannot flood: so many lines a second, then one that says how many were left
- * out. Any thread.
+ * A log with a limit on lines per second; a further line reports the number of suppressed lines.
+ * Prevents clients from flooding the log. Any thread.
  */
 public final class RateLimitedLog {
 
@@ -23,25 +23,25 @@ public final class RateLimitedLog {
     private int leftOut;
 
     /**
-     * @param who the lines are about, as in "7 more lines about WHO"
+     * @param who the subject of the lines, as in "7 more lines about WHO"
      */
     public RateLimitedLog(int linesPerSecond, String who) {
         this.linesPerSecond = linesPerSecond;
         this.who = who;
     }
 
-    /** Logs a line that informs. */
+    /** Logs a line at level info. */
     public void info(String message) {
         info(() -> message);
     }
 
-    /** Logs a line that warns. */
+    /** Logs a line at level warning. */
     public void warn(String message) {
         warn(() -> message);
     }
 
     /**
-     * @param message put together only where it is written
+     * @param message evaluated only if the line is written
      */
     public void info(Supplier<String> message) {
         if (mayLog()) {
@@ -50,7 +50,7 @@ public final class RateLimitedLog {
     }
 
     /**
-     * @param message put together only where it is written
+     * @param message evaluated only if the line is written
      */
     public void warn(Supplier<String> message) {
         if (mayLog()) {

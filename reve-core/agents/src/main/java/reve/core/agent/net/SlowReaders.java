@@ -9,30 +9,30 @@ import java.util.List;
 import java.util.Map;
 
 /**
- * The connections whose sockets do not take what is written to them, and how much of the heap is
- * taken by what waits for them, what several wait for counted once: where it is too much, those are
- * cut that have been slow for the longest. Any thread.
+ * Connections whose sockets do not accept all data, and the memory of their waiting data. Data that
+ * several connections share is counted once. Above a limit, the connections that have been slow the
+ * longest are disconnected. Any thread.
  *
  * @param <C> a connection
  */
 public final class SlowReaders<C> {
 
-    /** A rest that counts; 4,096 connections may have less each. */
+    /** Minimum size of counted data [bytes]; 4,096 connections with less are tolerated. */
     private static final int LARGE_BYTES = 16 * 1024;
 
     private static final long MOST_BYTES = 256L * 1024 * 1024;
 
-    /** Of a small heap. */
+    /** The limit is this fraction of a small heap. */
     private static final int SHARE = 8;
 
     private final long mostBytes;
 
     private static final Rope NOTHING = new Rope(new byte[0]);
 
-    /** What waits for a connection: so much in its queue, and the rest of what was written. */
+    /** Waiting data of a connection: bytes in its queue, and the rest of the data being written. */
     private record Held(int queued, Rope rest) {}
 
-    /** The slowest first. Guarded by this. */
+    /** Slowest first. Guarded by this. */
     private final Map<C, Held> large = new LinkedHashMap<>();
 
     private long bytes;
@@ -45,7 +45,7 @@ public final class SlowReaders<C> {
         this.mostBytes = mostBytes;
     }
 
-    /** What was written to a connection waits for its socket. */
+    /** Records that the socket has not accepted {@code rest}. */
     synchronized void hold(C connection, Rope rest) {
         if (rest.size() > LARGE_BYTES) {
             release(connection);
@@ -54,7 +54,7 @@ public final class SlowReaders<C> {
         }
     }
 
-    /** So much waits for a slow connection beside, in its queue. It keeps its place. */
+    /** Updates the bytes in the queue of a slow connection. Its position is kept. */
     synchronized void count(C connection, int queued) {
         Held before = large.get(connection);
         if (before == null && queued > LARGE_BYTES) {
@@ -68,7 +68,7 @@ public final class SlowReaders<C> {
         }
     }
 
-    /** Its socket has taken all, or is closed. */
+    /** Removes a connection whose socket has accepted all data, or is closed. */
     synchronized void release(C connection) {
         Held held = large.remove(connection);
         if (held != null) {
@@ -76,12 +76,12 @@ public final class SlowReaders<C> {
         }
     }
 
-    /** Returns how much waits for slow connections. */
+    /** Returns the memory of all waiting data [bytes]. */
     public synchronized long bytes() {
         return bytes;
     }
 
-    /** Those to cut so that what is left is not too much; they are forgotten. */
+    /** Removes and returns the connections to disconnect, so that the rest is below the limit. */
     synchronized List<C> excess() {
         var excess = new ArrayList<C>();
         while (bytes > mostBytes) {

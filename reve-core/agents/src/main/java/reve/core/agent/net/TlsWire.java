@@ -15,30 +15,30 @@ import javax.net.ssl.SSLEngineResult;
 import javax.net.ssl.SSLEngineResult.HandshakeStatus;
 import javax.net.ssl.SSLException;
 
-/** TLS over a TCP connection. What takes time in a handshake is computed on another thread. */
+/** TLS over a TCP connection. Expensive computations of a handshake run on another thread. */
 final class TlsWire implements Wire {
 
-    /** The first byte of a client that speaks TLS; no message of the protocol begins with it. */
+    /** First byte of a TLS connection; no message of the protocol begins with it. */
     static final int HANDSHAKE = 0x16;
 
     private static final ByteBuffer NOTHING = ByteBuffer.allocate(0);
 
-    /** Of the few threads that work for all connections. */
+    /** Buffers per thread; only few threads write for all connections. */
     private static final ThreadLocal<Scratch> SCRATCH = ThreadLocal.withInitial(Scratch::new);
 
-    /** More than the 16 KiB and their frame that TLS allows. */
+    /** More than the 16 KiB and the header that TLS allows [bytes]. */
     private static final int RECORD_BYTES = 18 * 1024;
 
     private final SocketChannel channel;
     private final Plain plain;
     private final SSLEngine engine;
 
-    // Set when it is registered.
+    // Set on registration.
     private @Nullable EventLoop loop;
     private @Nullable SelectionKey key;
     private @Nullable Runnable readable;
 
-    /** From the socket, not whole yet; decrypted, not taken yet; and encrypted, for the socket. */
+    /** Buffers: received but incomplete; decrypted but not read; encrypted but not sent. */
     private ByteBuffer incoming = NOTHING;
 
     private ByteBuffer received = NOTHING;
@@ -49,14 +49,14 @@ final class TlsWire implements Wire {
     private boolean computing;
     private boolean bypassed;
 
-    /** Buffers for use in one call, shared by all connections. */
+    /** Buffers for use within one call, shared by all connections. */
     private static final class Scratch {
         private final ByteBuffer incoming = ByteBuffer.allocate(2 * RECORD_BYTES);
         private final ByteBuffer received = ByteBuffer.allocate(2 * RECORD_BYTES);
         private final ByteBuffer outgoing = ByteBuffer.allocate(RECORD_BYTES);
     }
 
-    /** The client does not speak TLS; what is written from now on is plain text. */
+    /** The client does not speak TLS; further output is plain text. */
     static final class PlainTextException extends IOException {
         private static final long serialVersionUID = 1;
     }
@@ -82,8 +82,6 @@ final class TlsWire implements Wire {
         return key;
     }
 
-    // ---- reading ----
-
     @Override
     public boolean hasReceived() {
         return received.hasRemaining();
@@ -106,7 +104,11 @@ final class TlsWire implements Wire {
         return count == 0 && !open ? -1 : count;
     }
 
-    /** Decrypts what has arrived. @return false if nothing more will come */
+    /**
+     * Decrypts received data.
+     *
+     * @return false after the end of the input
+     */
     private boolean decrypt() throws IOException {
         ByteBuffer in = SCRATCH.get().incoming.clear().put(incoming);
         incoming = NOTHING;
@@ -129,7 +131,7 @@ final class TlsWire implements Wire {
     }
 
     /**
-     * @return false if the client has said that nothing more will come
+     * @return false if the client has ended its output
      */
     private boolean unwrap(ByteBuffer in) throws IOException {
         ByteBuffer out = SCRATCH.get().received.clear();
@@ -152,7 +154,7 @@ final class TlsWire implements Wire {
         return open;
     }
 
-    /** Signs and checks on another thread; nothing is read meanwhile. */
+    /** Runs signatures and checks on another thread. Nothing is read meanwhile. */
     private void compute() {
         computing = true;
         interest(SelectionKey.OP_READ, false);
@@ -178,8 +180,6 @@ final class TlsWire implements Wire {
         }
     }
 
-    // ---- writing ----
-
     @Override
     public boolean hasUnsent() {
         return outgoing.hasRemaining();
@@ -195,7 +195,7 @@ final class TlsWire implements Wire {
             throw new SSLException("the client has not shaken hands");
         }
         while ((bytes.hasRemaining() || isToWrap()) && wrap(bytes)) {
-            // A record at a time.
+            // One record at a time.
         }
         if (bytes.hasRemaining() && engine.isOutboundDone()) {
             throw new SSLException("the connection is closed");
@@ -207,7 +207,11 @@ final class TlsWire implements Wire {
         return engine.getHandshakeStatus() == HandshakeStatus.NEED_WRAP;
     }
 
-    /** Encrypts a record. @return false if the socket does not take it all now */
+    /**
+     * Encrypts a record.
+     *
+     * @return false if the socket does not accept all of it now
+     */
     private boolean wrap(ByteBuffer bytes) throws IOException {
         if (!flush()) {
             return false;
@@ -230,12 +234,12 @@ final class TlsWire implements Wire {
         return !hasUnsent();
     }
 
-    /** Sends the alert that says what was wrong, if the socket takes it now. */
+    /** Sends the alert that reports the error, if the socket accepts it now. */
     private void tellWhy() {
         try {
             wrap(NOTHING);
         } catch (IOException e) {
-            // It was to be told why the connection ends, not to keep it.
+            // The alert is optional; the connection ends with or without it.
         }
     }
 
@@ -244,7 +248,7 @@ final class TlsWire implements Wire {
         if (!bypassed) {
             engine.closeOutbound();
             wrap(NOTHING);
-            bypassed = true; // what still comes is thrown away
+            bypassed = true; // further input is discarded
         }
         plain.shutdownOutput();
     }

@@ -9,42 +9,37 @@ import java.nio.channels.ByteChannel;
 import java.nio.channels.SelectionKey;
 import java.nio.channels.SocketChannel;
 
-/**
- * The bytes that go to and from one client; reading and writing never wait. The event loop's
- * thread.
- */
+/** The byte stream of one client, without blocking. The event loop's thread. */
 interface Wire extends ByteChannel {
 
-    /** Who is at the other end. */
+    /** Returns the address of the peer. */
     InetSocketAddress peer() throws IOException;
 
     /**
-     * Tells the handler when there is something to read, and later whatever the key asks for.
+     * Registers the handler for input, and later for the operations of the key.
      *
-     * @param readable called when there is something to read that the key says nothing of
+     * @param readable called when buffered input is available that the key does not report
      */
     SelectionKey register(EventLoop loop, EventLoop.Handler handler, Runnable readable)
             throws IOException;
 
-    /** The client is sent much at a time. */
+    /** Prepares for large messages: enlarges the send buffer. */
     default void expectMuch() throws IOException {}
 
-    /** True if there is something to read that the key says nothing of. */
+    /** Returns whether buffered input is available that the key does not report. */
     default boolean hasReceived() {
         return false;
     }
 
-    /**
-     * True if something that was written is still to go to the socket, by another {@link #write}.
-     */
+    /** Returns whether buffered output needs another {@link #write} to reach the socket. */
     default boolean hasUnsent() {
         return false;
     }
 
-    /** Tells the client that nothing more will come. */
+    /** Signals the end of the output to the client. */
     void shutdownOutput() throws IOException;
 
-    /** Plain TCP. */
+    /** Returns the stream of a plain TCP connection. */
     static Wire of(SocketChannel channel) {
         return new Plain(channel);
     }
@@ -52,12 +47,15 @@ interface Wire extends ByteChannel {
     /** See {@link #of}. */
     record Plain(SocketChannel channel) implements Wire {
 
-        /** What fills it is latency, and how long it takes to find out who does not read. */
+        /**
+         * Send buffer of the socket [bytes]. A larger buffer adds latency and delays the detection
+         * of slow readers.
+         */
         private static final int SEND_BUFFER_BYTES = 32 * 1024;
 
         /**
-         * Of those that are sent more at a time. On loopback a segment has 64 KiB; with room for
-         * one only, the system waits 40 ms for each to be acknowledged.
+         * Send buffer for clients that receive large messages [bytes]. A loopback segment has 64
+         * KiB; if the buffer holds only one, the system waits 40 ms for each acknowledgement.
          */
         private static final int LARGE_SEND_BUFFER_BYTES = 256 * 1024;
 

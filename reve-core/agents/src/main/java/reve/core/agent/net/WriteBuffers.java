@@ -6,27 +6,27 @@ import reve.core.agent.protocol.Bytes;
 
 import java.nio.ByteBuffer;
 
-/** What a thread that writes to clients puts their messages together with. One thread. */
+/** Buffers of a thread that encodes and writes messages. For one thread. */
 public final class WriteBuffers {
 
-    /** So much is handed to a socket at once. */
+    /** Maximum size of one write to a socket [bytes]. */
     public static final int BUFFER_BYTES = 64 * 1024;
 
     private final Bytes bytes = new Bytes();
     private final ByteBuffer buffer = ByteBuffer.allocateDirect(BUFFER_BYTES);
     private final Difference difference = new Difference();
 
-    /** Where what goes to one client is put together; empty. */
+    /** Returns the empty buffer for encoding a client's messages. */
     Bytes bytes() {
         return bytes.clear();
     }
 
-    /** What a socket takes from, or gives to; empty. */
+    /** Returns the empty buffer for socket reads and writes. */
     ByteBuffer buffer() {
         return buffer.clear();
     }
 
-    /** Finds what is different in what one client is told. */
+    /** Returns the reusable comparison of two views. */
     Difference difference() {
         return difference;
     }

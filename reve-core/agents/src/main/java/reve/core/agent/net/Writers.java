@@ -11,22 +11,21 @@ import java.util.concurrent.atomic.AtomicInteger;
 import java.util.concurrent.locks.LockSupport;
 
 /**
- * Writes what waits for clients. Long rows of them are written by two threads: the event loop's and
- * one that sleeps otherwise, since to write is more work than all else that many clients make.
- * While they do, the event loop does nothing else, so that what belongs to one connection is never
- * in two hands.
+ * Writes waiting messages to clients. Two threads write to long rows of clients: the event loop's
+ * thread and a helper that otherwise sleeps, because writing is most of the work for many clients.
+ * The event loop waits for the helper, so that two threads never use the same connection.
  */
 final class Writers {
 
-    /** As many clients are worth waking a thread for. */
+    /** Minimum number of clients for which the helper thread is woken. */
     private static final int LONG_ROW = 200;
 
-    /** So long the event loop looks whether the other thread is done before it sleeps. */
+    /** Busy-wait of the event loop for the helper before it blocks. */
     private static final long PATIENCE_NANOS = 20_000;
 
-    /** What the writers write to. */
+    /** A connection to write to. */
     interface Target {
-        /** Writes what waits for it, as far as its socket takes it. */
+        /** Writes waiting messages until the socket accepts no more. */
         void writeQueued(WriteBuffers buffers);
     }
 
@@ -36,24 +35,24 @@ final class Writers {
             Thread.ofPlatform().name("agents' writer").daemon().unstarted(this::help);
     private final boolean helped;
 
-    /** Filled and emptied by the event loop while it is closed. */
+    /** Changed by the event loop only while the row is closed for the helper. */
     private final List<Target> row = new ArrayList<>();
 
-    /** The place in the row of who is written to next. */
+    /** Index in the row of the next target. */
     private final AtomicInteger next = new AtomicInteger();
 
     private volatile boolean open;
 
-    /** The helper looks at the row. Set before it looks whether the row is open. */
+    /** True while the helper works on the row. Set before it checks whether the row is open. */
     private volatile boolean helping;
 
-    /** Who sleeps until the helper is done. */
+    /** The thread that sleeps until the helper has finished. */
     private volatile @Nullable Thread sleeper;
 
     private volatile boolean stopped;
 
     /**
-     * @param threads that there may be, with the event loop's
+     * @param threads maximum number of threads, including the event loop's
      */
     Writers(int threads) {
         this.helped = threads > 1;
@@ -65,15 +64,15 @@ final class Writers {
         }
     }
 
-    /** On the event loop, which writes to nobody any more. */
+    /** Stops the helper. Called on the event loop's thread, which writes no more. */
     void stop() {
         stopped = true;
         LockSupport.unpark(helper);
     }
 
-    // ---- any thread ----
+    // Methods for any thread.
 
-    /** Has what waits for a client written in the next {@link #writeAll}. */
+    /** Schedules a target for the next {@link #writeAll}. */
     void add(Target target) {
         waiting.add(target);
     }
@@ -82,14 +81,14 @@ final class Writers {
         return !waiting.isEmpty();
     }
 
-    // ---- the event loop's thread ----
+    // Methods for the event loop's thread.
 
-    /** For what the event loop writes by itself. */
+    /** Returns the buffers of the event loop's thread. */
     WriteBuffers buffers() {
         return buffers;
     }
 
-    /** Writes to all who wait, as far as their sockets take it. */
+    /** Writes to all scheduled targets until their sockets accept no more. */
     void writeAll() {
         for (Target target = waiting.poll(); target != null; target = waiting.poll()) {
             row.add(target);
@@ -119,7 +118,7 @@ final class Writers {
         sleeper = null;
     }
 
-    // ---- either ----
+    // Methods for both threads.
 
     private void writeRow(WriteBuffers buffers) {
         for (int i = next.getAndIncrement(); i < row.size(); i = next.getAndIncrement()) {
@@ -127,7 +126,7 @@ final class Writers {
         }
     }
 
-    // ---- the helper ----
+    // Methods for the helper thread.
 
     private void help() {
         var own = new WriteBuffers();

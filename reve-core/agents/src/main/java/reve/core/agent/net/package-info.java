@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /**
- * Connections: sockets, TLS, cutting bytes into messages, queues of what is to be written, and the
- * event loop that serves them. Knows no world; who is behind a connection is a Client.
+ * Connections: sockets, TLS, framing of messages, outbound queues, and the event loop that serves
+ * them. The package knows no world; the session behind a connection is a {@link
+ * reve.core.agent.net.Client}.
  */
 @NullMarked
 package reve.core.agent.net;

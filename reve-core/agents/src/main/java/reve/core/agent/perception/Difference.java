@@ -6,16 +6,16 @@ import reve.core.agent.protocol.MessageWriter;
 import java.util.ArrayList;
 import java.util.List;
 
-/** What one view shows other than another. Used again and again; one thread. */
+/** The differences between two views. Reusable; for one thread. */
 public final class Difference {
 
     private final List<String> left = new ArrayList<>();
     private final List<PerceivedItem> entered = new ArrayList<>();
 
-    /** Pairs: as an item was and as it is. */
+    /** Pairs of the former and the present version of an item. */
     private final List<PerceivedItem> changed = new ArrayList<>();
 
-    /** Compares two lists in the order of ids. */
+    /** Compares two lists that are ordered by id. */
     void find(List<PerceivedItem> before, List<PerceivedItem> now) {
         left.clear();
         entered.clear();
@@ -52,7 +52,7 @@ public final class Difference {
         }
     }
 
-    /** How many of the lists hold anything; the others are not told. */
+    /** Returns the number of lists that are not empty; only these are encoded. */
     int lists() {
         return (left.isEmpty() ? 0 : 1) + (entered.isEmpty() ? 0 : 1) + (changed.isEmpty() ? 0 : 1);
     }

@@ -14,7 +14,7 @@ import java.util.Optional;
 import java.util.SortedSet;
 import java.util.concurrent.ConcurrentHashMap;
 
-/** One version of what is symbolic about an item, as messages hold it. */
+/** One version of an item's symbolic data, in encoded form. */
 final class EncodedItem {
 
     private final ItemSymbols source;
@@ -35,21 +35,21 @@ final class EncodedItem {
     }
 
     /**
-     * @param which names of the symbols that are perceived; empty for all
+     * @param which names of the perceived symbols; empty for all
      */
     Fragment symbols(Optional<SortedSet<String>> which) {
         return symbols.computeIfAbsent(
                 which, names -> new Fragment(writer -> writer.value(symbolValues(names))));
     }
 
-    /** The symbols that are perceived, by name. */
+    /** Returns the perceived symbols, by name. */
     Map<String, Object> symbolValues(Optional<SortedSet<String>> which) {
         Map<String, Object> perceived = source.symbols();
         which.ifPresent(perceived.keySet()::retainAll);
         return perceived;
     }
 
-    /** The capabilities that actions need, by their names; actions that need none are left out. */
+    /** Returns the capabilities that actions need, by action; omits actions that need none. */
     Map<String, Object> needs() {
         var needs = new LinkedHashMap<String, Object>();
         source.actions().stream()

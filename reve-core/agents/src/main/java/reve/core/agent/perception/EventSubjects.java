@@ -13,25 +13,25 @@ import java.util.Set;
 import java.util.function.Function;
 
 /**
- * The items that an event is about, looked up once for all who may hear of it.
+ * The items that an event refers to, looked up once for all clients.
  *
- * @param byField what the fields name that name items; {@value #AGENT} stands for the agent's body
- * @param items those that it is about, and not only because its agent has them as a body
+ * @param byField the items that fields name, by field; {@value #AGENT} stands for the agent's body
+ * @param items the items that the event is about, without items that only are the body of its agent
  */
 public record EventSubjects(Map<String, Mention> byField, List<Mention> items) {
 
-    /** Field of an event that names an agent. */
+    /** Name of the field that contains an agent's name. */
     public static final String AGENT = "agent";
 
     private static final Set<String> ITEM_FIELDS = Set.of("item", "body", "actor", "target");
 
     /**
-     * @param id empty if there is no such item any more
+     * @param id empty if the item no longer exists
      */
     public record Mention(String name, Optional<ItemId> id) {}
 
     /**
-     * @param bodyOf the body's name of an agent, by its name
+     * @param bodyOf returns the name of an agent's body
      */
     public static EventSubjects in(
             WorldEvent event, Observatory world, Function<String, Optional<String>> bodyOf) {

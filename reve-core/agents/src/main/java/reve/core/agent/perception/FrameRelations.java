@@ -16,42 +16,42 @@ import java.util.Map;
 import java.util.function.BooleanSupplier;
 
 /**
- * What all items of one frame are near, on, inside and touching. Found item by item, in slices of
- * time if need be, in boxes that are copied here: later frames do not change what is found. The
- * event loop's thread.
+ * Relations (near, on, inside, touching) between all items of one frame. They are computed item by
+ * item, in slices of time if necessary, from a copy of the boxes, so later frames do not change the
+ * result. The event loop's thread.
  */
 final class FrameRelations {
 
     private static final List<String> NAMES = List.of("inside", "near", "on", "touching");
     private static final int NO_BOX = -1;
 
-    /** Items between two looks at the clock. */
+    /** Items between two checks of the clock. */
     private static final int BATCH = 16;
 
     private final RelatedBoxes boxes = new RelatedBoxes();
     private View everything = new View(-1, 0, List.of());
 
-    // By the place in the order of ids.
+    // Indexed by position in the order of ids.
     private long[] ids = {};
     private int[] boxOf = {};
 
-    // By box.
+    // Indexed by box.
     private String[] names = {};
     private int[][] found = {};
     private List<Map<String, List<String>>> told = new ArrayList<>();
     private int done;
 
-    /** The view of all items with relations; null until it is wanted in this frame. */
+    /** View of all items with relations; null until it is requested for this frame. */
     private @Nullable View everythingRelated;
 
     /** Items of the last such view, in the order of ids. */
     private List<PerceivedItem> related = List.of();
 
     /**
-     * Begins with another frame. What was found before remains if no box is another one.
+     * Begins with a new frame. Keeps the results of the previous frame if no box has changed.
      *
-     * @param inOrder ids of the items of the view; never changed
-     * @param rows of the items, negative for those that are no bodies
+     * @param inOrder ids of the view's items; must not change
+     * @param rows of the items, negative for items that are not bodies
      */
     void begin(View view, long[] inOrder, int[] rows, SensedWorld bodies) {
         everything = view;
@@ -82,15 +82,15 @@ final class FrameRelations {
         }
     }
 
-    /** Whether this is about a frame. */
+    /** Returns whether the relations are those of the view's frame. */
     boolean isOf(View view) {
         return everything == view;
     }
 
     /**
-     * Finds more, as long as time is left.
+     * Computes relations until the time is used up.
      *
-     * @return true if all was found
+     * @return true if all are computed
      */
     boolean advance(BooleanSupplier isTimeLeft) {
         while (done < names.length && isTimeLeft.getAsBoolean()) {
@@ -99,7 +99,7 @@ final class FrameRelations {
         return done == names.length;
     }
 
-    /** Finds all. */
+    /** Computes all remaining relations. */
     void complete() {
         while (done < names.length) {
             advance();
@@ -120,7 +120,7 @@ final class FrameRelations {
         }
     }
 
-    /** How many boxes were found for each relation, then these boxes. */
+    /** Returns the number of found boxes for each relation, followed by these boxes. */
     private int[] packed() {
         int size = RelatedBoxes.RELATIONS;
         for (int relation = 0; relation < RelatedBoxes.RELATIONS; relation++) {
@@ -151,8 +151,7 @@ final class FrameRelations {
     }
 
     /**
-     * A view of this frame with what is near, on, inside and touching among the items of the view.
-     * All must have been found.
+     * Returns the view with relations between its items. Requires that all relations are computed.
      */
     View addTo(View view) {
         if (view == everything && everythingRelated != null) {

@@ -11,8 +11,8 @@ import java.util.LinkedHashMap;
 import java.util.Map;
 
 /**
- * An event as agents hear of it, made and encoded once for all who are told the same. The event
- * loop's thread.
+ * An event as sent to agents, created and encoded once for all clients that receive the same
+ * fields. The event loop's thread.
  */
 public final class HeardEvent {
 
@@ -22,7 +22,7 @@ public final class HeardEvent {
     private record Hearing(BitSet fields, Encoding encoding) {}
 
     /**
-     * @param bytes the message as it goes over the wire; never changed
+     * @param bytes the encoded message; must not change
      * @param encoding of the bytes
      */
     public record Told(ServerMessage.Event message, byte[] bytes, Encoding encoding) {
@@ -32,13 +32,13 @@ public final class HeardEvent {
             return new Told(message, message.in(encoding), encoding);
         }
 
-        /** Returns the message as bytes, which are shared if they are in that encoding. */
+        /** Returns the encoded message; shares the bytes if the encoding matches. */
         public byte[] in(Encoding wanted) {
             return wanted == encoding ? bytes : message.in(wanted);
         }
     }
 
-    /** An event that is encoded when it is first sent. */
+    /** Creates an event that is encoded when it is first sent. */
     public HeardEvent(WorldEvent event) {
         this.event = event;
     }
@@ -49,7 +49,7 @@ public final class HeardEvent {
     }
 
     /**
-     * @param fields which of the event's fields are told, by their place
+     * @param fields indices of the event's fields that are sent
      */
     public Told with(BitSet fields, Encoding encoding) {
         return told.computeIfAbsent(new Hearing(fields, encoding), this::make);

@@ -4,9 +4,8 @@ package reve.core.agent.perception;
 import java.util.Arrays;
 
 /**
- * Which bodies hid others from an eye when it was looked last, the newest first. They are asked
- * first, as a few near the eye hide most of what is hidden; where none hides, nothing is lost but
- * the questions. One thread.
+ * The bodies that last hid others from an eye, the most recent first. They are tested first,
+ * because a few bodies near the eye hide most others. For one thread.
  */
 final class Hiders {
 
@@ -22,19 +21,19 @@ final class Hiders {
         return MOST;
     }
 
-    /** A row, or {@link SensedWorld#NOTHING}; rows may be others by now. */
+    /** Returns a row, or {@link SensedWorld#NOTHING}; rows may contain other bodies by now. */
     int get(int place) {
         return rows[place];
     }
 
-    /** The body in that place has hidden something again. */
+    /** Moves the body at an index to the front, because it has hidden a body again. */
     void toFront(int place) {
         int row = rows[place];
         System.arraycopy(rows, 0, rows, 1, place);
         rows[0] = row;
     }
 
-    /** A body that is not here has hidden something. */
+    /** Adds a body that has hidden another one. */
     void add(int row) {
         System.arraycopy(rows, 0, rows, 1, MOST - 1);
         rows[0] = row;

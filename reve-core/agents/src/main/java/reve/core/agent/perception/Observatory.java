@@ -25,51 +25,50 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * The newest frame as the publisher has read it: all that there is to perceive, and what sensors
- * make of it. What did not change since the frame before is the same object as there. The event
- * loop's thread.
+ * The newest frame as read by the publisher, and the perceptions of sensors in it. Data that has
+ * not changed since the previous frame is the same object. The event loop's thread.
  */
 public final class Observatory {
 
-    /** What is looked for reaches a little further than the sensor, whose own test decides. */
+    /** Factor on a sensor's range in searches; the sensor's own test decides. */
     private static final double WIDER = 1 + 1e-9;
 
     private static final int NO_ROW = -1;
 
-    /** A longer sum of ways would lose the short ones [m]. */
+    /** Maximum sum of distances [m]; a larger sum would lose small summands. */
     private static final double LONGEST_PATH = 1000;
 
     private final SensedWorld bodies = new SensedWorld();
     private final Found found = new Found();
 
-    /** From anybody, where not one body looks at all. */
+    /** Hiders for any eye, used if no body has sensors that look. */
     private final Hiders hiders = new Hiders();
 
     private PMap<ItemId, ItemSymbols> symbols = TreePMap.empty();
     private Map<String, ItemId> idByName = Map.of();
     private View everything = new View(0, 0, List.of());
 
-    // By the place in the order of ids.
+    // Indexed by position in the order of ids.
     private long[] inOrder = {};
     private EncodedItem[] items = {};
     private int[] rows = {};
     private PerceivedItem[] seen = {};
 
-    /** What sensors show, as far as somebody has sensed it. */
+    /** Perceived items per visibility, as far as an agent has sensed them. */
     private final Map<Visibility, PerceivedItem[]> sensed = new HashMap<>();
 
     private final Map<Sensor, PerceivedItem[]> shownBy = new IdentityHashMap<>();
 
-    // By row.
+    // Indexed by row.
     private long[] ids = {};
     private int[] places = {};
     private PerceivedItem[] gathered = {};
     private int gatheredCount;
 
-    /** Raised when items come, go or change their rows. */
+    /** Incremented when items are added or removed, or change their rows. */
     private long arrangement;
 
-    /** The way that nothing has gone further than in this frame, and since the beginning [m]. */
+    /** Upper bounds on the distance that any body has moved [m]: in this frame, and in total. */
     private double moved;
 
     private double path;
@@ -77,7 +76,7 @@ public final class Observatory {
     /**
      * Reads a frame.
      *
-     * @return false if the snapshot was lost meanwhile; then nothing here is to be used
+     * @return false if the snapshot was lost meanwhile; the content is then invalid
      */
     public boolean read(WorldSnapshot snapshot) {
         try {
@@ -97,7 +96,7 @@ public final class Observatory {
         } catch (RuntimeException e) {
             if (snapshot.lost()) {
                 forget();
-                return false; // what we read was being overwritten, and cannot make sense
+                return false; // the data was overwritten while it was read
             }
             throw e;
         }
@@ -108,7 +107,7 @@ public final class Observatory {
         return true;
     }
 
-    /** What was read of the rows may be wrong. */
+    /** Discards the rows, which may be invalid. */
     private void forget() {
         ids = new long[0];
         symbols = TreePMap.empty();
@@ -188,12 +187,12 @@ public final class Observatory {
                                         || bodies.isAt(row, place)));
     }
 
-    /** All there is. */
+    /** Returns the view of all items. */
     public View everything() {
         return everything;
     }
 
-    /** Begins to find the relations of this frame's items. */
+    /** Begins to compute the relations of this frame's items. */
     void begin(FrameRelations relations) {
         relations.begin(everything, inOrder, rows, bodies);
     }
@@ -203,10 +202,11 @@ public final class Observatory {
     }
 
     /**
-     * What one sensor of a body senses now, and the body itself, in the order of ids.
+     * Returns the items that one sensor of a body senses now, and the body itself, in the order of
+     * ids.
      *
-     * @param around of the body, as far as that sensor reaches; kept up to date
-     * @param before what it sensed before; the same list if it senses the same now
+     * @param around surroundings of the body within the sensor's range; updated
+     * @param before the previous result; returned again if nothing has changed
      */
     List<PerceivedItem> sense(
             Sensor sensor, ItemId body, Surroundings around, List<PerceivedItem> before) {
@@ -284,7 +284,7 @@ public final class Observatory {
         }
     }
 
-    /** What a sensor makes of an item, null if it does not sense it. */
+    /** Returns the perception of an item by a sensor, or null if the sensor does not reach it. */
     private @Nullable PerceivedItem sensed(
             Sensor sensor, int eye, int i, PerceivedItem[] shown, Hiders hiders) {
         if (i == eye) {
@@ -304,7 +304,7 @@ public final class Observatory {
     }
 
     /**
-     * Finds all that a sensor of limited range can sense, and perhaps more, in the order of ids.
+     * Finds a superset of the items that a sensor of limited range can sense, in the order of ids.
      */
     private void lookAround(Sensor sensor, int eye, Surroundings around) {
         double range = sensor.range();
@@ -325,7 +325,7 @@ public final class Observatory {
         Arrays.sort(around.items, 0, around.count);
     }
 
-    /** Whether any of a body's sensors senses an item now. */
+    /** Returns whether any of a body's sensors senses an item now. */
     boolean senses(List<Sensor> sensors, ItemId body, ItemId item) {
         if (item.equals(body)) {
             return true;
@@ -344,11 +344,10 @@ public final class Observatory {
     }
 
     /**
-     * Writes a box outside of which none of a body's sensors reaches anything, with the body
-     * itself.
+     * Computes a box that contains the body and the reach of its sensors.
      *
-     * @param at where its three numbers go in both arrays
-     * @return false if there is none
+     * @param at index of the box's three numbers in both arrays
+     * @return false if the reach is unlimited
      */
     boolean reach(List<Sensor> sensors, ItemId body, double[] lows, double[] highs, int at) {
         int row = row(body);
@@ -367,7 +366,7 @@ public final class Observatory {
         return true;
     }
 
-    /** The box around an item; empty for what has no place. */
+    /** Returns the box around an item; empty for an item without place. */
     public Optional<Box> box(ItemId item) {
         int row = row(item);
         return row == NO_ROW ? Optional.empty() : Optional.of(bodies.box(row));
@@ -383,7 +382,7 @@ public final class Observatory {
         return place < 0 ? NO_ROW : rows[place];
     }
 
-    /** In the order of ids; negative if there is no such item. */
+    /** Returns the item's position in the order of ids; negative if it does not exist. */
     private int place(ItemId id) {
         return Arrays.binarySearch(inOrder, id.value());
     }

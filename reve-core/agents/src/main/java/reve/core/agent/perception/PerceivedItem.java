@@ -14,9 +14,9 @@ import java.util.List;
 import java.util.Map;
 
 /**
- * What is perceived of one item in one frame. What did not change since the frame before is the
- * same object as there, and what is told of it is encoded once for all who perceive the same.
- * Threads that tell it at the same time may each encode it, and tell the same.
+ * The perceived data of one item in one frame. Data that has not changed since the previous frame
+ * is the same object, and is encoded once for all agents with equal perceptions. Several threads
+ * may encode it at the same time, with equal results.
  */
 public final class PerceivedItem {
 
@@ -29,12 +29,13 @@ public final class PerceivedItem {
     private @Nullable Fragment whole;
     private @Nullable Change change;
 
-    /** What was told of it to who was told another one before. Never changed, so in one piece. */
+    /** Cached delta from the state last sent. Immutable, so that threads see it whole. */
     private record Change(PerceivedItem from, Fragment told) {}
 
     /**
-     * @param place location (3) [m] and orientation (4), null for what has no place; never changed
-     * @param relations names of items by relation, where the agent asked for them
+     * @param place location (3) [m] and orientation (4), null for an item without place; must not
+     *     change
+     * @param relations names of items by relation, if the agent requested them
      */
     PerceivedItem(
             EncodedItem item,
@@ -63,7 +64,7 @@ public final class PerceivedItem {
         return shown;
     }
 
-    /** Empty unless the agent asked for them. */
+    /** Returns the relations; empty unless the agent requested them. */
     Map<String, List<String>> relations() {
         return relations;
     }
@@ -77,7 +78,7 @@ public final class PerceivedItem {
         return item.source().name();
     }
 
-    /** The same in all that is told of it. */
+    /** Returns whether both encode to the same data. */
     boolean isSame(PerceivedItem other) {
         return item == other.item
                 && place == other.place
@@ -85,7 +86,10 @@ public final class PerceivedItem {
                 && relations.equals(other.relations);
     }
 
-    /** Another item, or one of which something else is perceived: it is told as if new. */
+    /**
+     * Returns whether the item must be sent completely: it is another item, or other aspects of it
+     * are perceived.
+     */
     boolean isNewTo(PerceivedItem before) {
         return !name().equals(before.name())
                 || !shown.equals(before.shown)
@@ -96,7 +100,7 @@ public final class PerceivedItem {
         return isMoved(before, 0, 7) || hasOtherSymbols(before) || hasOtherActions(before);
     }
 
-    /** All of it. */
+    /** Returns all perceived data, encoded. */
     Fragment whole() {
         Fragment known = whole;
         if (known == null) {
@@ -106,13 +110,13 @@ public final class PerceivedItem {
         return known;
     }
 
-    /** Its name and what is different from what was told before. */
+    /** Returns the name and the data that differs from {@code before}, encoded. */
     Fragment changeFrom(PerceivedItem before) {
         Change known = change;
         if (known == null || known.from != before) {
             known = new Change(before, new Fragment(writer -> writeChange(writer, before)));
             change = known;
-            before.change = null; // or each would keep all that were before it
+            before.change = null; // otherwise each version would keep all versions before it in memory
         }
         return known.told;
     }
@@ -168,7 +172,7 @@ public final class PerceivedItem {
                         false));
     }
 
-    /** Which fields of an item are told, beside its name. */
+    /** The fields of an item that are sent, in addition to its name. */
     private record Fields(
             boolean location,
             boolean orientation,

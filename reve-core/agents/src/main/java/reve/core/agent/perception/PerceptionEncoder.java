@@ -13,7 +13,7 @@ import java.util.IdentityHashMap;
 import java.util.List;
 import java.util.Map;
 
-/** Writes perceptions; what several agents are told alike of a frame is encoded once. */
+/** Encoder of perceptions. Data that several agents receive of a frame is encoded once. */
 public final class PerceptionEncoder {
 
     /** Guarded by this. */
@@ -21,13 +21,13 @@ public final class PerceptionEncoder {
 
     private @Nullable View shared;
 
-    /** The fields of a perception behind its {@code t} and {@code id}. */
+    /** The fields of a perception after {@code t} and {@code id}. */
     private record Fields(int count, Rope encoded) {}
 
     /**
-     * A frame is told, or more of it; nobody writes.
+     * Begins a frame, or more data of it, while no thread is writing.
      *
-     * @param everything what all agents without sensors perceive
+     * @param everything the view of all agents without sensors
      */
     public synchronized void begin(View everything) {
         if (everything != shared) {
@@ -37,11 +37,11 @@ public final class PerceptionEncoder {
     }
 
     /**
-     * Appends a perception as it goes over the wire. Several threads may at the same time.
+     * Appends an encoded perception. Several threads may call it at the same time.
      *
-     * @param difference used for this
-     * @param id the message that the perception answers
-     * @param before what the client was told last; null if it is told all there is
+     * @param difference reusable comparison
+     * @param id of the message that the perception answers
+     * @param before the client's previous view; null for a full perception
      */
     public void write(
             Bytes out,
@@ -69,7 +69,8 @@ public final class PerceptionEncoder {
     }
 
     /**
-     * The whole of the shared view is kept under the view itself, a difference under what it is to.
+     * Returns the cached fields: of the full view with the view as key, of a difference with the
+     * previous view as key.
      */
     private synchronized Fields sharedFields(
             Difference difference, Encoding encoding, View view, @Nullable View before) {

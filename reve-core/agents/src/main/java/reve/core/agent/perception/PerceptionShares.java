@@ -10,32 +10,32 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * Shares the event loop's time among the sessions that perceive in real time, so that costly
- * perceptions of some do not delay the perceptions of others. Each token has an account, and so has
- * each session without a token. The time to find and to write perceptions is charged to the
- * account; equal shares of the time that passes reduce it. A session without debts whose
- * perceptions are cheap is served at once. The other sessions wait and are served in slices of
- * time, the least indebted first; between two slices the event loop does its other work. Sessions
- * in lock-step are charged, too, but served at once, because the world waits for them. See
- * docs/decisions/0006. The event loop's thread, but for {@link Cost#wrote}.
+ * Divides the event loop's time among sessions that perceive in real time, so that costly
+ * perceptions of some do not delay the others. Each token has an account, and so has each session
+ * without a token. The time to compute and to write perceptions is charged to the account; equal
+ * shares of elapsed time reduce it. A session without debt and with cheap perceptions is served at
+ * once. The other sessions wait and are served in slices of time, the lowest debt first; between
+ * two slices the event loop does its other work. Sessions in lock-step are charged but served at
+ * once, because the world waits for them. See docs/decisions/0006. The event loop's thread, except
+ * {@link Cost#wrote}.
  *
- * @param <C> who perceives
+ * @param <C> a client
  */
 public final class PerceptionShares<C extends PerceptionShares.Client> {
 
-    /** A slice of the time of those who wait [ns]. */
+    /** Duration of a slice for waiting sessions [ns]. */
     private static final double SLICE_NANOS = 10e6;
 
-    /** What a first perception is taken to cost before one has been seen [ns]. */
+    /** Estimated cost of a session's first perception before one was measured [ns]. */
     private static final double FIRST_NANOS = 1e6;
 
-    /** What the last first perceptions cost weighs in what the next is taken to cost. */
+    /** Weight of the former estimate in the average of first perceptions. */
     private static final double MEMORY = 0.9;
 
-    /** A perception is cheap if it costs no more than an equal share of so much time [ns]. */
+    /** A perception is cheap if it costs at most an equal share of this time [ns]. */
     private static final double CHEAP_NANOS = 50e6;
 
-    /** Or no more than this, however many there are [ns]. */
+    /** A perception is also cheap if it costs at most this, for any number of sessions [ns]. */
     private static final double CHEAP_FOR_ALL_NANOS = 30e3;
 
     private final Map<String, Account> byToken = new HashMap<>();
@@ -44,65 +44,65 @@ public final class PerceptionShares<C extends PerceptionShares.Client> {
     private long round;
     private long paidNanos;
 
-    /** Left of this slice. */
+    /** Time left in this slice. */
     private double sliceNanos;
 
-    /** What costs more waits. */
+    /** Sessions with a higher cost wait. */
     private double cheapNanos;
 
     private double firstNanos = FIRST_NANOS;
 
-    /** A client that perceives. */
+    /** A client with perceptions. */
     public interface Client {
-        /** Returns what its perceptions cost. */
+        /** Returns the cost of the client's perceptions. */
         Cost perceptionCost();
 
-        /** Returns whether the world waits for it. */
+        /** Returns whether the world waits for the client. */
         boolean isInLockStep();
 
-        /** Returns whether it perceives a frame. */
+        /** Returns whether the client perceives a frame. */
         boolean perceives(long frame);
     }
 
-    /** What its sessions perceived and have not paid for. */
+    /** Cost of a token's sessions that is not paid yet. */
     private static final class Account {
         private double owedNanos;
         private long round;
     }
 
-    /** What a session's perceptions cost. */
+    /** Cost of one session's perceptions. */
     public static final class Cost {
         private final Account account;
 
-        /** Since it was served last. */
+        /** Time spent since the session was served last. */
         private double spentNanos;
 
-        /** What its last perception cost. */
+        /** Cost of its last perception. */
         private double expectedNanos;
 
-        /** It has perceived. */
+        /** True if a perception was measured. */
         private boolean known;
 
-        /** By whichever thread writes to the session while the event loop waits for it. */
+        /** Written by the thread that writes to the session while the event loop waits for it. */
         private long writtenNanos;
 
         private Cost(Account account) {
             this.account = account;
         }
 
-        /** A perception was written in so much time. */
+        /** Adds the time for writing a perception. */
         public void wrote(long nanos) {
             writtenNanos += nanos;
         }
     }
 
-    /** Shares without sessions. */
+    /** Creates shares without sessions. */
     public PerceptionShares(long nowNanos) {
         paidNanos = nowNanos;
     }
 
     /**
-     * @param tokenName name of the client's token, if the server takes tokens
+     * @param tokenName name of the client's token, if the server uses tokens
      */
     public Cost cost(Optional<String> tokenName) {
         return new Cost(
@@ -112,9 +112,9 @@ public final class PerceptionShares<C extends PerceptionShares.Client> {
     }
 
     /**
-     * A slice begins: accounts pay their shares of the time since the one before.
+     * Begins a slice. Reduces all accounts by their shares of the time since the previous slice.
      *
-     * @param frame that the members perceive if it is due for them
+     * @param frame the frame to perceive
      */
     public void begin(Collection<? extends C> members, long frame, long nowNanos) {
         round++;
@@ -137,7 +137,7 @@ public final class PerceptionShares<C extends PerceptionShares.Client> {
         sliceNanos = SLICE_NANOS;
     }
 
-    /** Charges what was written since. */
+    /** Charges the writing time since the last call. */
     private void settle(Cost cost) {
         if (cost.writtenNanos == 0) {
             return;
@@ -151,7 +151,7 @@ public final class PerceptionShares<C extends PerceptionShares.Client> {
         cost.known = true;
     }
 
-    /** Whether a session is served whoever else is; if not, it waits. */
+    /** Returns whether a session is served at once; otherwise it waits. */
     public boolean isServedNow(C client) {
         Cost cost = client.perceptionCost();
         if (client.isInLockStep()
@@ -163,8 +163,8 @@ public final class PerceptionShares<C extends PerceptionShares.Client> {
     }
 
     /**
-     * Those who wait: the least indebted first, and of those without debts who has perceived
-     * before. They are served as long as {@link #isTimeLeft}.
+     * Returns the waiting sessions: the lowest debt first, and without debt those that have
+     * perceived before. Serve them while {@link #isTimeLeft} is true.
      */
     public List<C> waiting() {
         waiting.sort(
@@ -173,18 +173,18 @@ public final class PerceptionShares<C extends PerceptionShares.Client> {
         return waiting;
     }
 
-    /** Returns true if the slice is not used up. */
+    /** Returns whether the slice is not used up. */
     public boolean isTimeLeft() {
         return sliceNanos > 0;
     }
 
-    /** So much time was spent for a session that could not be served yet. */
+    /** Charges the time for a session that could not be served yet. */
     public void spend(Cost cost, long nanos) {
         sliceNanos -= nanos;
         charge(cost, nanos);
     }
 
-    /** A session was served in so much time; what is to be written then comes later. */
+    /** Charges the time for a session that was served; its writing time is added later. */
     public void serve(Cost cost, long nanos) {
         sliceNanos -= Math.max(nanos, cost.known ? cost.expectedNanos : firstNanos);
         cost.spentNanos = 0;

@@ -12,56 +12,58 @@ import java.util.function.Predicate;
 import java.util.function.Supplier;
 
 /**
- * Views with relations. Relations of a frame are found in slices of time, between which the event
- * loop serves other sessions and newer frames. A session in real time whose relations take longer
- * than a slice gets the view of the frame that it asked in, later; the relations in it are of that
- * frame, too. A session in lock-step gets its view at once, because the world waits for it. See
+ * Views with relations. The relations of a frame are computed in slices of time; between slices the
+ * event loop serves other sessions and newer frames. A session in real time whose relations need
+ * more than one slice receives the view of the requested frame later, with the relations of that
+ * frame. A session in lock-step receives its view at once, because the world waits for it. See
  * docs/decisions/0006. The event loop's thread.
  *
- * @param <C> who perceives
+ * @param <C> a client
  */
 public final class RelatedViews<C extends RelatedViews.Client> {
 
-    /** What may be spent on relations before other sessions are served [ns]. */
+    /** Maximum time for relations before other sessions are served [ns]. */
     private static final long SLICE_NANOS = 10_000_000;
 
     private final LongSupplier clock;
     private final FrameRelations relations = new FrameRelations();
 
-    /** Views of the frame whose relations are being found. */
+    /** Requested views of the frame whose relations are being computed. */
     private final Map<C, Wanted> waiting = new IdentityHashMap<>();
 
     private long until;
 
-    /** A client that perceives. */
+    /** A client with perceptions. */
     public interface Client {
-        /** Returns whether the world waits for it. */
+        /** Returns whether the world waits for the client. */
         boolean isInLockStep();
 
-        /** Whether what it is to perceive in a frame has relations. */
+        /** Returns whether the client's perception of a frame has relations. */
         boolean wantsRelations(long frame);
 
         /** See {@link Senses#sensedIn}. */
         Optional<Set<ItemId>> sensedIn(long frame);
 
-        /** Keeps the older relations of what was not sensed again, see {@link Senses#relate}. */
+        /**
+         * Keeps the older relations of items that were not sensed again, see {@link Senses#relate}.
+         */
         View relate(View view, Optional<Set<ItemId>> fresh);
     }
 
     /**
-     * @param fresh what was sensed in the frame of the view; empty if that is all of it
+     * @param fresh items that were sensed in the frame of the view; empty if all were
      */
     private record Wanted(View view, Optional<Set<ItemId>> fresh) {}
 
     /**
-     * @param clock tells nanoseconds, see {@link System#nanoTime}
+     * @param clock a clock like {@link System#nanoTime}
      */
     public RelatedViews(LongSupplier clock) {
         this.clock = clock;
     }
 
     /**
-     * A slice begins.
+     * Begins a slice.
      *
      * @param isThere false for sessions that have left
      */
@@ -78,8 +80,8 @@ public final class RelatedViews<C extends RelatedViews.Client> {
     /**
      * Returns a session's view with relations.
      *
-     * @param look the session's view of the newest frame
-     * @return empty if the slice was too short; a later one goes on
+     * @param look returns the session's view of the newest frame
+     * @return empty if the slice was too short; a later call continues
      */
     public Optional<View> of(C member, Supplier<View> look, Observatory world) {
         if (member.isInLockStep()) {
@@ -94,7 +96,7 @@ public final class RelatedViews<C extends RelatedViews.Client> {
         if (wanted == null) {
             if (!relations.isOf(world.everything())) {
                 if (!waiting.isEmpty()) {
-                    return Optional.empty(); // first those who wait for the frame before
+                    return Optional.empty(); // sessions that wait for the previous frame come first
                 }
                 world.begin(relations);
             }

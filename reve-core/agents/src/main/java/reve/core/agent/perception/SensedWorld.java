@@ -17,17 +17,17 @@ import java.util.function.LongPredicate;
 import java.util.stream.LongStream;
 
 /**
- * Where all bodies are, and which of them a sensor reaches. Holds a copy of the columns in plain
- * arrays, reused from one frame to the next. One thread.
+ * Positions of all bodies, and the test which of them a sensor reaches. Contains a copy of the
+ * columns in plain arrays, reused between frames. For one thread.
  *
  * <p>A sensor that looks senses an item if at least one of ten points is in its range, in its field
  * of view and not hidden: the point of the item's bounding box that is nearest to the eye, the
- * box's centre, and its eight corners. Hidden is what lies behind the bounding box of a third item
- * that has a shape and does not hold the eye.
+ * box's centre, and its eight corners. A point is hidden if it lies behind the bounding box of a
+ * third item that has a shape and does not contain the eye.
  */
 public final class SensedWorld {
 
-    /** A moment since which everything has moved. */
+    /** A moment before all moves. */
     static final long BEFORE_ALL = -1;
 
     /** No row. */
@@ -35,7 +35,7 @@ public final class SensedWorld {
 
     private static final int CORNERS = 8;
 
-    /** A line of sight that only touches a box at its very ends is free. */
+    /** Fraction at both ends of a line of sight that may touch a box. */
     private static final double END = 1e-9;
 
     private int rows;
@@ -45,27 +45,27 @@ public final class SensedWorld {
     private double[] high = {};
     private int[] shape = {};
 
-    // As they were when they were last followed.
+    // Values at the last call of {@link #follow}.
     private double[] positionBefore = {};
     private double[] orientationBefore = {};
     private double[] lowBefore = {};
     private double[] highBefore = {};
 
-    /** How often they were followed. */
+    /** Number of calls of {@link #follow}. */
     private long moment;
 
-    /** By row: the moment in which its place or box was last another than before. */
+    /** By row: the moment of the last change of its place or box. */
     private long[] movedIn = {};
 
     private long lastMoved;
 
-    /** Boxes by row, as far as somebody has asked since they were loaded. */
+    /** Index of the boxes, built when it is first needed after a load. */
     private final BoxIndex index = new BoxIndex();
 
     private boolean indexed;
     private long[] keys = {};
 
-    // The point and line of sight that are being looked at.
+    // The current eye, point and line of sight.
     private final double[] eye = new double[3];
     private final double[] point = new double[3];
     private final double[] ahead = new double[3];
@@ -77,7 +77,7 @@ public final class SensedWorld {
     private Hiders hiders = new Hiders();
     private final Hiders ofAnybody = hiders;
 
-    /** Takes the bodies as they are now. */
+    /** Loads the bodies. */
     public void load(TableView bodies) {
         reserve(bodies.rowCount());
         read(bodies.column("position"), position, 0, 3 * rows);
@@ -89,12 +89,12 @@ public final class SensedWorld {
     }
 
     /**
-     * Takes the bodies as they are now.
+     * Loads the bodies and compares them with the former ones.
      *
-     * @param rearranged true if rows may hold others than before, or there are more or fewer: then
-     *     all have moved
-     * @return a way that none of them, nor any corner of its box, has gone further than [m]; NaN or
-     *     infinite if there is none
+     * @param rearranged true if rows may contain other bodies, or their number has changed: then
+     *     all bodies count as moved
+     * @return an upper bound on the distance that any body, or any corner of its box, has moved
+     *     [m]; NaN or infinite if there is none
      */
     double follow(TableView bodies, boolean rearranged) {
         positionBefore = keep(position, positionBefore);
@@ -122,7 +122,7 @@ public final class SensedWorld {
     }
 
     /**
-     * @return the largest difference of a number
+     * @return the largest absolute difference
      */
     private double markMoved(double[] now, double[] before, int components) {
         double most = 0;
@@ -136,17 +136,17 @@ public final class SensedWorld {
         return most;
     }
 
-    /** How often the bodies were followed. */
+    /** Returns the number of calls of {@link #follow}. */
     long moment() {
         return moment;
     }
 
-    /** Whether anything has moved since a {@link #moment}. */
+    /** Returns whether any body has moved since a {@link #moment}. */
     boolean haveAnyMoved(long since) {
         return lastMoved > since;
     }
 
-    /** Whether a body's place or box has changed since a {@link #moment}. */
+    /** Returns whether a body's place or box has changed since a {@link #moment}. */
     boolean hasMoved(int row, long since) {
         return movedIn[row] > since;
     }
@@ -177,7 +177,7 @@ public final class SensedWorld {
         }
     }
 
-    /** Takes only two of the bodies, which is enough for sensors that need no line of sight. */
+    /** Loads only two bodies, which suffices for sensors without line of sight. */
     public void load(TableView bodies, int a, int b) {
         reserve(bodies.rowCount());
         readRows(bodies.column("position"), position, a, b);
@@ -207,7 +207,7 @@ public final class SensedWorld {
         }
     }
 
-    /** Location (3) [m] and orientation (4) of a row. */
+    /** Returns location (3) [m] and orientation (4) of a row. */
     double[] place(int row) {
         double[] place = new double[7];
         System.arraycopy(position, 3 * row, place, 0, 3);
@@ -215,7 +215,7 @@ public final class SensedWorld {
         return place;
     }
 
-    /** True if the row has exactly this place. */
+    /** Returns whether the row has exactly this place. */
     boolean isAt(int row, double[] place) {
         for (int i = 0; i < 7; i++) {
             double now = i < 3 ? position[3 * row + i] : orientation[4 * row + i - 3];
@@ -226,7 +226,7 @@ public final class SensedWorld {
         return true;
     }
 
-    /** See {@link Shape}. */
+    /** Returns the code of the shape, see {@link Shape}. */
     int shape(int row) {
         return shape[row];
     }
@@ -242,13 +242,13 @@ public final class SensedWorld {
         return new Box(low[at], low[at + 1], low[at + 2], high[at], high[at + 1], high[at + 2]);
     }
 
-    /** Begins the box of all that a body may reach: its own. */
+    /** Initializes the box of a body's reach with the body's own box. */
     void reach(int body, double[] lows, double[] highs, int at) {
         System.arraycopy(low, 3 * body, lows, at, 3);
         System.arraycopy(high, 3 * body, highs, at, 3);
     }
 
-    /** Extends it by what a sensor could reach with that range. */
+    /** Extends the box by the reach of a sensor with that range. */
     void extendReach(Sensor sensor, double range, int body, double[] lows, double[] highs, int at) {
         double[] from = sensor.touch() ? low : position;
         double[] to = sensor.touch() ? high : position;
@@ -258,10 +258,7 @@ public final class SensedWorld {
         }
     }
 
-    /**
-     * Finds the rows of all boxes that a sensor could reach with that range, seen from the body in
-     * a row.
-     */
+    /** Finds the rows of all boxes within the range of a sensor of the body. */
     void find(int body, Sensor sensor, double range, Found found) {
         buildIndex();
         int at = 3 * body;
@@ -280,13 +277,13 @@ public final class SensedWorld {
         }
     }
 
-    /** Whether a sensor of the body in one row senses the item in another. */
+    /** Returns whether a sensor of the body in one row senses the item in another. */
     public boolean senses(Sensor sensor, int body, int row) {
         return senses(sensor, body, row, ofAnybody);
     }
 
     /**
-     * @param known from that body; kept up to date
+     * @param known hiders seen from that body; updated
      */
     public boolean senses(Sensor sensor, int body, int row, Hiders known) {
         hiders = known;
@@ -341,7 +338,7 @@ public final class SensedWorld {
     }
 
     /**
-     * @param distance of the point from the eye [m]; whatever holds the eye does not hide
+     * @param distance of the point from the eye [m]; boxes that contain the eye do not hide
      */
     private boolean isSeen(Sensor sensor, int body, int row, double distance) {
         return distance <= sensor.range()
@@ -367,7 +364,7 @@ public final class SensedWorld {
         return ahead >= distance * cosHalfView;
     }
 
-    /** The body's own +Z axis, turned: the third column of its rotation matrix. */
+    /** Computes the direction of the body's +Z axis: the third column of its rotation matrix. */
     private void lookAhead(Sensor sensor, int body) {
         double x = orientation[4 * body];
         double y = orientation[4 * body + 1];
@@ -410,8 +407,8 @@ public final class SensedWorld {
     }
 
     /**
-     * Whether the line from the eye to the point crosses a box that does not hold the eye (slab
-     * method).
+     * Returns whether the line from the eye to the point crosses a box that does not contain the
+     * eye (slab method).
      */
     private boolean isBetween(int body, int box) {
         double enter = 0;

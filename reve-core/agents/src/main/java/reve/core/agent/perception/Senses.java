@@ -22,27 +22,27 @@ import java.util.stream.Collectors;
 import java.util.stream.Stream;
 
 /**
- * What one agent perceives through its body's sensors, each at its own pace. The event loop's
- * thread.
+ * The perceptions of one agent through its body's sensors, each with its own interval. The event
+ * loop's thread.
  */
 public final class Senses {
 
-    /** Type of the event of a law that failed. */
+    /** Type of the event of a failed law. */
     public static final String FAULT = "fault";
 
     private final ItemId body;
     private final List<Sensor> sensors;
 
-    /** By sensor; all there once the agent has looked. */
+    /** Indexed by sensor; complete after the agent's first view. */
     private final Sample[] samples;
 
     private final Surroundings[] surroundings;
     private View view = new View(0, 0, List.of());
 
-    /** Relations of what was not sensed since. */
+    /** Relations of items that were not sensed since. */
     private Map<ItemId, Map<String, List<String>>> related = Map.of();
 
-    /** What a sensor last sensed. */
+    /** The last perception of a sensor. */
     private record Sample(long frame, List<PerceivedItem> items) {}
 
     /**
@@ -63,14 +63,17 @@ public final class Senses {
         return body;
     }
 
-    /** The body's camera of that name. */
+    /** Returns the body's camera of that name. */
     public Optional<Sensor> camera(String name) {
         return sensors.stream()
                 .filter(sensor -> sensor.isCamera() && sensor.name().equals(name))
                 .findFirst();
     }
 
-    /** What the agent perceives now: what each sensor senses, or sensed when it was its turn. */
+    /**
+     * Returns the present view: the latest perception of each sensor, renewed for the sensors whose
+     * turn it is.
+     */
     public View look(Observatory world) {
         View all = world.everything();
         if (all.frame() == view.frame()) {
@@ -97,11 +100,11 @@ public final class Senses {
     }
 
     /**
-     * What {@link #look} says, with the relations of each item as of when a sensor that tells
-     * symbols sensed it last.
+     * Adds relations to the view of {@link #look}. Each item keeps the relations of the time when a
+     * sensor of symbols last sensed it.
      *
-     * @param all with the relations of now
-     * @param fresh whose relations are of now
+     * @param all the view with present relations
+     * @param fresh items whose relations are renewed
      */
     public View relate(View all, Set<ItemId> fresh) {
         var names = all.items().stream().map(PerceivedItem::name).collect(Collectors.toSet());
@@ -118,7 +121,7 @@ public final class Senses {
     }
 
     /**
-     * Items whose symbols were sensed in the frame of the last {@link #look}.
+     * Returns the items whose symbols were sensed in the frame of the last {@link #look}.
      *
      * @return empty if every sensor senses in every frame
      */
@@ -138,7 +141,7 @@ public final class Senses {
         return Optional.of(ids);
     }
 
-    /** The relations that are known of an item, to what is still perceived. */
+    /** Returns the known relations of an item, restricted to items that are still perceived. */
     private Map<String, List<String>> among(Set<String> names, ItemId item) {
         var relations = new LinkedHashMap<String, List<String>>();
         related.getOrDefault(item, Map.of())
@@ -150,7 +153,7 @@ public final class Senses {
         return relations;
     }
 
-    /** By the items' ids. */
+    /** Merges the samples in the order of ids. */
     private static List<PerceivedItem> merge(Sample[] samples) {
         if (samples.length == 1) {
             return samples[0].items;
@@ -167,8 +170,8 @@ public final class Senses {
     }
 
     /**
-     * What two sensors sense of an item. What the older one adds is as it was then: nobody is told
-     * what no sensor of its own has sensed yet. What is symbolic is of one moment.
+     * Merges two sensors' perceptions of an item. Data that only the older one contains stays as it
+     * was then, because no sensor has sensed a newer value. All symbols come from one moment.
      */
     private static PerceivedItem merge(PerceivedItem newer, PerceivedItem older) {
         Visibility both = newer.shown().and(older.shown());
@@ -184,9 +187,9 @@ public final class Senses {
     }
 
     /**
-     * Which fields of an event the agent is told, by their place: all but the names of those it
-     * does not perceive. Empty if it hears nothing of it: it names items and the agent perceives
-     * none of them, or is for operators.
+     * Returns the indices of the event's fields that the agent is sent: all except names of items
+     * that it does not perceive. Empty if the event is not sent: the agent perceives none of its
+     * items, or the event is for operators.
      */
     public Optional<BitSet> hear(WorldEvent event, EventSubjects subjects, Observatory world) {
         if (event.type().equals(FAULT)) {
@@ -210,7 +213,9 @@ public final class Senses {
         return world.reach(sensors, body, lows, highs, at);
     }
 
-    /** Something it senses now, or was told of and not yet that it has gone. */
+    /**
+     * Returns whether the agent senses the item now, or was sent the item and not yet its removal.
+     */
     private boolean perceives(Observatory world, Mention mention) {
         if (mention.id().isEmpty()) {
             return view.holds(mention.name());

@@ -4,37 +4,37 @@ package reve.core.agent.perception;
 import org.jspecify.annotations.Nullable;
 
 /**
- * What is around a body as far as one of its sensors may reach while nothing moves far: found once,
- * and true for many frames in a world where things move slowly. One thread.
+ * The items around a body within a sensor's range and a margin. They are found once, and stay valid
+ * for many frames if bodies move slowly. For one thread.
  */
 final class Surroundings {
 
-    /** How much further than the sensor is looked, as a share of its range. */
+    /** Margin as a fraction of the sensor's range. */
     static final double MARGIN = 0.1;
 
-    /** Of the margin, what rounding may take. */
+    /** Fraction of the margin left after rounding errors. */
     private static final double SAFE = 0.99;
 
     int[] items = {};
     int count;
 
-    /** What the sensor made of each when it last sensed; null for what it did not sense. */
+    /** The sensor's last perception of each item; null for items that it did not sense. */
     @Nullable PerceivedItem[] sensed = {};
 
-    /** What was hidden from it, and by what. */
+    /** Bodies that hid others from this sensor. */
     final Hiders hiders = new Hiders();
 
-    /** The moment of the bodies when it last sensed; before all of them if it has not. */
+    /** Moment of the last perception; before all moments if there is none. */
     long sensedIn;
 
     private long arrangement = -1;
     private double path;
 
     /**
-     * Whether it still holds all that the sensor may reach.
+     * Returns whether the items still include all that the sensor can reach.
      *
-     * @param nowArrangement which items are where in the world's lists
-     * @param nowPath the way that nothing in the world has gone further than [m]
+     * @param nowArrangement version of the world's lists of items
+     * @param nowPath upper bound on the distance that any body has moved in total [m]
      */
     boolean holds(double range, long nowArrangement, double nowPath) {
         return arrangement == nowArrangement && isWithinMargin(range, nowPath - path);
@@ -45,12 +45,15 @@ final class Surroundings {
         path = itsPath;
     }
 
-    /** As {@link #foundIn}, without a margin: it holds in no other frame. */
+    /**
+     * Records a search like {@link #foundIn} without a margin, so that it is valid in this frame
+     * only.
+     */
     void foundOnce() {
         arrangement = -1;
     }
 
-    /** Makes room for that many, of which nothing is known. */
+    /** Allocates space for that number of items, without perceptions. */
     void reserve(int items) {
         if (this.items.length < items) {
             this.items = new int[items + items / 4];
@@ -60,7 +63,7 @@ final class Surroundings {
         sensedIn = SensedWorld.BEFORE_ALL;
     }
 
-    /** Whether item and body together can have gone no further than the margin. */
+    /** Returns whether an item and the body together can have moved by at most the margin. */
     static boolean isWithinMargin(double range, double way) {
         return 2 * way <= SAFE * MARGIN * range;
     }

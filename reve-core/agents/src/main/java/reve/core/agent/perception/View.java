@@ -6,13 +6,13 @@ import reve.core.world.ItemId;
 import java.util.List;
 
 /**
- * What an agent perceives in one frame, in the order of the items' ids. Immutable.
+ * The perception of an agent in one frame, in the order of the items' ids. Immutable.
  *
  * @param time of the world [s]
  */
 public record View(long frame, double time, List<PerceivedItem> items) {
 
-    /** Where an item is in the list; negative if it is not there. */
+    /** Returns the index of an item; negative if it is not perceived. */
     int indexOf(ItemId id) {
         int low = 0;
         int high = items.size() - 1;

@@ -11,7 +11,7 @@ import java.util.SortedSet;
 import java.util.TreeSet;
 
 /**
- * What an agent perceives of one item.
+ * The perceived data of one item.
  *
  * @param symbols names of the symbols; empty for all
  */
@@ -28,14 +28,14 @@ record Visibility(Set<Aspect> aspects, Optional<SortedSet<String>> symbols) {
         return aspects.contains(aspect);
     }
 
-    /** True if another one shows no symbols and no actions that this one does not. */
+    /** Returns whether this contains all symbols and actions that the other contains. */
     boolean isAllThatIsSymbolicOf(Visibility other) {
         return has(Aspect.SEMANTIC) == other.has(Aspect.SEMANTIC)
                 && has(Aspect.ACCESS) == other.has(Aspect.ACCESS)
                 && symbols.equals(other.symbols);
     }
 
-    /** What both together show. */
+    /** Returns the union of both. */
     Visibility and(Visibility other) {
         if (equals(other)) {
             return this;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /**
- * What agents perceive of a frame: what sensors reach, which items are the same as before, and how
- * they are encoded. The event loop's thread and, for encoding, the writers.
+ * Perceptions of frames: the reach of sensors, the reuse of unchanged items, and the encoding. The
+ * event loop's thread and, for encoding, the threads that write.
  */
 @NullMarked
 package reve.core.agent.perception;

@@ -7,19 +7,19 @@ import reve.core.world.Sensor;
 import java.util.List;
 import java.util.Optional;
 
-/** Takes the pictures of cameras that bodies carry. */
+/** Pictures from the cameras of bodies. */
 public interface Cameras {
 
     /**
-     * What a camera saw, row by row from the top; numbers are little-endian.
+     * A picture, in rows from the top; numbers are little-endian.
      *
      * @param time of the world [s]
      * @param width [px]
      * @param height [px]
-     * @param colour red, green and blue in sRGB, a byte each
-     * @param depth along the view [m], f32; 0 where nothing is in range
-     * @param items u16; 0 where no item is in range, else its place in the names, from 1
-     * @param names of the items that are seen
+     * @param colour red, green and blue in sRGB, one byte each
+     * @param depth along the view axis [m], f32; 0 where nothing is in range
+     * @param items u16; 0 where no item is in range, else the index of its name, from 1
+     * @param names of the visible items
      */
     record Photo(
             long frame,
@@ -31,18 +31,22 @@ public interface Cameras {
             Optional<byte[]> items,
             List<String> names) {}
 
-    /** Told once how it went, on any thread. */
+    /** Receives the result once, on any thread. */
     interface Answer {
-        /** The picture is there. */
+        /** Receives the picture. */
         void taken(Photo photo);
 
-        /** There is none now. @param reason for the agent */
+        /**
+         * Receives a refusal.
+         *
+         * @param reason for the agent
+         */
         void refused(String reason);
 
         /**
-         * It could not be drawn.
+         * Receives a failure.
          *
-         * @param cause for the log; the agent is not told of what is inside the server
+         * @param cause for the log only; the agent is not sent internal errors
          */
         void failed(RuntimeException cause);
     }
@@ -50,7 +54,7 @@ public interface Cameras {
     /** Takes a picture of the newest frame. Any thread; returns at once. */
     void take(ItemId body, Sensor camera, Answer answer);
 
-    /** None at all. */
+    /** Returns an implementation that takes no pictures. */
     static Cameras none() {
         return (body, camera, answer) -> answer.refused("this server takes no pictures");
     }

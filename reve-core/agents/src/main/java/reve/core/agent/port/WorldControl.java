@@ -11,62 +11,64 @@ import java.util.Map;
 import java.util.function.Consumer;
 
 /**
- * What the program that runs a world lets clients of the role control do, beside what every frame
- * loop can. Unless it says otherwise, a method is called on a connection's thread and may take its
- * time; the change that it returns is made on the world's thread, in ACT.
+ * What the program that runs a world permits clients of the role control to do, besides the
+ * commands of every frame loop. Unless stated otherwise, methods are called on a connection's
+ * thread and may block; the returned change is made on the world's thread, in ACT.
  */
 public interface WorldControl {
 
-    /** Something prepared that is to be done to a world. */
+    /** A prepared change of a world. */
     @FunctionalInterface
     interface Change {
         /**
-         * @throws ActionRefused with a code and a reason, if it cannot be done; nothing has
-         *     happened then
+         * Makes the change.
+         *
+         * @throws ActionRefused with a code and a reason if it is not possible; the world is then
+         *     unchanged
          */
         void make(World world, long frame) throws ActionRefused;
 
-        /** Called instead if it will never be made. */
+        /** Called instead of {@link #make} if the change is never made. */
         default void drop() {}
     }
 
     /**
-     * Loads a library of laws.
+     * Prepares loading a library of laws.
      *
-     * @param library a bare name, searched where the program finds its laws
+     * @param library name without a folder; the program searches its law folders
      * @param parameters of its laws, by {@code parameter} or {@code law.parameter}, in SI units
      */
     Change loadLaw(String library, Map<String, Double> parameters) throws ActionRefused;
 
-    /** Unloads a library of laws by its name. */
+    /** Prepares unloading a library of laws by its name. */
     Change unloadLaw(String library) throws ActionRefused;
 
-    /** Takes a picture of the frame. */
+    /** Prepares a picture of the frame. */
     Change picture() throws ActionRefused;
 
-    /** The world as it was, to go back to. */
+    /** A saved state of the world, to which it can be rewound. */
     interface Image extends AutoCloseable {
         /**
-         * The world becomes as it was. World's thread, between frames.
+         * Restores the world to this state. World's thread, between frames.
          *
-         * @return the next frame, which shows it so
+         * @return the next frame, which shows the restored state
          */
         long rewind();
 
         /**
-         * Writes it as a world file, where the program keeps them. Any thread.
+         * Writes the state as a world file into the program's folder. Any thread.
          *
-         * @param file bare name, without a folder
-         * @param without items to leave out, with all that is attached to them
+         * @param file name without a folder
+         * @param without items to omit, with all items attached to them
          */
         void save(String file, Collection<ItemId> without) throws ActionRefused;
 
         /**
-         * Lets a copy run ahead, which nobody else acts on; the world itself does not notice. Any
-         * thread.
+         * Advances a copy of the world, which receives no commands; the world itself is not
+         * affected. Any thread.
          *
          * @param frames to make
-         * @param look sees the last of them
+         * @param look receives the last frame
          */
         void foresee(int frames, Consumer<WorldSnapshot> look) throws ActionRefused;
 
@@ -74,20 +76,22 @@ public interface WorldControl {
         void close();
     }
 
-    /** The world as it was before anything happened; the program closes it. */
+    /** Returns the state of the world at its start. The program closes it. */
     Image beginning() throws ActionRefused;
 
-    /** The world as it is now. World's thread, between frames; the caller closes it. */
+    /**
+     * Returns the present state of the world. World's thread, between frames; the caller closes it.
+     */
     Image keep() throws ActionRefused;
 
-    /** A program without laws, pictures or images. */
+    /** Returns an implementation for a program without laws, pictures or images. */
     static WorldControl none() {
         return NoControl.INSTANCE;
     }
 
     /** Refuses everything. */
     enum NoControl implements WorldControl {
-        /** The only one. */
+        /** The only instance. */
         INSTANCE;
 
         @Override

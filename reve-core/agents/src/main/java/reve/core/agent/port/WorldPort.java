@@ -8,19 +8,18 @@ import reve.core.frame.FrameLoop;
 import reve.core.world.SnapshotRing;
 
 /**
- * What the server needs of a running world.
+ * The parts of a running world that the server uses.
  *
  * @param world the world's name
- * @param framesPerSecond its frame rate, for agents to know
- * @param agents which bodies it grants
- * @param bus where the server hears that a frame was published; whoever publishes snapshots
- *     subscribes to PUBLISH before the server is started, so that the server finds the frame's
- *     snapshot there
- * @param commands takes what agents want into the next frame
- * @param snapshots what agents perceive
+ * @param framesPerSecond its frame rate, which the server sends to agents
+ * @param agents the world's policy for agents
+ * @param bus reports published frames. The publisher of snapshots must subscribe to PUBLISH before
+ *     the server starts, so that the server finds the snapshot of the frame
+ * @param commands queue of commands for the next frame
+ * @param snapshots source of perceptions
  * @param loop makes the frames
- * @param control what else clients of the role control may do
- * @param cameras takes the pictures of bodies' cameras
+ * @param control further commands for clients of the role control
+ * @param cameras cameras of bodies
  */
 public record WorldPort(
         String world,

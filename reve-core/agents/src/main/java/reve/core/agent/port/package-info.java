@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/** What a running world gives to the server of its agents. The application implements it. */
+/** The interface of a running world for the agent server. The application implements it. */
 @NullMarked
 package reve.core.agent.port;
 

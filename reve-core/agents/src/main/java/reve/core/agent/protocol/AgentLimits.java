@@ -5,20 +5,20 @@ import reve.core.agent.session.Quota;
 import reve.core.agent.session.Resumes;
 
 /**
- * How much a server takes from its clients, and keeps for them. {@link #PROTOCOL} are those that
- * PROTOCOL.md promises; tests set smaller ones.
+ * Limits on clients' messages, and on the data that the server stores for clients. {@link
+ * #PROTOCOL} has the limits that PROTOCOL.md states; tests use smaller ones.
  *
- * @param maxConnections open connections, whether welcomed or not; and clients, whether connected
- *     or not
- * @param helloBytes most bytes before the hello is complete
- * @param lineBytes longest line from a client
- * @param messagesPerSecond most messages from one client, see {@link Quota}
- * @param actsInFlight most acts and other commands of one client that wait for their result
- * @param outboxMessages most messages of one agent that wait to be written
- * @param outboxBytes and most bytes of them
- * @param maxErrors refused messages after which a connection ends
- * @param kept most sessions without a token that wait for their client to come back
- * @param resumes most resumes of one session at once; then {@value Resumes#PER_SECOND} a second
+ * @param maxConnections maximum number of open connections, and of clients, connected or not
+ * @param helloBytes maximum size until the hello is complete
+ * @param lineBytes maximum length of a message from a client
+ * @param messagesPerSecond maximum rate of messages from one client, see {@link Quota}
+ * @param actsInFlight maximum number of commands of one client without a result yet
+ * @param outboxMessages maximum number of messages of one agent that wait to be written
+ * @param outboxBytes maximum size of these messages
+ * @param maxErrors number of refused messages after which a connection ends
+ * @param kept maximum number of sessions without a token that wait for a new connection
+ * @param resumes maximum burst of resumes of one session; then {@value Resumes#PER_SECOND} per
+ *     second
  */
 public record AgentLimits(
         int maxConnections,

@@ -7,19 +7,20 @@ import java.time.Duration;
 import java.util.Optional;
 
 /**
- * How long a server waits for its clients. {@link #PROTOCOL} are the times that PROTOCOL.md
- * promises; tests set shorter ones.
+ * Time limits of a server. {@link #PROTOCOL} has the times that PROTOCOL.md states; tests use
+ * shorter ones.
  *
- * @param hello longest wait for the hello
- * @param line longest time from a line's first byte to its last
- * @param idle silence after which a client is pinged, and after as much again cut off
- * @param flood time after which a client is cut that always sends more than is taken
- * @param write longest time that one write may take
- * @param grace longest time that the body of an agent whose connection broke may wait for it
- * @param deadline longest time that an agent in lock-step may have the world wait
- * @param waiting how long agents in lock-step may keep others waiting, beside a tenth of the time
- *     (see {@link Allowance}); without, there is no limit
- * @param linger how long a finished connection may take to go
+ * @param hello maximum time until the hello
+ * @param line maximum time from the first byte of a message to the last
+ * @param idle silence after which a client is sent a ping, and after the same time again is
+ *     disconnected
+ * @param flood time after which a client is disconnected that always exceeds its quota
+ * @param write maximum time of one write
+ * @param grace maximum time that the body of a disconnected agent waits for it
+ * @param deadline maximum time that the world waits for an agent in lock-step
+ * @param waiting time that agents in lock-step may delay others, in addition to a tenth of the time
+ *     (see {@link Allowance}); if empty, there is no limit
+ * @param linger maximum time for a finished connection to close
  */
 public record AgentTimeouts(
         Duration hello,

@@ -6,14 +6,14 @@ import java.nio.charset.StandardCharsets;
 import java.util.Arrays;
 
 /**
- * Bytes that are being written, in memory that grows and is used again. Large {@link Rope}s among
- * them are kept by reference. One thread.
+ * A reusable, growing byte buffer for encoding. It holds large {@link Rope}s by reference. For one
+ * thread.
  */
 public final class Bytes {
 
     private ByteBuffer bytes = ByteBuffer.allocate(64);
 
-    /** The ropes that were put, and how many bytes of {@link #bytes} come before each. */
+    /** The ropes held by reference, and the number of own bytes in {@link #bytes} before each. */
     private Rope[] strands = new Rope[8];
 
     private int[] bytesBefore = new int[8];
@@ -27,22 +27,22 @@ public final class Bytes {
         return this;
     }
 
-    /** Returns how many there are. */
+    /** Returns the number of bytes, including ropes. */
     public int size() {
         return bytes.position() + strandBytes;
     }
 
-    /** True if some of it is kept by reference. */
+    /** Returns whether the buffer holds ropes by reference. */
     public boolean hasStrands() {
         return strandCount > 0;
     }
 
-    /** Returns a copy of all. */
+    /** Returns a copy of all bytes. */
     public byte[] toArray() {
         return rope(0).flat();
     }
 
-    /** Returns what was written from a place on, to be kept. */
+    /** Returns an immutable copy from position {@code start} to the end. */
     public Rope rope(int start) {
         int first = firstStrand(start);
         int from = ownPlace(start, first);
@@ -57,7 +57,7 @@ public final class Bytes {
         return new Rope(own, Arrays.copyOfRange(strands, first, strandCount), before);
     }
 
-    /** What was written from a place on: valid until more is written. */
+    /** Returns the bytes from position {@code start}, valid until the next write. */
     public ByteBuffer view(int start) {
         return hasStrands()
                 ? ByteBuffer.wrap(rope(start).flat())
@@ -65,25 +65,26 @@ public final class Bytes {
     }
 
     /**
-     * Puts what was written from a place on into a buffer, as far as it has room. Without strands.
+     * Copies bytes from position {@code start} into a buffer until it is full. Requires that there
+     * are no ropes.
      */
     public void get(int start, ByteBuffer into) {
         into.put(bytes.array(), start, Math.min(into.remaining(), size() - start));
     }
 
-    /** Discards what was written from a place on. */
+    /** Removes the bytes from position {@code start}. */
     void truncate(int start) {
         int first = firstStrand(start);
         bytes.position(ownPlace(start, first));
         dropStrands(first);
     }
 
-    /** Writes over what is there, between strands. */
+    /** Overwrites 4 bytes that lie between ropes. */
     void setInt(int at, int number) {
         bytes.putInt(ownPlace(at, firstStrand(at)), number);
     }
 
-    /** Keeps a large rope by reference, and copies a small one. */
+    /** Appends a rope: a large one by reference, a small one as a copy. */
     public Bytes put(Rope rope) {
         if (rope.size() < Rope.LEAST_BYTES) {
             return put(rope.flat());
@@ -98,7 +99,7 @@ public final class Bytes {
         return this;
     }
 
-    /** Returns the first strand that begins at a place or behind it. */
+    /** Returns the index of the first rope at or after a position. */
     private int firstStrand(int place) {
         int first = strandCount;
         int start = strandBytes;
@@ -112,7 +113,7 @@ public final class Bytes {
         return first;
     }
 
-    /** Returns where a place is among the own bytes, if this strand is the first behind it. */
+    /** Converts a position into one among the own bytes, given the first rope after it. */
     private int ownPlace(int place, int firstStrand) {
         int before = strandBytes;
         for (int i = firstStrand; i < strandCount; i++) {
@@ -129,19 +130,19 @@ public final class Bytes {
         strandCount = first;
     }
 
-    /** Appends one. */
+    /** Appends one byte. */
     public Bytes put(int octet) {
         room(1).put((byte) octet);
         return this;
     }
 
-    /** Appends some, which are copied. */
+    /** Appends a copy of the bytes. */
     public Bytes put(byte[] octets) {
         room(octets.length).put(octets);
         return this;
     }
 
-    /** In UTF-8. */
+    /** Appends the text in UTF-8. */
     public Bytes put(String text) {
         int length = text.length();
         ByteBuffer room = room(length);
@@ -155,7 +156,7 @@ public final class Bytes {
         return this;
     }
 
-    /** In decimal digits. */
+    /** Appends the number in decimal digits. */
     public Bytes put(long number) {
         return put(Long.toString(number));
     }
@@ -165,7 +166,7 @@ public final class Bytes {
         return this;
     }
 
-    /** Appends 4 bytes, the highest first. */
+    /** Appends 4 bytes in big-endian order. */
     public Bytes putInt(int number) {
         room(Integer.BYTES).putInt(number);
         return this;

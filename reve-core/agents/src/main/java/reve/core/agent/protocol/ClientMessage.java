@@ -8,19 +8,19 @@ import java.util.Optional;
 import java.util.OptionalLong;
 import java.util.regex.Pattern;
 
-/** What a client says. {@code id} is {@link #NO_ID} where it gave none. */
+/** A message from a client. {@code id} is {@link #NO_ID} if the client gave none. */
 public sealed interface ClientMessage {
 
-    /** The protocol version that the server speaks. */
+    /** Version of the protocol. */
     int PROTOCOL = 1;
 
-    /** The id of a message that has none. */
+    /** Id of a message without id. */
     long NO_ID = -1;
 
     /** Returns the id that the client gave, or {@link #NO_ID}. */
     long id();
 
-    /** The message as the protocol names it. */
+    /** Returns the type of the message as in the protocol. */
     default String type() {
         return switch (this) {
             case Hello hello -> "hello";
@@ -47,14 +47,14 @@ public sealed interface ClientMessage {
     }
 
     /**
-     * @param role as written
-     * @param world that it wants to come to; needed only where there are several
-     * @param body the lent item it asks for
-     * @param encoding of all that follows, as written
-     * @param graceSeconds how long its body is to stay when the connection breaks
-     * @param lockStep empty for an agent that nobody waits for
-     * @param resume the session it goes on with
-     * @param token the secret that opens the server for it
+     * @param role as received
+     * @param world name of the world to join; needed only if the server has several
+     * @param body name of the requested item as a body
+     * @param encoding of all later messages, as received
+     * @param graceSeconds requested time that the body stays after the connection breaks
+     * @param lockStep empty unless the client runs in lock-step
+     * @param resume the session to resume
+     * @param token the client's secret
      */
     record Hello(
             long id,
@@ -72,12 +72,12 @@ public sealed interface ClientMessage {
 
         private static final Pattern NAME = Pattern.compile("[A-Za-z0-9][A-Za-z0-9_.-]{0,63}");
 
-        /** Returns whether a client may have that name. */
+        /** Returns whether the text is a valid client name. */
         public static boolean isName(String name) {
             return NAME.matcher(name).matches();
         }
 
-        /** Without its secrets. */
+        /** Omits secrets. */
         @Override
         public String toString() {
             return "hello of " + role + " " + name;
@@ -85,20 +85,20 @@ public sealed interface ClientMessage {
     }
 
     /**
-     * The world is to wait for the agent.
+     * Settings of an agent in lock-step: the world waits for the agent.
      *
-     * @param every frames between perceptions, after each of which the agent says that it is ready
-     * @param relations of the perceptions
-     * @param deadlineSeconds longest wait
-     * @param fallback what its body does when it is late
+     * @param every frames between perceptions; after each perception the agent sends ready
+     * @param relations whether perceptions contain relations
+     * @param deadlineSeconds maximum wait
+     * @param fallback the act of the agent's body if the agent is late
      */
     record LockStep(
             int every, boolean relations, double deadlineSeconds, Optional<Fallback> fallback) {}
 
     /**
-     * What an agent's body does when the agent is late.
+     * The act of an agent's body if the agent is late.
      *
-     * @param item whose action; empty for the body's own
+     * @param item the item with the action; empty for the body itself
      * @param arguments Double, List of Double, String or Boolean by parameter name
      */
     record Fallback(Optional<String> item, String action, Map<String, Object> arguments) {
@@ -109,33 +109,34 @@ public sealed interface ClientMessage {
     }
 
     /**
-     * @param session what the welcome of the broken connection gave
-     * @param frame the last one whose events have all come
+     * @param session token from the welcome of the broken connection
+     * @param frame the last frame of which the client received all events
      */
     record Resume(String session, long frame) {}
 
     /**
-     * @param every frames between perceptions; 0 for no more, {@link #ONCE} for one now
-     * @param relations whether symbols hold what is near, on, inside and touching, too
+     * @param every frames between perceptions; 0 ends the stream, {@link #ONCE} requests one
+     *     perception now
+     * @param relations whether symbols contain relations (near, on, inside, touching)
      */
     record Perceive(long id, int every, boolean relations) implements ClientMessage {
-        /** One perception, now. */
+        /** Requests one perception now. */
         public static final int ONCE = -1;
     }
 
     /**
-     * @param sensor one of its body's cameras
+     * @param sensor name of a camera of the agent's body
      */
     record Look(long id, String sensor) implements ClientMessage {}
 
     /**
-     * The agent has done what it does in this round.
+     * Ends the agent's round.
      *
-     * @param frame of the perception that it has seen
+     * @param frame of the perception that the agent has processed
      */
     record Ready(long id, OptionalLong frame) implements ClientMessage {}
 
-    /** Asks whether the server is there. */
+    /** Requests a pong. */
     record Ping(long id) implements ClientMessage {}
 
     /** Answers a ping of the server. */
@@ -144,12 +145,12 @@ public sealed interface ClientMessage {
     /** Ends the session. */
     record Bye(long id) implements ClientMessage {}
 
-    /** What has a result and is done at most once. */
+    /** A command that has a result and is executed at most once. */
     sealed interface Request extends ClientMessage {}
 
     /**
      * @param arguments Double, List of Double, String or Boolean by parameter name
-     * @param ready if it is all that the agent does in this round
+     * @param ready whether the act also ends the agent's round
      */
     record Act(
             long id,
@@ -159,16 +160,16 @@ public sealed interface ClientMessage {
             Optional<Ready> ready)
             implements Request {}
 
-    /** What only the role control may say. */
+    /** A command for the role control only. */
     sealed interface Control extends Request {}
 
-    /** Stops the world. */
+    /** Pauses the world. */
     record Pause(long id) implements Control {}
 
-    /** Lets the world go on. */
+    /** Resumes the world. */
     record Run(long id) implements Control {}
 
-    /** Lets the world make some frames. */
+    /** Advances a paused world by some frames. */
     record Step(long id, int frames) implements Control {}
 
     /**
@@ -184,16 +185,16 @@ public sealed interface ClientMessage {
      */
     record Edit(long id, String item, String property, Object value) implements Control {}
 
-    /** Has a picture of the world drawn. */
+    /** Requests a picture of the world. */
     record Picture(long id) implements Control {}
 
     /**
-     * @param image the name under which the world is kept as it is now
+     * @param image name for the saved state of the world
      */
     record Snapshot(long id, String image) implements Control {}
 
     /**
-     * @param image the name under which the world was kept; without, its beginning
+     * @param image name of a saved state; if empty, the state at the start of the world
      */
     record Rewind(long id, Optional<String> image) implements Control {}
 
@@ -203,7 +204,7 @@ public sealed interface ClientMessage {
     record Save(long id, String file) implements Control {}
 
     /**
-     * @param frames that a copy of the world is to make
+     * @param frames number of frames for which a copy of the world advances
      */
     record Fork(long id, int frames) implements Control {}
 

@@ -3,17 +3,20 @@ package reve.core.agent.protocol;
 
 import java.util.Optional;
 
-/** A connection ends, and why. Without a stack trace: a hostile client can cause many. */
+/**
+ * The reason for the end of a connection. Has no stack trace, because a hostile client can cause
+ * many.
+ */
 public final class CloseReason extends Exception {
 
     private static final long serialVersionUID = 1L;
 
-    /** The code that the protocol lists. */
+    /** Code as in the protocol. */
     private final String code;
 
     private final transient Optional<String> hint;
 
-    /** True if the client did something wrong. */
+    /** True if the client exceeded a limit. */
     private final boolean cut;
 
     private CloseReason(String code, String message, Optional<String> hint, boolean cut) {
@@ -23,18 +26,19 @@ public final class CloseReason extends Exception {
         this.cut = cut;
     }
 
-    /** Nobody did anything wrong. */
+    /** Returns a reason that is no fault of the client. */
     public static CloseReason regular(String code, String message) {
         return new CloseReason(code, message, Optional.empty(), false);
     }
 
-    /** The hello cannot be granted; the hint says what to change. */
+    /** Returns the refusal of a hello; the hint says what to change. */
     public static CloseReason refused(String code, String message, String hint) {
         return new CloseReason(code, message, Optional.of(hint), false);
     }
 
     /**
-     * The same whoever or whatever is called that: not every client may know which items there are.
+     * Returns the refusal of a name. The message does not say whether a client or an item has the
+     * name, because not every client may know the items.
      */
     public static CloseReason nameTaken(String name) {
         return refused(
@@ -43,19 +47,19 @@ public final class CloseReason extends Exception {
                 "say hello with another name");
     }
 
-    /** The client broke a limit. */
+    /** Returns a reason for a client that exceeded a limit. */
     public static CloseReason cut(String code, String message) {
         return new CloseReason(code, message, Optional.empty(), true);
     }
 
-    /** The server has all the clients that it takes. */
+    /** Returns the refusal of a server that has its maximum number of clients. */
     public static CloseReason serverFull(int mostClients) {
         return cut(
                 "too-many-connections",
                 "the server has " + mostClients + " clients, which is all it takes");
     }
 
-    /** The server may send nothing without a record. */
+    /** Returns the reason of a server that must not send without an audit record. */
     public static CloseReason notRecorded() {
         return refused(
                 "not-recorded",
@@ -68,12 +72,12 @@ public final class CloseReason extends Exception {
         return hint;
     }
 
-    /** Returns the code of the protocol. */
+    /** Returns the code as in the protocol. */
     public String code() {
         return code;
     }
 
-    /** Returns true if the client broke a limit. */
+    /** Returns whether the client exceeded a limit. */
     public boolean isCut() {
         return cut;
     }

@@ -5,7 +5,7 @@ import java.util.Arrays;
 import java.util.Optional;
 import java.util.function.Consumer;
 
-/** How messages are written: the same fields in either. */
+/** Encoding of messages; all encodings have the same fields. */
 public enum Encoding {
     /** One JSON object per line. */
     JSON("json") {
@@ -33,7 +33,7 @@ public enum Encoding {
             out.put("}\n");
         }
     },
-    /** A MessagePack map behind its length in 4 bytes, the highest first. */
+    /** A MessagePack map after its length in 4 bytes, big-endian. */
     MESSAGEPACK("msgpack") {
         @Override
         MessageWriter writer(Bytes out) {
@@ -65,7 +65,7 @@ public enum Encoding {
         }
     };
 
-    /** Length in front of a message in MessagePack [bytes]. */
+    /** Size of the length prefix of a MessagePack message [bytes]. */
     public static final int LENGTH_BYTES = 4;
 
     private final String wireName;
@@ -74,19 +74,19 @@ public enum Encoding {
         this.wireName = wireName;
     }
 
-    /** As the protocol writes it. */
+    /** Returns the name in the protocol. */
     public String wireName() {
         return wireName;
     }
 
-    /** Finds an encoding by the name that the protocol writes. */
+    /** Finds an encoding by its name in the protocol. */
     public static Optional<Encoding> of(String wireName) {
         return Arrays.stream(values())
                 .filter(encoding -> encoding.wireName.equals(wireName))
                 .findFirst();
     }
 
-    /** One value. */
+    /** Encodes one value. */
     public byte[] value(Consumer<MessageWriter> content) {
         var out = new Bytes();
         content.accept(writer(out));
@@ -95,16 +95,16 @@ public enum Encoding {
 
     abstract MessageWriter writer(Bytes out);
 
-    /** Writes fields that follow others in a message. */
+    /** Returns a writer of fields that follow other fields of a message. */
     public abstract MessageWriter fields(Bytes out);
 
     /**
-     * Begins a message as it goes over the wire.
+     * Begins a message.
      *
-     * @param fields how many come next, each a key and a value, before its {@link #end}
+     * @param fields number of fields, each a key and a value, before {@link #end}
      */
     public abstract MessageWriter begin(Bytes out, String type, long id, int fields);
 
-    /** Ends the message that begins at a place of the bytes. */
+    /** Ends the message that begins at position {@code start}. */
     public abstract void end(Bytes out, int start);
 }

@@ -6,8 +6,8 @@ import org.jspecify.annotations.Nullable;
 import java.util.function.Consumer;
 
 /**
- * A value that is encoded when first needed, for all messages that hold it. Threads that need it at
- * the same time encode the same bytes.
+ * A value that is encoded once, when it is first needed, for all messages that contain it. If
+ * several threads need it at the same time, each may encode it, with the same result.
  */
 public final class Fragment {
 
@@ -15,12 +15,14 @@ public final class Fragment {
     private volatile @Nullable Rope json;
     private volatile @Nullable Rope packed;
 
-    /** A value that the content writes. */
+    /**
+     * @param content writes the value
+     */
     public Fragment(Consumer<MessageWriter> content) {
         this.content = content;
     }
 
-    /** The caller does not change the bytes. */
+    /** Returns the encoded value; the caller must not change the bytes. */
     public byte[] in(Encoding encoding) {
         Rope known = known(encoding);
         return known != null
@@ -28,7 +30,11 @@ public final class Fragment {
                 : keep(encoding, new Rope(encoding.value(content))).flat();
     }
 
-    /** Writes the value where the writer is. @param out what the writer writes to */
+    /**
+     * Writes the value at the writer's position.
+     *
+     * @param out the buffer of the writer
+     */
     void write(MessageWriter writer, Bytes out) {
         Encoding encoding = writer.encoding();
         Rope known = known(encoding);

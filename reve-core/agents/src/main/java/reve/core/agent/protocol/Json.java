@@ -6,7 +6,7 @@ import tools.jackson.core.StreamReadFeature;
 import tools.jackson.core.json.JsonFactory;
 import tools.jackson.databind.json.JsonMapper;
 
-/** The one JSON set-up of the server: strict, bounded, and finite numbers only. */
+/** The JSON configuration of the server: strict, with limits, and finite numbers only. */
 public final class Json {
 
     static final int MAX_DEPTH = 32;

@@ -3,21 +3,21 @@ package reve.core.agent.protocol;
 
 import java.util.Base64;
 
-/** Writes JSON (RFC 8259) without a space. */
+/** Writer of JSON (RFC 8259) without spaces. */
 final class JsonWriter implements MessageWriter {
 
     private static final String HEX = "0123456789abcdef";
 
     private final Bytes out;
 
-    /** True behind a value: another one follows behind a comma. */
+    /** True after a value: the next value needs a comma first. */
     private boolean behindValue;
 
     JsonWriter(Bytes out) {
         this.out = out;
     }
 
-    /** One that goes on in an object behind a field. */
+    /** Returns a writer that continues an object after a field. */
     static JsonWriter behindField(Bytes out) {
         var writer = new JsonWriter(out);
         writer.behindValue = true;

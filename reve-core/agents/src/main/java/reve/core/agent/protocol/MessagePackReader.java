@@ -17,8 +17,8 @@ import java.math.BigInteger;
 import java.nio.ByteBuffer;
 
 /**
- * Reads MessagePack into the same tree as JSON, with the same limits: what JSON has no form for is
- * refused.
+ * Reader of MessagePack into the tree model of JSON, with the same limits. Refuses values that JSON
+ * cannot represent.
  */
 public final class MessagePackReader {
 
@@ -29,10 +29,10 @@ public final class MessagePackReader {
     private final int bytes;
     private final Binary binary;
 
-    /** What stands for bytes. */
+    /** Converts binary values into texts. */
     public interface Binary {
         /**
-         * @throws IllegalArgumentException if there are to be none
+         * @throws IllegalArgumentException if binary values are not allowed
          */
         String text(byte[] bytes);
     }
@@ -44,8 +44,7 @@ public final class MessagePackReader {
     }
 
     /**
-     * @throws IllegalArgumentException saying what is wrong, if the bytes are not one value and
-     *     nothing else
+     * @throws IllegalArgumentException with the reason if the bytes are not exactly one value
      */
     public static JsonNode read(ByteBuffer message) {
         return read(
@@ -56,7 +55,7 @@ public final class MessagePackReader {
                 });
     }
 
-    /** As {@link #read(ByteBuffer)}, with texts for bytes. */
+    /** Reads like {@link #read(ByteBuffer)}, and converts binary values into texts. */
     public static JsonNode read(ByteBuffer message, Binary binary) {
         var reader = new MessagePackReader(message, binary);
         try {
@@ -143,10 +142,7 @@ public final class MessagePackReader {
         return map;
     }
 
-    /**
-     * Every element takes a byte at least, so a length that cannot be true is found before anything
-     * is kept.
-     */
+    /** Checks a length before memory is allocated: each element needs at least one byte. */
     private int length(int claimed, int depth) {
         if (depth == 0) {
             throw new IllegalArgumentException("it is nested deeper than " + Json.MAX_DEPTH);

@@ -4,8 +4,8 @@ package reve.core.agent.protocol;
 import java.nio.charset.StandardCharsets;
 
 /**
- * Writes MessagePack (github.com/msgpack/msgpack, spec.md), each value in the shortest form of its
- * type.
+ * Writer of MessagePack (github.com/msgpack/msgpack, spec.md). Each value has the shortest form of
+ * its type.
  */
 record MessagePackWriter(Bytes out) implements MessageWriter {
 
@@ -16,7 +16,7 @@ record MessagePackWriter(Bytes out) implements MessageWriter {
 
     @Override
     public void endMap() {
-        // Its header says how long it is.
+        // The header contains the number of fields.
     }
 
     @Override
@@ -26,7 +26,7 @@ record MessagePackWriter(Bytes out) implements MessageWriter {
 
     @Override
     public void endList() {
-        // Its header says how long it is.
+        // The header contains the number of values.
     }
 
     @Override
@@ -98,7 +98,7 @@ record MessagePackWriter(Bytes out) implements MessageWriter {
         return Encoding.MESSAGEPACK;
     }
 
-    /** Up to 15 elements stand in the type itself, more in 2 or in 4 bytes behind it. */
+    /** Writes a header: up to 15 elements in the type byte, more in 2 or 4 further bytes. */
     private void begin(int elements, int fix, int of16) {
         if (elements < 16) {
             out.put(fix | elements);

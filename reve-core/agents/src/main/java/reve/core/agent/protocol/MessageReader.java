@@ -18,7 +18,7 @@ import java.util.Optional;
 import java.util.OptionalLong;
 import java.util.Set;
 
-/** Reads what a client says. Any thread. */
+/** Parser of clients' messages. Any thread. */
 public final class MessageReader {
 
     static final int MAX_EVERY = 1_000_000;
@@ -35,8 +35,8 @@ public final class MessageReader {
     private MessageReader() {}
 
     /**
-     * @param bytes in an array
-     * @throws BadMessage saying what is wrong, with the id of the message where it has a good one
+     * @param bytes backed by an array
+     * @throws BadMessage with the reason, and with the id of the message if it is valid
      */
     public static ClientMessage read(ByteBuffer bytes, Encoding encoding) throws BadMessage {
         JsonNode message = encoding == Encoding.JSON ? parse(decode(bytes)) : unpack(bytes);
@@ -85,7 +85,7 @@ public final class MessageReader {
         }
     }
 
-    /** Refuses what JSON's grammar allows but no text or number can hold. */
+    /** Refuses values that the JSON grammar allows but no text or number can represent. */
     private static void requireSound(JsonNode node) throws BadMessage {
         if (node.isString()) {
             requireSound(node.stringValue());
@@ -204,7 +204,7 @@ public final class MessageReader {
         };
     }
 
-    /** The fields of one message; a field that is null counts as absent. */
+    /** The fields of one message; a null field counts as absent. */
     private static final class Fields {
 
         private final JsonNode message;
@@ -219,7 +219,7 @@ public final class MessageReader {
             return find(name) != null;
         }
 
-        /** The id of a message that must have one. */
+        /** Returns the id of a message that requires one. */
         long required() throws BadMessage {
             return integer("id", 0, MAX_ID);
         }
@@ -372,7 +372,7 @@ public final class MessageReader {
             return name;
         }
 
-        /** False if it is absent. */
+        /** Returns false if the field is absent. */
         boolean isTrue(String name) throws BadMessage {
             return has(name) && truth(name);
         }

@@ -4,22 +4,22 @@ package reve.core.agent.protocol;
 import java.util.List;
 import java.util.Map;
 
-/** Writes the values of one message, in one {@link Encoding}. One thread. */
+/** Writer of the values of one message in one {@link Encoding}. For one thread. */
 public interface MessageWriter {
 
-    /** Begins an object of that many fields. */
+    /** Begins an object with that number of fields. */
     void beginMap(int fields);
 
     /** Ends an object. */
     void endMap();
 
-    /** Begins a list of that many values. */
+    /** Begins a list with that number of values. */
     void beginList(int values);
 
     /** Ends a list. */
     void endList();
 
-    /** The name of the field whose value comes next. */
+    /** Writes the name of the next field. */
     void key(String name);
 
     /** Writes a text. */
@@ -36,16 +36,16 @@ public interface MessageWriter {
      */
     void number(double number);
 
-    /** A value that many messages hold. */
+    /** Writes a value that several messages share. */
     void fragment(Fragment fragment);
 
-    /** Returns how values are written. */
+    /** Returns the encoding. */
     Encoding encoding();
 
-    /** In JSON a text, in base64 (RFC 4648). */
+    /** Writes bytes; in JSON, a base64 text (RFC 4648). */
     void bytes(byte[] bytes);
 
-    /** {@code count} numbers from {@code first} on. */
+    /** Writes a list of {@code count} numbers, starting with index {@code first}. */
     default void numbers(double[] numbers, int first, int count) {
         beginList(count);
         for (int i = first; i < first + count; i++) {
@@ -55,8 +55,8 @@ public interface MessageWriter {
     }
 
     /**
-     * String, Boolean, Number, byte[], or a List or a Map by text of such. What is not finite is
-     * written as text.
+     * Writes a String, Boolean, Number, byte[], or a List or Map by text of these. Numbers that are
+     * not finite are written as text.
      */
     default void value(Object value) {
         switch (value) {

@@ -5,21 +5,21 @@ import java.util.Arrays;
 import java.util.Locale;
 import java.util.Optional;
 
-/** What a client is to the world. */
+/** The role of a client. */
 public enum Role {
     /** Perceives and acts through a body. */
     AGENT,
-    /** Runs the world: pauses it, changes its laws, edits it. Perceives everything. */
+    /** Operates the world: pauses it, changes its laws, edits it. Perceives everything. */
     CONTROL,
-    /** Perceives everything and does nothing. */
+    /** Perceives everything and cannot act. */
     OBSERVER;
 
-    /** As the protocol writes it. */
+    /** Returns the name in the protocol. */
     public String wireName() {
         return name().toLowerCase(Locale.ROOT);
     }
 
-    /** Finds a role by the name that the protocol writes. */
+    /** Finds a role by its name in the protocol. */
     public static Optional<Role> of(String wireName) {
         return Arrays.stream(values()).filter(role -> role.wireName().equals(wireName)).findFirst();
     }

@@ -7,15 +7,15 @@ import java.nio.ByteBuffer;
 import java.util.Arrays;
 
 /**
- * Encoded bytes: some of its own and, between them, other ropes, which many ropes may hold. So what
- * many clients are sent is in memory once. Immutable, but for the count of its holders.
+ * Encoded bytes: own bytes and references to other ropes, which several ropes may share. Data for
+ * many clients is thus in memory once. Immutable except for the number of holders.
  */
 public final class Rope {
 
-    /** A rope of fewer bytes is copied into those that hold it [bytes]. */
+    /** Minimum size of a rope that is held by reference [bytes]; smaller ropes are copied. */
     static final int LEAST_BYTES = 512;
 
-    /** Memory of a strand within a rope, with its places [bytes]. */
+    /** Memory of a reference to a strand, with its positions [bytes]. */
     private static final int STRAND_BYTES = 12;
 
     private static final int[] NO_PLACES = {};
@@ -24,7 +24,7 @@ public final class Rope {
     private final byte[] own;
     private final Rope[] strands;
 
-    /** Where each strand begins in the rope, and behind how many own bytes. */
+    /** Start of each strand in the rope, and number of own bytes before it. */
     private final int[] starts;
 
     private final int[] ownBefore;
@@ -33,15 +33,15 @@ public final class Rope {
     /** Guarded by the {@link SlowReaders}. */
     private int holders;
 
-    /** A rope of bytes that nobody changes any more. */
+    /** Takes ownership of the bytes, which must not change any more. */
     public Rope(byte[] own) {
         this(own, NO_STRANDS, NO_PLACES);
     }
 
     /**
-     * Owns all three arrays.
+     * Takes ownership of all three arrays.
      *
-     * @param ownBefore how many own bytes come before each strand, in ascending order
+     * @param ownBefore number of own bytes before each strand, in ascending order
      */
     public Rope(byte[] own, Rope[] strands, int[] ownBefore) {
         this.own = own;
@@ -56,12 +56,12 @@ public final class Rope {
         this.size = Math.addExact(own.length, before);
     }
 
-    /** Returns how many bytes there are, with those of other ropes. */
+    /** Returns the number of bytes, including strands. */
     public int size() {
         return size;
     }
 
-    /** Returns all bytes in one array, which the caller does not change. */
+    /** Returns all bytes in one array, which the caller must not change. */
     byte[] flat() {
         if (strands.length == 0) {
             return own;
@@ -71,7 +71,7 @@ public final class Rope {
         return flat.array();
     }
 
-    /** Puts the bytes from an offset on into a buffer, as far as it has room. */
+    /** Copies bytes from {@code offset} into a buffer until it is full. */
     public void get(int offset, ByteBuffer into) {
         int found = Arrays.binarySearch(starts, offset);
         int next = found >= 0 ? found : -found - 1;
@@ -98,9 +98,9 @@ public final class Rope {
     }
 
     /**
-     * One more holder keeps the rope in memory.
+     * Adds a holder that keeps the rope in memory.
      *
-     * @return the memory that is held now and was not before [bytes]
+     * @return additional memory that is now held [bytes]
      */
     public long hold() {
         if (holders++ > 0) {
@@ -114,9 +114,9 @@ public final class Rope {
     }
 
     /**
-     * One holder fewer.
+     * Removes a holder.
      *
-     * @return the memory that is not held any more [bytes]
+     * @return memory that is no longer held [bytes]
      */
     public long release() {
         if (--holders > 0) {

@@ -9,17 +9,17 @@ import java.util.Optional;
 import java.util.OptionalLong;
 
 /**
- * What the server says, but for perceptions. {@code id} is {@link ClientMessage#NO_ID} where it
- * answers none.
+ * A message from the server, except perceptions. {@code id} is {@link ClientMessage#NO_ID} if it
+ * answers no message.
  */
 public sealed interface ServerMessage {
 
-    /** The id of the message that this answers. */
+    /** Returns the id of the answered message. */
     default long id() {
         return ClientMessage.NO_ID;
     }
 
-    /** Limits that the welcome names. */
+    /** Limits in the welcome. */
     record Limits(
             int lineBytes,
             int messagesPerSecond,
@@ -32,16 +32,17 @@ public sealed interface ServerMessage {
             int worldEventBytes) {}
 
     /**
-     * With it, another connection goes on with the session within that time after the first broke.
+     * A token with which another connection can resume the session within the given time after the
+     * connection breaks.
      */
     record Ticket(String token, double graceSeconds) {}
 
-    /** How the world waits for an agent in lock-step: after every Nth frame, that long at most. */
+    /** Lock-step settings: the world waits after every Nth frame, at most for the deadline. */
     record Rhythm(int every, double deadlineSeconds) {}
 
     /**
-     * @param body of a client of the role agent
-     * @param lockStep empty for whom nobody waits for
+     * @param body name of the body of a client with the role agent
+     * @param lockStep empty unless the client runs in lock-step
      */
     record Welcome(
             long id,
@@ -62,10 +63,10 @@ public sealed interface ServerMessage {
     /** A command took effect in a frame. */
     record Accepted(long id, long frame) implements ServerMessage {}
 
-    /** A command was refused, and why. */
+    /** A command was refused. */
     record Refused(long id, String code, String reason) implements ServerMessage {}
 
-    /** What one of the agent's cameras saw. */
+    /** A picture from one of the agent's cameras. */
     record Image(long id, String sensor, Cameras.Photo photo) implements ServerMessage {}
 
     /**
@@ -74,9 +75,9 @@ public sealed interface ServerMessage {
     record Event(long frame, String type, Map<String, Object> fields) implements ServerMessage {
 
         /**
-         * The client was not sent any event of these frames.
+         * Returns the event that reports the dropped events of these frames.
          *
-         * @param events how many there were; empty if that is not known
+         * @param events number of dropped events; empty if unknown
          */
         public static Event missed(OptionalLong events, long first, long last) {
             var fields = new LinkedHashMap<String, Object>();
@@ -87,19 +88,19 @@ public sealed interface ServerMessage {
         }
     }
 
-    /** A message was refused, and why. */
+    /** A message was refused. */
     record Error(long id, String code, String message, String hint) implements ServerMessage {}
 
-    /** Asks whether the client is there. */
+    /** Requests a pong. */
     record Ping() implements ServerMessage {}
 
     /** Answers a ping of the client. */
     record Pong(long id) implements ServerMessage {}
 
-    /** The connection ends, and why. */
+    /** The connection ends. */
     record Bye(String code, String message, Optional<String> hint) implements ServerMessage {}
 
-    /** The message as it goes over the wire. */
+    /** Returns the encoded message. */
     default byte[] in(Encoding encoding) {
         var out = new Bytes();
         Map<String, Object> fields = fields();
@@ -113,7 +114,7 @@ public sealed interface ServerMessage {
         return out.toArray();
     }
 
-    /** What it says beside its type and id. */
+    /** Returns the fields except type and id. */
     private Map<String, Object> fields() {
         var fields = new LinkedHashMap<String, Object>();
         switch (this) {

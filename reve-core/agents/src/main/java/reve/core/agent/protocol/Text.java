@@ -7,7 +7,7 @@ import java.nio.ByteBuffer;
 import java.nio.charset.CharacterCodingException;
 import java.nio.charset.StandardCharsets;
 
-/** Makes foreign text safe to show in messages and logs. */
+/** Makes text from clients safe to show in messages and logs. */
 public final class Text {
 
     private static final int SHOWN = 64;
@@ -17,18 +17,21 @@ public final class Text {
     private Text() {}
 
     /**
-     * @throws CharacterCodingException if the bytes are no UTF-8
+     * @throws CharacterCodingException if the bytes are not valid UTF-8
      */
     static String decode(byte[] utf8, int start, int length) throws CharacterCodingException {
         String text = new String(utf8, start, length, StandardCharsets.UTF_8);
-        // somebody wrote it, or it stands for what is no UTF-8
+        // either the sender wrote this character, or the decoder replaced invalid UTF-8
         if (text.indexOf(REPLACEMENT) >= 0) {
             StandardCharsets.UTF_8.newDecoder().decode(ByteBuffer.wrap(utf8, start, length));
         }
         return text;
     }
 
-    /** In quotes, at most 64 characters of it, everything that is not plainly visible escaped. */
+    /**
+     * Returns at most 64 characters of the text in quotes; escapes all characters that are not
+     * plainly visible.
+     */
     public static String quote(String text) {
         var out = new StringBuilder(text.length() + 2).append('"');
         text.codePoints()
@@ -44,8 +47,8 @@ public final class Text {
     }
 
     /**
-     * At most 64 characters of what is no text of its own, such as a number or a list; escaped in
-     * the same way.
+     * Returns at most 64 characters of a value that is not a text, such as a number or a list, with
+     * the same escapes.
      */
     static String show(String value) {
         var out = new StringBuilder(value.length());

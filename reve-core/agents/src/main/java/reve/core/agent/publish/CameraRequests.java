@@ -16,8 +16,8 @@ import java.util.OptionalLong;
 import java.util.function.Consumer;
 
 /**
- * The pictures that one client asks its body's cameras for: one at a time, each at its camera's
- * pace. The event loop's thread.
+ * The requests of one client for pictures from its body's cameras: one at a time, at the interval
+ * of the camera. The event loop's thread.
  */
 public final class CameraRequests {
 
@@ -28,12 +28,12 @@ public final class CameraRequests {
     private final Consumer<ServerMessage> told;
     private final Map<String, Long> lastFrames = new HashMap<>();
 
-    /** The question whose answer is on its way. */
+    /** Id of the request that is being processed. */
     private OptionalLong pending = OptionalLong.empty();
 
     /**
-     * @param client for the log
-     * @param told is given the answers
+     * @param client name for the log
+     * @param told receives the answers
      */
     public CameraRequests(
             Cameras cameras,
@@ -49,11 +49,11 @@ public final class CameraRequests {
     }
 
     /**
-     * @throws BadMessage if another picture is on its way, or it is too early
+     * @throws BadMessage if another picture is pending, or the camera's interval has not passed
      */
     public void take(ClientMessage.Look look, ItemId body, Sensor camera) throws BadMessage {
         if (pending.equals(OptionalLong.of(look.id()))) {
-            return; // asked again over another connection: the answer is on its way
+            return; // repeated over a new connection; the answer is pending
         }
         if (pending.isPresent()) {
             throw new BadMessage(
@@ -93,7 +93,10 @@ public final class CameraRequests {
                 });
     }
 
-    /** A camera shows the frame that it showed last, or one that is so many frames later. */
+    /**
+     * Requires that the camera's interval has passed since its last picture, or that the frame is
+     * the same.
+     */
     private void requireTurn(ClientMessage.Look look, Sensor camera, long frame) throws BadMessage {
         long last = lastFrames.getOrDefault(camera.name(), Long.MIN_VALUE / 2);
         long next = last + camera.every();
@@ -115,7 +118,7 @@ public final class CameraRequests {
             requireTurn(look, camera, photo.frame());
             lastFrames.put(camera.name(), photo.frame());
             tell(new ServerMessage.Image(look.id(), camera.name(), photo));
-        } catch (BadMessage tooEarly) { // frames were made while it was drawn
+        } catch (BadMessage tooEarly) { // frames were made while the picture was drawn
             tell(tooEarly.error());
         }
     }

@@ -25,29 +25,29 @@ import java.util.Set;
 import java.util.stream.LongStream;
 
 /**
- * Who may hear of an event, so that it costs what is perceived of it and not as much as there are
- * agents: whoever was shown one of its items, or has a sensor that may reach one now. It finds too
- * many rather than too few: what an agent hears, its {@link Senses} decide. The event loop's
- * thread.
+ * Preselection of the clients for an event, so that the cost depends on the perceptions of its
+ * items and not on the number of agents. It selects clients that were sent one of the items or have
+ * a sensor that may reach one now. The selection may be too large; {@link Senses} decides. The
+ * event loop's thread.
  */
 final class EventRouting {
 
     private static final int AXES = 3;
 
-    // What agents with sensors were shown.
+    // Items that were sent to agents with sensors.
     private final Map<Perceiver, Showing> showings = new IdentityHashMap<>();
 
-    /** Brought up to date when there are events. */
+    /** Updated when there are events. */
     private final Map<ItemId, Set<Perceiver>> viewers = new HashMap<>();
 
-    // Where they are in this frame.
+    // Places of agents with sensors in this frame.
     private final List<Perceiver> withSensors = new ArrayList<>();
     private final List<Perceiver> withoutSensors = new ArrayList<>();
     private final List<Perceiver> reachingAll = new ArrayList<>();
     private final List<Perceiver> within = new ArrayList<>();
     private boolean hasLockStep;
 
-    /** What sensors may reach, by the place of who has them in the list above. */
+    /** Boxes of sensors' reaches, by index in the list above. */
     private final BoxIndex reaches = new BoxIndex();
 
     private double[] lows = {};
@@ -58,16 +58,16 @@ final class EventRouting {
     private static final class Showing {
         private List<PerceivedItem> newest = List.of();
 
-        /** Those of whose items the member counts as a viewer. */
+        /** Items for which the member is registered as a viewer. */
         private List<PerceivedItem> counted = List.of();
     }
 
-    /** A member is shown what its sensors sense. */
+    /** Records the view that a member was sent. */
     void shows(Perceiver member, View view) {
         showings.computeIfAbsent(member, unknown -> new Showing()).newest = view.items();
     }
 
-    /** A member has left. */
+    /** Removes a member that has left. */
     void forget(Perceiver member) {
         Showing showing = showings.remove(member);
         if (showing != null) {
@@ -85,7 +85,7 @@ final class EventRouting {
                 });
     }
 
-    /** Two lists in the order of ids, merged. */
+    /** Updates the viewers by merging two lists that are ordered by id. */
     private void update(Perceiver member, List<PerceivedItem> before, List<PerceivedItem> now) {
         int old = 0;
         for (PerceivedItem seen : now) {
@@ -115,7 +115,7 @@ final class EventRouting {
                 });
     }
 
-    /** Takes the members as they are in the frame that the observatory has read. */
+    /** Loads the members' places in the observatory's frame. */
     void locate(Collection<Perceiver> members, Observatory world) {
         countViewers();
         withSensors.clear();
@@ -151,17 +151,17 @@ final class EventRouting {
         }
     }
 
-    /** Whether any member is in lock-step. */
+    /** Returns whether any member is in lock-step. */
     boolean hasLockStep() {
         return hasLockStep;
     }
 
-    /** Those who hear of all that happens. */
+    /** Returns the members without sensors, which receive all events. */
     List<Perceiver> withoutSensors() {
         return withoutSensors;
     }
 
-    /** Those with sensors who may hear of an event. */
+    /** Returns the members with sensors that may receive an event. */
     Collection<Perceiver> of(EventSubjects subjects, Observatory world) {
         if (subjects.items().isEmpty()) {
             return withSensors;
@@ -169,7 +169,7 @@ final class EventRouting {
         var mayHear = new HashSet<>(reachingAll);
         for (Mention mention : subjects.items()) {
             if (mention.id().isEmpty()) {
-                return withSensors; // only its name is left to know it by
+                return withSensors; // the item no longer exists, so only its name is known
             }
             ItemId item = mention.id().get();
             mayHear.addAll(viewers.getOrDefault(item, Set.of()));

@@ -14,42 +14,42 @@ import reve.core.world.WorldEvent;
 import java.util.BitSet;
 import java.util.Optional;
 
-/** A client as its world's publisher sees it. The event loop's thread. */
+/** A client of its world's publisher. The event loop's thread. */
 public interface Perceiver extends PerceptionShares.Client, RelatedViews.Client {
 
     /** Returns the name that the client declared. */
     String name();
 
-    /** Returns the name of its body; empty if it has none. */
+    /** Returns the name of the client's body; empty if it has none. */
     Optional<String> body();
 
-    /** Returns how messages to it are written. */
+    /** Returns the encoding of messages to the client. */
     Encoding encoding();
 
-    /** Returns what it has asked to perceive over its newest connection. */
+    /** Returns the client's requests over its newest connection. */
     PerceptionRequests perceptions();
 
-    /** Returns true if it perceives only what the sensors of its body sense. */
+    /** Returns whether the client perceives only through sensors of its body. */
     boolean hasSensors();
 
-    /** Gives it a body, another one than before perhaps, or ends it if there is none for it. */
+    /** Assigns a body, possibly another one than before, or ends the session if it gets none. */
     void embodied(Outcome outcome);
 
-    /** Returns what it perceives of the newest frame. */
+    /** Returns the client's view of the newest frame. */
     View look(Observatory world);
 
     /**
-     * Returns which fields of an event it is sent, by their place; empty if it is not sent the
-     * event.
+     * Returns the indices of the event's fields that are sent to the client; empty if the event is
+     * not sent.
      */
     Optional<BitSet> hear(WorldEvent event, EventSubjects subjects, Observatory world);
 
-    /** Writes the box that its sensors reach, see {@link Observatory#reach}. */
+    /** Computes the box of its sensors' reach, see {@link Observatory#reach}. */
     boolean reach(Observatory world, double[] lows, double[] highs, int at);
 
-    /** Sends it an event. */
+    /** Sends an event to the client. */
     void tell(HeardEvent.Told event);
 
-    /** Notes that it is not sent so many events, at most, of these frames. */
+    /** Records that at most {@code events} events of these frames were not sent. */
     void miss(long events, long first, long last);
 }

@@ -12,7 +12,10 @@ import reve.core.agent.protocol.ClientMessage;
 import java.util.Optional;
 import java.util.concurrent.atomic.LongAdder;
 
-/** What one agent has asked to perceive. Asked by its reader, served by the publisher. */
+/**
+ * The perceptions that one agent has requested. The thread that reads its messages adds requests;
+ * the publisher serves them.
+ */
 public final class PerceptionRequests {
 
     private final Outbox outbox;
@@ -30,7 +33,7 @@ public final class PerceptionRequests {
     private long notBefore;
 
     /**
-     * @param served counts the perceptions handed over
+     * @param served counts the perceptions that were queued
      */
     public PerceptionRequests(Outbox outbox, LongAdder served) {
         this.outbox = outbox;
@@ -38,7 +41,7 @@ public final class PerceptionRequests {
     }
 
     /**
-     * An agent in lock-step perceives the first frame of each of its rounds, until it asks for
+     * Makes an agent in lock-step perceive the first frame of each of its rounds, until it requests
      * something else.
      */
     public synchronized void follow(Turn followed, long answerTo) {
@@ -48,8 +51,8 @@ public final class PerceptionRequests {
     }
 
     /**
-     * @param published the last frame published: what is asked for comes later
-     * @throws BadMessage if one perception is asked for while another is on its way
+     * @param published the last published frame; requests are served with later ones
+     * @throws BadMessage if the client requests a single perception while another one is pending
      */
     public synchronized void ask(ClientMessage.Perceive perceive, long published)
             throws BadMessage {
@@ -75,37 +78,37 @@ public final class PerceptionRequests {
         onceRelations = perceive.relations();
     }
 
-    /** The world has become another one with that frame: the stream of perceptions begins anew. */
+    /** Begins a new stream of perceptions, because the world was rewound in that frame. */
     synchronized void restart(long frame) {
         everyFrom = frame;
         outbox.restart();
     }
 
-    /** Perceptions must not be older than a result that the agent has got. */
+    /** Requires that perceptions are not older than a result that was sent to the agent. */
     public synchronized void notBefore(long frame) {
         notBefore = Math.max(notBefore, frame);
     }
 
-    /** Returns true if the client is to perceive a frame. */
+    /** Returns whether the client perceives a frame. */
     public synchronized boolean isDue(long frame) {
         return frame >= notBefore && (isOnceDue(frame) || isEveryDue(frame));
     }
 
-    /** What the agent perceives of a frame. */
+    /** The agent's perceptions of a frame. */
     interface Views {
         /**
-         * @return empty if it is not worked out yet; perhaps of an earlier frame
+         * @return empty if it is not computed yet; it may be of an earlier frame
          */
         Optional<View> of(boolean relations);
     }
 
-    /** Whether what is due in a frame has relations. */
+    /** Returns whether the perception that is due in a frame has relations. */
     public synchronized boolean wantsRelations(long frame) {
         return frame >= notBefore
                 && (onceRelations && isOnceDue(frame) || everyRelations && isEveryDue(frame));
     }
 
-    /** Hands over what is due in a frame; false if something is not worked out yet. */
+    /** Queues the perceptions that are due in a frame; returns false if one is not computed yet. */
     synchronized boolean serve(long frame, Views views) {
         boolean all = true;
         if (frame >= notBefore && isOnceDue(frame)) {

@@ -31,23 +31,29 @@ import java.util.concurrent.atomic.AtomicInteger;
 import java.util.concurrent.atomic.AtomicReference;
 
 /**
- * Tells agents what the frames brought: results, events, perceptions. The world's thread only
- * leaves word here, without a lock; the event loop does the work for all agents.
+ * Sends the results, events and perceptions of frames to agents. The world's thread only records
+ * data here, without a lock; the event loop does the work for all agents.
  */
 public final class Publisher {
 
-    /** Frames with events that may wait to be told; at 60 frames a second a quarter of a minute. */
+    /** Maximum number of frames with unsent events; 17 s at 60 frames per second. */
     private static final int MAX_EVENT_FRAMES = 1024;
 
-    /** In so much time clients in real time are told of acts; those beyond they miss. */
+    /**
+     * Time per frame for sending events of acts to clients in real time [ns]; further ones are
+     * dropped.
+     */
     private static final long ACTS_NANOS = 5_000_000;
 
     private static final String ACTED = "acted";
 
-    /** What agents in lock-step cause by doing nothing. */
+    /** Events that agents in lock-step cause by inactivity. */
     private static final Set<String> ABSENCES = Set.of("late", "away", "back");
 
-    /** Most events of {@link #ABSENCES} in one frame that a client is sent about other agents. */
+    /**
+     * Maximum number of {@link #ABSENCES} events about other agents in one frame that a client is
+     * sent.
+     */
     public static final int MAX_ABSENCES = 8;
 
     private final WorldPort port;
@@ -66,7 +72,7 @@ public final class Publisher {
     private final EventRouting routing = new EventRouting();
     private final Runnable wake;
 
-    /** Somebody waits for time to perceive the frame that was served. */
+    /** True if sessions still wait for their perception of the frame that was served. */
     private boolean owesPerceptions;
 
     private volatile long published;
@@ -77,8 +83,8 @@ public final class Publisher {
     private record Happened(long frame, List<WorldEvent> events) {}
 
     /**
-     * @param afterFrame what else is to be done when a frame has passed, on the event loop
-     * @param wake lets the event loop know that there is something to tell
+     * @param afterFrame run on the event loop after each frame
+     * @param wake wakes the event loop
      */
     public Publisher(WorldPort port, RateLimitedLog log, Runnable afterFrame, Runnable wake) {
         this.port = port;
@@ -87,7 +93,7 @@ public final class Publisher {
         this.wake = wake;
     }
 
-    // ---- world's thread ----
+    // Methods for the world's thread.
 
     /** Listens to PUBLISH. */
     public void onFrame(FrameEvent event) {
@@ -104,9 +110,9 @@ public final class Publisher {
         bring();
     }
 
-    // ---- any thread ----
+    // Methods for any thread.
 
-    /** Has something told to a client on the event loop, before the next perception. */
+    /** Runs a report on the event loop, before the next perceptions. */
     public void later(Runnable report) {
         reports.add(report);
         bring();
@@ -117,44 +123,46 @@ public final class Publisher {
         wake.run();
     }
 
-    /** True if there is something to tell, or somebody waits to perceive; event loop's thread. */
+    /**
+     * Returns whether there is data to send, or sessions wait for perceptions; event loop's thread.
+     */
     public boolean hasWork() {
         return news || owesPerceptions;
     }
 
-    /** The session is told nothing any more. */
+    /** Removes a session, to which nothing more is sent. */
     public void dismiss(Perceiver session) {
         leavers.add(session);
     }
 
-    /** As {@link #later}, in ACT: with the frame that is being made. */
+    /** Runs a report with the frame that is being made; called in ACT. */
     public void withFrame(Runnable report) {
         reports.add(report);
     }
 
-    /** The last frame that was published. */
+    /** Returns the last published frame. */
     public long published() {
         return published;
     }
 
-    // ---- the event loop's thread ----
+    // Methods for the event loop's thread.
 
-    /** Writes what agents perceive. */
+    /** Returns the encoder of perceptions. */
     public PerceptionEncoder encoder() {
         return encoder;
     }
 
-    /** Who perceives how much. */
+    /** Returns the accounts of sessions' perceptions. */
     public PerceptionShares<Perceiver> shares() {
         return shares;
     }
 
-    /** From now on the session is told what happens. */
+    /** Adds a session, which receives events from now on. */
     public void admit(Perceiver session) {
         members.put(session.name(), session);
     }
 
-    /** The world has gone back: bodies may be others, and everybody who perceives begins anew. */
+    /** Handles a rewind: bodies may have changed, and all streams of perceptions begin again. */
     public void tellRewound(Rewound rewound) {
         for (Perceiver member : members.values()) {
             Optional.ofNullable(rewound.bodies().get(member.name())).ifPresent(member::embodied);
@@ -162,22 +170,22 @@ public final class Publisher {
         }
     }
 
-    /** Tells what there is. */
+    /** Sends all available data. */
     public void tell() {
         news = false;
         try {
             publish();
-        } catch (Throwable e) { // nobody else would tell agents anything, or know why
+        } catch (Throwable e) { // otherwise no agent would receive data any more, without a report
             log.error("telling agents about frame " + published + " failed", e);
         }
     }
 
     private void publish() {
         dropWhoHasLeft();
-        // First the snapshot, then events, then commands: so that whoever perceives a frame has
-        // been told before what happened in it, and whoever joined in a frame is there to hear its
-        // events. Events wait for the snapshot of their frame, which says who perceives what they
-        // are about.
+        // The order is snapshot, events, commands: a client receives the events of a frame before
+        // its perception of that frame, and a client that joins in a frame receives the events of
+        // that frame. Events wait for the snapshot of their frame, which decides who perceives
+        // their items.
         Optional<WorldSnapshot> snapshot = unservedSnapshot();
         try {
             for (Runnable report = reports.poll(); report != null; report = reports.poll()) {
@@ -190,7 +198,7 @@ public final class Publisher {
                             && snapshot.filter(frame -> frame.frame() == served).isPresent();
             owesPerceptions = false;
             if (wanted && !isRead && !observatory.read(snapshot.get())) {
-                return; // overwritten while we read: the next frame is here already
+                return; // overwritten while it was read: the next frame is available already
             }
             served = snapshot.map(WorldSnapshot::frame).orElse(served);
             tellEvents();
@@ -205,7 +213,7 @@ public final class Publisher {
 
     private void dropWhoHasLeft() {
         for (Perceiver gone = leavers.poll(); gone != null; gone = leavers.poll()) {
-            members.remove(gone.name(), gone); // not who has come under that name since
+            members.remove(gone.name(), gone); // keeps a newer client of the same name
             routing.forget(gone);
         }
     }
@@ -216,14 +224,15 @@ public final class Publisher {
         }
         Optional<WorldSnapshot> latest = port.snapshots().acquireLatest();
         if (latest.isPresent() && latest.get().frame() > published) {
-            latest.get().close(); // its events are not here yet; we are woken when they are
+            latest.get().close(); // its events are not available yet; the loop is woken when they are
             return Optional.empty();
         }
         return latest;
     }
 
     /**
-     * All events of the frames up to the one that is served: they were here before its snapshot.
+     * Sends all events of frames up to the one that is served; they were recorded before its
+     * snapshot.
      */
     private void tellEvents() {
         int lost = lostEventFrames.getAndSet(0);
@@ -271,7 +280,7 @@ public final class Publisher {
         }
     }
 
-    /** Events that clients miss, and the frames that they are of. */
+    /** Number and frames of the events that clients miss. */
     private static final class Gap {
         private long count;
         private long first = Long.MAX_VALUE;
@@ -292,7 +301,7 @@ public final class Publisher {
         }
     }
 
-    /** Whether anybody perceives a frame, or has to be able to perceive what events are about. */
+    /** Returns whether a client perceives the frame, or needs it to decide about events. */
     private boolean isWanted(WorldSnapshot snapshot, boolean news) {
         long frame = snapshot.frame();
         for (Perceiver member : members.values()) {
@@ -304,7 +313,7 @@ public final class Publisher {
     }
 
     /**
-     * @param all also to clients in real time
+     * @param all whether clients in real time also receive the event
      */
     private void tell(WorldEvent event, boolean all) {
         if (!all && !routing.hasLockStep()) {
@@ -316,14 +325,21 @@ public final class Publisher {
         tell(routing.of(subjects, observatory), all, subjects, heard);
     }
 
-    /** World files may raise events of these types, too, with other fields. */
+    /**
+     * Recognizes {@link #ABSENCES} events; world files may raise events of these types with other
+     * fields.
+     */
     private static boolean isAbsence(WorldEvent event) {
         return ABSENCES.contains(event.type())
                 && event.fields().containsKey(EventSubjects.AGENT)
                 && event.fields().containsKey("body");
     }
 
-    /** Sends an event to the agent that it is about. @return the agent, if it was sent */
+    /**
+     * Sends an event to the agent that it is about.
+     *
+     * @return the agent, if the event was sent
+     */
     private Optional<Perceiver> tellAgent(WorldEvent event) {
         Perceiver agent = members.get(String.valueOf(event.fields().get(EventSubjects.AGENT)));
         if (agent == null) {
@@ -344,7 +360,7 @@ public final class Publisher {
     }
 
     /**
-     * @return false if it does not sense what the event is about
+     * @return false if the member does not sense the event's items
      */
     private boolean tell(Perceiver member, EventSubjects subjects, HeardEvent heard) {
         Optional<BitSet> fields = member.hear(heard.event(), subjects, observatory);
@@ -405,7 +421,7 @@ public final class Publisher {
     }
 
     /**
-     * @param known the view with relations, once it is there: two requests get the same
+     * @param known the view with relations, once it is computed: two requests share it
      */
     private Optional<View> relate(Perceiver member, AtomicReference<@Nullable View> known) {
         View view = known.get();

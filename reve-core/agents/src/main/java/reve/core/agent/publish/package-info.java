@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /**
- * What a frame brings to the clients of a world: perceptions, events and pictures. The event loop's
+ * Sends the perceptions, events and pictures of frames to the clients of a world. The event loop's
  * thread.
  */
 @NullMarked

@@ -179,8 +179,6 @@ class AllowancesTest {
         };
     }
 
-    // ---- beside an agent in real time ----
-
     @Test
     void readyJustBeforeEachDeadlineHoldsTheWorldForItsAllowanceOnly() {
         allowances.addRealTime(1);
@@ -396,8 +394,6 @@ class AllowancesTest {
         assertThat(spent).containsExactly(true, false);
         assertThat(late).isNotEmpty().noneMatch(each -> each.count() > 2000);
     }
-
-    // ---- where nobody else waits ----
 
     @Test
     void whoIsAloneIsWaitedForUntilItsDeadline() {
