@@ -7,7 +7,7 @@ import java.util.ArrayList;
 import java.util.List;
 import java.util.Optional;
 
-/** What agents can do with an item. World's thread only. */
+/** The actions and capabilities of an item. World's thread only. */
 public final class AccessAspect {
 
     private final Item item;
@@ -16,19 +16,19 @@ public final class AccessAspect {
         this.item = item;
     }
 
-    /** All actions, in the order of their definition. */
+    /** Returns all actions, in the order of their definition. */
     public List<Action> actions() {
         item.checkedRow();
         return item.symbols().actions();
     }
 
-    /** What the item, as the body of an agent, can do with others. */
+    /** Returns the capabilities that the item has as the body of an agent. */
     public List<String> capabilities() {
         item.checkedRow();
         return item.symbols().capabilities();
     }
 
-    /** The action of that name. */
+    /** Returns the action of that name. */
     public Optional<Action> find(String name) {
         for (Action action : actions()) {
             if (action.name().equals(name)) {
@@ -38,12 +38,12 @@ public final class AccessAspect {
         return Optional.empty();
     }
 
-    /** Adds an action, or replaces the one of that name. */
+    /** Adds an action, or replaces the action of the same name. */
     public void set(Action action) {
         change(action.name(), action);
     }
 
-    /** Takes an action away, if there. */
+    /** Removes an action, if present. */
     public void remove(String name) {
         if (find(name).isPresent()) {
             change(name, null);

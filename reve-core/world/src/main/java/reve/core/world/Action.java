@@ -4,20 +4,23 @@ package reve.core.world;
 import java.util.List;
 
 /**
- * Something that can be done to an item: what agents know of it. {@link PerformableAction} does it.
+ * Description of an action on an item, for agents. {@link PerformableAction} performs it.
  * Implementations are immutable and shared by items.
  */
 public interface Action {
-    /** Unique within an item: {@code push}. */
+    /** Returns the name, unique within an item, for example {@code push}. */
     String name();
 
-    /** One sentence for who wants to use it. */
+    /** Returns one sentence that describes the action to its callers. */
     String doc();
 
-    /** In the order in which they are documented; names are unique. */
+    /** Returns the parameters in the order of the documentation; their names are unique. */
     List<Parameter> parameters();
 
-    /** Capabilities that the body which acts must have, in the order declared; none for anybody. */
+    /**
+     * Returns the capabilities that the acting body needs, in the order of declaration; may be
+     * empty.
+     */
     default List<String> needs() {
         return List.of();
     }

@@ -5,15 +5,15 @@ import java.util.List;
 import java.util.Optional;
 
 /**
- * One use of an action. Valid during {@link PerformableAction#perform}, on the world's thread.
+ * One call of an action. Valid during {@link PerformableAction#perform}, on the world's thread.
  *
- * @param frame the frame in which it happens
- * @param target the item whose action it is
- * @param actor the body that acts; empty if nobody in the world does
+ * @param frame number of the frame
+ * @param target the item that has the action
+ * @param actor the acting body; empty if no body of this world acts
  * @param arguments checked against the action's parameters
- * @param capabilities those of the actor that it may use now
- * @param quota how many items it may create
- * @param events how many bytes of events it may raise
+ * @param capabilities capabilities of the actor that it may use now
+ * @param quota limit on created items
+ * @param events limit on the size of raised events
  */
 public record ActionCall(
         World world,
@@ -25,7 +25,7 @@ public record ActionCall(
         ItemQuota quota,
         EventBudget events) {
 
-    /** With all capabilities that the actor has, and no limits. */
+    /** Creates a call with all capabilities of the actor, and without limits. */
     public ActionCall(
             World world, long frame, Item target, Optional<Item> actor, Arguments arguments) {
         this(
@@ -42,7 +42,7 @@ public record ActionCall(
     /**
      * Performs an action of the target.
      *
-     * @throws ActionRefused if it cannot be done now; nothing has happened then
+     * @throws ActionRefused if it is not possible now; the world is then unchanged
      */
     public void perform(Action action) throws ActionRefused {
         if (!(action instanceof PerformableAction performable)) {

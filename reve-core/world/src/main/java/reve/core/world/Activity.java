@@ -6,9 +6,9 @@ import org.jspecify.annotations.Nullable;
 import java.util.concurrent.atomic.AtomicReference;
 
 /**
- * What the thread of a world does now: the rule, condition or Java action that a frame would wait
- * for if it did not end. The world's thread says so; any thread may ask, for example one that
- * reports a world without frames.
+ * The rule, condition or Java action that a world's thread is evaluating now, and a count of
+ * evaluation steps. The world's thread updates it; any thread may read it, for example to report a
+ * world that makes no frames.
  */
 public final class Activity {
     private final AtomicReference<@Nullable Object> current = new AtomicReference<>();
@@ -17,40 +17,40 @@ public final class Activity {
     Activity() {}
 
     /**
-     * Begins something, which replaces what was current. World's thread.
+     * Begins an activity, which replaces the current one. World's thread.
      *
-     * @param what its {@code toString} names it for a person, and is safe on any thread
+     * @param what its {@code toString} describes it to people, and is safe on any thread
      */
     public void begin(Object what) {
         current.setRelease(what);
     }
 
-    /** Ends what was begun last. World's thread. */
+    /** Ends the current activity. World's thread. */
     public void end() {
         current.setRelease(null);
     }
 
     /**
-     * Ends what was begun last. World's thread.
+     * Ends the current activity and counts its steps. World's thread.
      *
-     * @param its steps, the same number on every machine
+     * @param its number of steps, the same on every machine
      */
     public void end(long its) {
         steps += its;
         end();
     }
 
-    /** Counts steps of what is no evaluation. World's thread. */
+    /** Counts steps outside an evaluation. World's thread. */
     void spend(long its) {
         steps += its;
     }
 
-    /** Returns the steps of all that has ended. World's thread. */
+    /** Returns the steps of all ended activities. World's thread. */
     public long steps() {
         return steps;
     }
 
-    /** Returns what is done now, or null. Any thread. */
+    /** Returns the current activity, or null. Any thread. */
     public @Nullable Object current() {
         return current.getAcquire();
     }

@@ -11,7 +11,7 @@ import java.util.stream.Collectors;
  * the wrong type or length, or not finite. Immutable, any thread.
  */
 public final class Arguments {
-    /** Longest text an argument may be [characters]. */
+    /** Maximum length of a text argument [characters]. */
     public static final int MAX_TEXT_LENGTH = 1024;
 
     private final Map<String, Object> values;
@@ -21,8 +21,8 @@ public final class Arguments {
     }
 
     /**
-     * Checks what a caller gave: per parameter a {@link Number}, a {@link List} of numbers, a
-     * {@link String} or a {@link Boolean}.
+     * Checks the arguments of a caller: for each parameter a {@link Number}, a {@link List} of
+     * numbers, a {@link String} or a {@link Boolean}.
      *
      * @throws ActionRefused with code {@code missing-argument}, {@code unknown-argument}, {@code
      *     wrong-type}, {@code wrong-components}, {@code not-finite} or {@code out-of-range}; the
@@ -59,22 +59,22 @@ public final class Arguments {
         return new Arguments(values);
     }
 
-    /** The one number of a number parameter, in the parameter's unit. */
+    /** Returns the number of a parameter with one component, in the parameter's unit. */
     public double number(String name) {
         return vector(name)[0];
     }
 
-    /** A fresh array of the numbers of a number parameter, in the parameter's unit. */
+    /** Returns a copy of the numbers of a parameter, in the parameter's unit. */
     public double[] vector(String name) {
         return get(name, double[].class).clone();
     }
 
-    /** A text, or the name of an item, which need not be there. */
+    /** Returns a text, or the name of an item, which may not exist. */
     public String text(String name) {
         return get(name, String.class);
     }
 
-    /** A truth value. */
+    /** Returns a truth value. */
     public boolean truth(String name) {
         return get(name, Boolean.class);
     }

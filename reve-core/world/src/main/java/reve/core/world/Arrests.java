@@ -8,11 +8,11 @@ import java.util.Optional;
 import java.util.TreeSet;
 
 /**
- * Items that laws may fail at because of what actions and edits did to them, and how such an item
- * is taken out of the reach of laws. World's thread.
+ * Items at which laws may fail because of actions or edits, and the arrest of such an item, which
+ * excludes it from laws. World's thread.
  */
 public final class Arrests {
-    /** What laws know an item by; the numbers of an arrested item are 0. */
+    /** The properties of an item that laws read, by kind; an arrest sets them to 0. */
     private static final Map<String, List<String>> NUMBERS =
             Map.of(
                     WorldPrototype.BODY,
@@ -29,13 +29,13 @@ public final class Arrests {
                     WorldPrototype.SURFACE,
                             List.of("hardness", "surfaceDamping", "frictionCoefficient"));
 
-    /** Magnitudes above this are extreme, in SI units; no body of a world that works has them. */
+    /** Magnitudes above this are extreme, in SI units; no body of a working world has them. */
     private static final double EXTREME = 1e15;
 
     private final Items items;
     private final WorldGuard guard;
 
-    /** Of which actions or edits changed physics or place. */
+    /** Items whose physics or place actions or edits changed. */
     private final TreeSet<ItemId> changed = new TreeSet<>();
 
     Arrests(Items items, WorldGuard guard) {
@@ -43,18 +43,18 @@ public final class Arrests {
         this.guard = guard;
     }
 
-    /** An action or an edit changes the physics or the place of an item. */
+    /** Records that an action or an edit changes the physics or the place of an item. */
     public void suspect(ItemId item) {
         guard.requireEditable();
         changed.add(item);
     }
 
     /**
-     * Items with physics whose physics or place actions or edits changed since the world was built
-     * or resumed, without those that are arrested; in the order of their ids.
+     * Returns the items with physics that are not arrested and whose physics or place actions or
+     * edits changed since the world was built or resumed, in the order of their ids.
      *
-     * @param failed at which a law failed: if it has extreme numbers it is a suspect, too, as items
-     *     that were changed may have pushed it; it is the last then
+     * @param failed the item at which a law failed. If it has extreme numbers it is added as the
+     *     last suspect, because changed items may have pushed it
      */
     public List<Item> suspects(Optional<Item> failed) {
         guard.checkOwner();
@@ -69,7 +69,7 @@ public final class Arrests {
         return suspects;
     }
 
-    /** The largest magnitude among an item's numbers, and of the inverse of its mass. */
+    /** Returns the largest magnitude among an item's numbers and the inverse of its mass. */
     public double excess(Item item) {
         double most = 0;
         if (item.physics().isEmpty()) {
@@ -88,11 +88,11 @@ public final class Arrests {
     }
 
     /**
-     * Takes an item with physics out of the reach of laws: it is at rest, immovable, and exerts
-     * nothing; extreme coordinates become 0, as distances to it would be no numbers. The change is
-     * not noted, as those of laws.
+     * Arrests an item with physics: it is at rest, immovable, and exerts no force. Extreme
+     * coordinates become 0, because distances to them would not be finite. Like changes by laws,
+     * this is not recorded as a change.
      *
-     * @return puts the numbers back as they were; in the same frame only
+     * @return restores the numbers; valid in the same frame only
      */
     public Runnable arrest(Item item) {
         guard.requireEditable();
@@ -106,7 +106,7 @@ public final class Arrests {
         return () -> before.forEach(Runnable::run);
     }
 
-    /** Makes what is larger 0. */
+    /** Sets numbers with a magnitude above {@code largest} to 0. */
     private static Runnable replace(Column column, int row, double largest) {
         double[] before = new double[column.components()];
         double[] after = new double[before.length];

@@ -2,9 +2,9 @@
 package reve.core.world;
 
 /**
- * What an item moves with. Immutable.
+ * The attachment of an item to a parent. Immutable.
  *
- * @param parent the item it is attached to
- * @param pose its place and rotation in the parent's own frame
+ * @param parent the item to which it is attached
+ * @param pose location and orientation relative to the parent
  */
 public record Attachment(ItemId parent, Pose pose) {}

@@ -8,11 +8,11 @@ import java.util.Map;
 import java.util.TreeMap;
 
 /**
- * Charges agents for what a frame computes because of their acts: it remembers which agent changed
- * an item last, and adds up the steps that the item's rules then take. World's thread.
+ * Charges agents for rules that are evaluated because of their acts: stores which agent changed an
+ * item last, and adds up the steps of the item's rules. World's thread.
  */
 public final class Charges {
-    /** Who changed an item before the rules began their last pass over all items, and since. */
+    /** The agent that last changed each item: before the present pass of the rules, and since. */
     private Map<ItemId, String> changedBefore = new HashMap<>();
 
     private Map<ItemId, String> changedSince = new HashMap<>();
@@ -21,12 +21,12 @@ public final class Charges {
 
     Charges() {}
 
-    /** An agent acts: until {@link #end}, changes of items are its changes. */
+    /** Begins an agent's act: until {@link #end}, changes of items are attributed to the agent. */
     public void begin(String agent) {
         acting = agent;
     }
 
-    /** The act is over. */
+    /** Ends the act. */
     public void end() {
         acting = null;
     }
@@ -51,7 +51,7 @@ public final class Charges {
             case WorldChange.Detached detached -> changed(detached.item());
             case WorldChange.Edited edited -> changed(edited.item());
             case WorldChange.Pushed pushed -> changed(pushed.force().item());
-            case WorldChange.ColumnEdited column -> {} // no item is named
+            case WorldChange.ColumnEdited column -> {} // has no item
         }
     }
 
@@ -67,8 +67,8 @@ public final class Charges {
     }
 
     /**
-     * The rules begin a pass over all items, which may last for several frames. Changes are charged
-     * in the pass that they precede and, as they may be made in the middle of one, in that one.
+     * Begins a pass of the rules over all items, which may take several frames. Changes are charged
+     * in the next pass and, because a change may be made during a pass, also in that one.
      */
     public void beginPass() {
         Map<ItemId, String> reused = changedBefore;
@@ -77,7 +77,7 @@ public final class Charges {
         changedSince = reused;
     }
 
-    /** Charges the steps to the agent that changed the item last, if any. */
+    /** Charges steps to the agent that last changed the item, if any. */
     public void charge(ItemId item, long more) {
         String agent = changedSince.get(item);
         if (agent == null) {

@@ -34,8 +34,8 @@ public record Colour(int rgba) {
     }
 
     /**
-     * What an item has that names no colour: {@link #DEFAULT}, or white where a texture or a mesh
-     * brings colours of its own.
+     * Returns the colour of an item without a declared colour: {@link #DEFAULT}, or white if a
+     * texture or a mesh has its own colours.
      */
     public static Colour defaultOf(Shape shape, Optional<Material> material) {
         boolean coloured =
@@ -46,7 +46,7 @@ public record Colour(int rgba) {
         return coloured ? WHITE : DEFAULT;
     }
 
-    /** {@code #rrggbbaa}, which {@link #parse} reads back. */
+    /** Returns {@code #rrggbbaa}, which {@link #parse} accepts. */
     @Override
     public String toString() {
         return String.format("#%08x", Integer.reverseBytes(rgba));

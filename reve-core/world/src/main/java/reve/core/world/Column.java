@@ -13,13 +13,13 @@ public final class Column extends ColumnView {
     private MemorySegment used;
     private long version;
 
-    /** The period of the record in which the last direct edit was noted. */
+    /** Period of the frame record in which the last direct edit was recorded. */
     private long editNotedIn;
 
     /**
      * @param rows of the table
-     * @param guard asked before each change
-     * @param record gets to know of direct edits
+     * @param guard called before each change
+     * @param record receives direct edits
      * @param memory zeroed
      */
     Column(
@@ -56,7 +56,7 @@ public final class Column extends ColumnView {
         noteEdit();
     }
 
-    /** As {@link #setDouble}, by an aspect, which notes the change itself. */
+    /** Sets one number like {@link #setDouble}, for an aspect, which records the change itself. */
     void write(int row, int component, double value) {
         guard.requireEditable();
         long offset = offset(row, component);
@@ -69,14 +69,17 @@ public final class Column extends ColumnView {
         version++;
     }
 
-    /** As {@link #write}, of all components. */
+    /** Sets all components like {@link #write}. */
     void write(int row, double[] values) {
         for (int i = 0; i < values.length; i++) {
             write(row, i, values[i]);
         }
     }
 
-    /** As {@link #write}, in DERIVE; the version is raised only if somebody else has to know. */
+    /**
+     * Sets one number like {@link #write}, in DERIVE; increments the version only if {@code
+     * raiseVersion} is true.
+     */
     void derive(int row, int component, double value, boolean raiseVersion) {
         long before = version;
         write(row, component, value);
@@ -92,7 +95,7 @@ public final class Column extends ColumnView {
         noteEdit();
     }
 
-    /** As {@link #setInt}, by an aspect, which notes the change itself. */
+    /** Sets one integer like {@link #setInt}, for an aspect, which records the change itself. */
     void write(int row, int component, int value) {
         guard.requireEditable();
         memory.set(INT, offset(row, component), value);
@@ -100,26 +103,26 @@ public final class Column extends ColumnView {
     }
 
     /**
-     * Raised by every edit in place, so that whoever keeps something computed from the values knows
-     * when it is stale. What laws and DERIVE write does not raise it.
+     * Returns the version, which every edit in place increments, so that data computed from the
+     * values can be renewed. Laws and DERIVE do not increment it.
      */
     public long version() {
         return version;
     }
 
-    /** Raises the version after values were edited through {@link #segment()}. */
+    /** Increments the version after values were edited through {@link #segment()}. */
     public void touch() {
         version++;
         noteEdit();
     }
 
-    /** Takes over all rows of a copy, which is a change of the world and not of a column. */
+    /** Copies all rows from an image. Recorded as a change of the world, not of the column. */
     void restore(MemorySegment rows) {
         MemorySegment.copy(rows, 0, memory, 0, rows.byteSize());
         version++;
     }
 
-    /** Notes direct edits, the first time in a frame. */
+    /** Records a direct edit, once per frame. */
     private void noteEdit() {
         if (editNotedIn != record.period()) {
             editNotedIn = record.period();
@@ -127,7 +130,7 @@ public final class Column extends ColumnView {
         }
     }
 
-    /** References are set by the world only, which counts them. */
+    /** Sets a reference. Only the world calls it, because it counts references. */
     void setReference(int row, int component, long value) {
         guard.requireEditable();
         memory.set(LONG, offset(row, component), value);
@@ -139,7 +142,7 @@ public final class Column extends ColumnView {
         return memory;
     }
 
-    /** Moves to larger memory and returns the old. */
+    /** Moves the column to larger memory and returns the former memory. */
     MemorySegment moveTo(MemorySegment larger) {
         MemorySegment old = memory;
         MemorySegment.copy(old, 0, larger, 0, (long) rowCount() * descriptor().rowBytes());

@@ -4,28 +4,29 @@ package reve.core.world;
 import java.lang.foreign.MemorySegment;
 
 /**
- * Where a world's column memory comes from. The world reserves when it grows, never during a frame.
- * The arena outlives the world; both are used by the world's thread only.
+ * Allocator of a world's column memory. The world allocates when it grows, never during a frame.
+ * The arena outlives the world; only the world's thread uses both.
  */
 public interface ColumnArena extends AutoCloseable {
 
     /**
-     * Reserves zeroed memory that begins at a page (a multiple of 4096 bytes) and stays where it is
+     * Allocates zeroed memory that begins at a page (a multiple of 4096 bytes) and does not move
      * until it is released.
      *
-     * @param name what the memory is for, for example {@code body.mass}
+     * @param name purpose of the memory, for example {@code body.mass}
      * @param bytes size, at least 1
-     * @throws IllegalStateException naming the column if there is no more memory
+     * @throws IllegalStateException naming the column if there is not enough memory
      */
     MemorySegment reserve(String name, long bytes);
 
     /**
-     * Takes back what {@link #reserve} gave. After a column moved to larger memory the world calls
-     * it when the next PHYSICS is over, so that whoever works on the columns could let go before.
+     * Frees memory from {@link #reserve}. After a column has moved to larger memory, the world
+     * calls this at the end of the next PHYSICS, so that users of the column can bind the new
+     * memory first.
      */
     void release(MemorySegment memory);
 
-    /** Frees everything; no column of a world that uses this arena may be touched afterwards. */
+    /** Frees all memory; columns of a world that uses this arena are invalid afterwards. */
     @Override
     void close();
 }

@@ -7,17 +7,20 @@ import java.util.ArrayList;
 import java.util.List;
 
 /**
- * The memory that the slots of a {@link SnapshotRing} keep copies of one column in. Slots of which
- * the column is the same to the byte share a copy. World's thread only.
+ * The memory for copies of one column in the slots of a {@link SnapshotRing}. Slots with identical
+ * bytes share a copy. World's thread only.
  */
 final class ColumnBuffers {
 
     private static final long ALIGNMENT_BYTES = 64;
 
-    /** What grows gets room for an eighth more rows, so that it needs no new memory each frame. */
+    /**
+     * A growing buffer is allocated with an eighth more rows, so that it need not grow in each
+     * frame.
+     */
     private static final int SLACK = 8;
 
-    /** A copy, and in how many slots it is; one that is constant is not counted. */
+    /** A copy, and the number of slots that hold it; a constant copy is not counted. */
     static final class Buffer {
         private final MemorySegment memory;
         private final boolean constant;
@@ -33,19 +36,19 @@ final class ColumnBuffers {
         }
     }
 
-    /** What a slot holds that was not written yet. */
+    /** The buffer of a slot that was not written yet. */
     static final Buffer NONE = new Buffer(MemorySegment.NULL, true);
 
     private final List<Buffer> idle = new ArrayList<>();
     private long largest;
 
-    /** One more slot holds a buffer. */
+    /** Adds a slot that holds the buffer. */
     Buffer share(Buffer buffer) {
         buffer.slots++;
         return buffer;
     }
 
-    /** A buffer that no slot holds, for one; smaller ones are forgotten. */
+    /** Returns an unused buffer, for one slot; discards buffers that are too small. */
     Buffer take(long bytes) {
         while (!idle.isEmpty()) {
             Buffer buffer = idle.removeLast();
@@ -58,17 +61,17 @@ final class ColumnBuffers {
         return share(new Buffer(allocate(room), false));
     }
 
-    /** Zeros that nobody ever writes to. */
+    /** Returns a constant buffer of zeros. */
     static Buffer zeros(long bytes) {
         return new Buffer(allocate(bytes), true);
     }
 
-    /** Zeroed memory, collected with the last snapshot that reads it. */
+    /** Allocates zeroed memory, which is garbage collected with the last snapshot that reads it. */
     private static MemorySegment allocate(long bytes) {
         return Arena.ofAuto().allocate(bytes, ALIGNMENT_BYTES);
     }
 
-    /** A slot lets a buffer go. */
+    /** Removes a slot that held the buffer. */
     void release(Buffer buffer) {
         if (!buffer.constant && --buffer.slots == 0) {
             idle.add(buffer);

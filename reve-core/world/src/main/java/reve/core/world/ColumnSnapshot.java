@@ -3,7 +3,7 @@ package reve.core.world;
 
 import java.lang.foreign.MemorySegment;
 
-/** A column as it was when a frame was published. Any thread, read only. */
+/** A column in the state of a published frame. Any thread, read only. */
 public final class ColumnSnapshot extends ColumnView {
 
     private final MemorySegment segment;

@@ -11,8 +11,8 @@ import java.util.Objects;
 
 /**
  * One property of all items of a kind as a packed array of shape (rows x components), in native
- * byte order: live ({@link Column}) or as it was in a snapshot ({@link ColumnSnapshot}). Row and
- * component are checked on every access; loops over many rows use {@link #segment()}.
+ * byte order: live ({@link Column}) or of a snapshot ({@link ColumnSnapshot}). Row and component
+ * are checked on every access; loops over many rows use {@link #segment()}.
  */
 public abstract sealed class ColumnView permits Column, ColumnSnapshot {
 
@@ -27,43 +27,46 @@ public abstract sealed class ColumnView permits Column, ColumnSnapshot {
         this.descriptor = descriptor;
     }
 
-    /** The property that this column holds. */
+    /** Returns the property of this column. */
     public final PropertyDescriptor descriptor() {
         return descriptor;
     }
 
-    /** Name of the property. */
+    /** Returns the name of the property. */
     public final String name() {
         return descriptor.name();
     }
 
-    /** Element type. */
+    /** Returns the element type. */
     public final ScalarType type() {
         return descriptor.type();
     }
 
-    /** Numbers per row. */
+    /** Returns the number of components per row. */
     public final int components() {
         return descriptor.components();
     }
 
-    /** Unit of every number. */
+    /** Returns the unit of every number. */
     public final Unit unit() {
         return descriptor.unit();
     }
 
-    /** Used rows. */
+    /** Returns the number of used rows. */
     public abstract int rowCount();
 
-    /** Exactly the used rows. Ask again whenever {@link World#layoutVersion()} changed. */
+    /**
+     * Returns the memory of the used rows. Call again whenever {@link World#layoutVersion()} has
+     * changed.
+     */
     public abstract MemorySegment segment();
 
-    /** {@link #segment()} as a direct buffer in native byte order. */
+    /** Returns {@link #segment()} as a direct buffer in native byte order. */
     public final ByteBuffer buffer() {
         return segment().asByteBuffer().order(ByteOrder.nativeOrder());
     }
 
-    /** One number of any type but REF; U32 comes as 0 to 2^32 - 1. */
+    /** Returns one number of any type except REF; U32 yields 0 to 2^32 - 1. */
     public final double getDouble(int row, int component) {
         long offset = offset(row, component);
         return switch (type()) {
@@ -75,7 +78,7 @@ public abstract sealed class ColumnView permits Column, ColumnSnapshot {
         };
     }
 
-    /** One I32 or U32 (as its 32 bits). */
+    /** Returns one I32, or one U32 as its 32 bits. */
     public final int getInt(int row, int component) {
         long offset = offset(row, component);
         return switch (type()) {
@@ -84,7 +87,7 @@ public abstract sealed class ColumnView permits Column, ColumnSnapshot {
         };
     }
 
-    /** One REF: the value of an {@link ItemId}, 0 for none. */
+    /** Returns one REF: the value of an {@link ItemId}, 0 for none. */
     public final long getReference(int row, int component) {
         if (type() != ScalarType.REF) {
             throw wrongType("a reference");
@@ -92,7 +95,7 @@ public abstract sealed class ColumnView permits Column, ColumnSnapshot {
         return memory().get(LONG, offset(row, component));
     }
 
-    /** Memory that holds at least {@link #rowCount()} rows. */
+    /** Returns memory with at least {@link #rowCount()} rows. */
     abstract MemorySegment memory();
 
     final long offset(int row, int component) {

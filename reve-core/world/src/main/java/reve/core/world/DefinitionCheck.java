@@ -10,7 +10,7 @@ import java.util.Objects;
 import java.util.Set;
 
 /**
- * Checks definitions against a world before anything is added, so that a refusal changes nothing.
+ * Check of definitions against a world before any item is added, so that a refusal changes nothing.
  */
 final class DefinitionCheck {
 
@@ -20,7 +20,7 @@ final class DefinitionCheck {
     private final Map<String, ItemDefinition> batch = new HashMap<>();
     private Map<String, Object> checkedSymbols = Map.of();
 
-    /** Names whose chain of parents is known to end. */
+    /** Names whose chain of parents is known to be without a cycle. */
     private final Set<String> rooted = new HashSet<>();
 
     DefinitionCheck(WorldData world, Items items, List<ItemDefinition> definitions) {
@@ -30,7 +30,7 @@ final class DefinitionCheck {
     }
 
     /**
-     * @throws IllegalArgumentException naming the first item that cannot be added, and why
+     * @throws IllegalArgumentException naming the first item that cannot be added, and the reason
      */
     void run() {
         for (ItemDefinition definition : definitions) {
@@ -43,7 +43,7 @@ final class DefinitionCheck {
         definitions.forEach(this::checkParent);
     }
 
-    /** Symbols that items share are checked once. */
+    /** Checks symbols; symbols that items share are checked once. */
     private void checkSymbols(ItemDefinition definition) {
         if (definition.symbols() != checkedSymbols) {
             definition
@@ -174,7 +174,10 @@ final class DefinitionCheck {
         checkNoCircle(definition);
     }
 
-    /** Those that are in the world already cannot be attached to those that come. */
+    /**
+     * Refuses a cycle of parents. Items that are in the world already cannot be attached to new
+     * ones.
+     */
     private void checkNoCircle(ItemDefinition definition) {
         Set<String> path = new LinkedHashSet<>();
         ItemDefinition next = definition;

@@ -8,19 +8,18 @@ import java.util.Map;
 import java.util.Set;
 
 /**
- * What became of other items when an item left the world that cannot be refused to leave: the body
- * of an agent.
+ * The effects on other items when an agent's body leaves the world, which is never refused.
  *
- * @param detached names of the items that were attached and are on their own now, in the order of
- *     their ids
- * @param removed names of the items that referred to it, directly or not, and are gone with it
+ * @param detached names of the items that were attached to the body and are now detached, in the
+ *     order of their ids
+ * @param removed names of the items that were removed because they referred to the body, directly
+ *     or not
  */
 public record Departure(List<String> detached, List<String> removed) {
 
     /**
-     * Removes an item. What is attached to it is detached first and stays where it is now. Items
-     * that refer to it cannot be without it, and are removed; what is attached to those is
-     * detached, too.
+     * Removes an item. Items attached to it are detached first and keep their pose in the world.
+     * Items that refer to it are removed too, and items attached to those are detached.
      *
      * @throws IllegalArgumentException if it is the item {@code world}
      * @throws IllegalStateException naming the phase if the structure is locked
@@ -48,7 +47,7 @@ public record Departure(List<String> detached, List<String> removed) {
      * Raises an event {@code detached} or {@code removed} for each of those items.
      *
      * @param agent whose body left
-     * @param body its name
+     * @param body name of the body
      */
     public void raise(World world, long frame, String agent, String body) {
         raise(world, frame, "detached", detached, agent, body);

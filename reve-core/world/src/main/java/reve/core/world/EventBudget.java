@@ -7,25 +7,25 @@ import java.util.HashMap;
 import java.util.Map;
 
 /**
- * How many bytes of events actions of agents may raise in one second of world time. Seconds are
- * counted in frames, from the world's frame number, so that nothing before the current second
- * matters. World's thread.
+ * Limit on the size of events that actions of agents raise in one second of world time. Seconds are
+ * counted in frames, from the world's frame number, so only the current second matters. World's
+ * thread.
  */
 public final class EventBudget {
     private final int agentBytes;
     private final int worldBytes;
     private final int framesPerSecond;
 
-    /** Spent in the current second, by agent. */
+    /** Bytes in the current second, by agent. */
     private final Map<String, Long> spent = new HashMap<>();
 
     private long spentByAll;
     private long second = -1;
 
     /**
-     * @param agentBytes most bytes in one second of events that actions of one agent raise
-     * @param worldBytes most bytes in one second of events that actions of all agents raise
-     * @param framesPerSecond frames of one second of world time
+     * @param agentBytes maximum size of events of one agent's actions per second [bytes]
+     * @param worldBytes maximum size of events of all agents' actions per second [bytes]
+     * @param framesPerSecond frames per second of world time
      */
     public EventBudget(int agentBytes, int worldBytes, int framesPerSecond) {
         this.agentBytes = agentBytes;
@@ -33,17 +33,17 @@ public final class EventBudget {
         this.framesPerSecond = framesPerSecond;
     }
 
-    /** A budget without limits. */
+    /** Returns a budget without limits. */
     public static EventBudget unlimited() {
         return new EventBudget(Integer.MAX_VALUE, Integer.MAX_VALUE, 1);
     }
 
     /**
-     * Refuses what exceeds the budget.
+     * Refuses events that exceed the budget.
      *
-     * @param agent whose action raises events, null for no agent's
-     * @param bytes of the events that one call of an action raises, see {@link WorldEvent#bytes}
-     * @throws ActionRefused {@code too-many-events}, with what was found and the limit
+     * @param agent whose action raises events; null if no agent acts
+     * @param bytes of the events of one call, see {@link WorldEvent#bytes}
+     * @throws ActionRefused {@code too-many-events}, with the found size and the limit
      */
     public void require(@Nullable String agent, long frame, long bytes) throws ActionRefused {
         if (agent == null || bytes == 0) {
@@ -54,7 +54,7 @@ public final class EventBudget {
         require(bytes, spentByAll, worldBytes, "actions of all agents", frame);
     }
 
-    /** Takes what was required before. */
+    /** Subtracts events that {@link #require} has accepted. */
     public void take(@Nullable String agent, long frame, long bytes) {
         if (agent == null || bytes == 0) {
             return;

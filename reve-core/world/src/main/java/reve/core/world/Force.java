@@ -4,10 +4,10 @@ package reve.core.world;
 import java.util.List;
 
 /**
- * One force on one item.
+ * A force on an item.
  *
- * @param newtons in the world's frame (3) [N]
- * @param frames how many frames it still acts
+ * @param newtons in the world's reference frame (3) [N]
+ * @param frames remaining number of frames
  */
 public record Force(ItemId item, List<Double> newtons, long frames) {
     /** Copies the list. */

@@ -5,13 +5,13 @@ import java.util.ArrayList;
 import java.util.List;
 
 /**
- * Forces that act on bodies for some frames, beside what laws work out. During PHYSICS they are
- * part of the column {@code appliedForce}, which otherwise holds what designers put there. World's
+ * Forces on bodies for a number of frames, in addition to forces of laws. During PHYSICS they are
+ * part of the column {@code appliedForce}, which otherwise contains the designers' values. World's
  * thread.
  */
 public final class Forces {
 
-    /** Most frames that a force acts for. */
+    /** Maximum duration of a force [frames]. */
     public static final long MAX_FRAMES = 1L << 53;
 
     private static final String COLUMN = "appliedForce";
@@ -25,8 +25,8 @@ public final class Forces {
     private int framesPerSecond = 1;
 
     /**
-     * @param guard asked before each change
-     * @param record gets to know of each new force
+     * @param guard called before each change
+     * @param record receives each new force
      */
     Forces(Table bodies, WorldGuard guard, FrameRecord record) {
         this.bodies = bodies;
@@ -35,35 +35,41 @@ public final class Forces {
         this.column = bodies.column(COLUMN);
     }
 
-    /** How fast the world's frames follow each other in its own time; said by who makes them. */
+    /** Sets the number of frames per second of world time. */
     void setFramesPerSecond(int newFramesPerSecond) {
         framesPerSecond = newFramesPerSecond;
     }
 
-    /** The least number of frames, 1 to {@link #MAX_FRAMES}, that last for so long [s]. */
+    /**
+     * Returns the smallest number of frames, 1 to {@link #MAX_FRAMES}, that last at least {@code
+     * seconds} [s].
+     */
     public long frames(double seconds) {
         return Math.clamp((long) Math.ceil(seconds * framesPerSecond - 1e-9), 1, MAX_FRAMES);
     }
 
-    /** Adds a force, from the next PHYSICS on. It ends early if the item goes. */
+    /** Adds a force, which acts from the next PHYSICS. It ends early if the item is removed. */
     public void add(Force force) {
         guard.requireEditable();
         active.add(force);
         record.note(new WorldChange.Pushed(force));
     }
 
-    /** Forces that have not ended, in the order added: what an image of the world has to keep. */
+    /**
+     * Returns the forces that have not ended, in the order of addition. Images of the world store
+     * them.
+     */
     public List<Force> active() {
         return List.copyOf(active);
     }
 
-    /** Replaces all forces, as a world is restored. */
+    /** Replaces all forces when a world is restored. */
     void restore(List<Force> forces) {
         active.clear();
         active.addAll(forces);
     }
 
-    /** Before PHYSICS: adds the forces to the column, one after the other. */
+    /** Adds the forces to the column, one after the other. Called before PHYSICS. */
     void apply() {
         if (before.length < 3 * active.size()) {
             before = new double[6 * active.size()];
@@ -78,7 +84,9 @@ public final class Forces {
         }
     }
 
-    /** After PHYSICS: puts the column back, to the bit, and ends what has acted long enough. */
+    /**
+     * Restores the column to the bit, and removes forces whose time is over. Called after PHYSICS.
+     */
     void withdraw() {
         if (active.isEmpty()) {
             return;
@@ -97,7 +105,7 @@ public final class Forces {
         restore(remaining.reversed());
     }
 
-    /** Where the item is, -1 if it has gone or become scenery. */
+    /** Returns the row of the item, -1 if the item is removed or scenery. */
     private int row(Force force) {
         return bodies.hasPhysics(force.item()) ? bodies.rowOf(force.item()) : -1;
     }

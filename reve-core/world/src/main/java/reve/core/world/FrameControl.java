@@ -2,8 +2,8 @@
 package reve.core.world;
 
 /**
- * The operations on a world that only the frame loop and the first listener of DERIVE need, and
- * tests that make frames by hand. World's thread only.
+ * The operations on a world for the frame loop, the first listener of DERIVE, and tests that make
+ * frames themselves. World's thread only.
  */
 public final class FrameControl {
 
@@ -20,12 +20,12 @@ public final class FrameControl {
         return world.frameControl();
     }
 
-    /** Sets how fast the world's frames follow each other in its own time. */
+    /** Sets the number of frames per second of world time. */
     public void setFramesPerSecond(int framesPerSecond) {
         forces.setFramesPerSecond(framesPerSecond);
     }
 
-    /** Begins a frame: the world is one frame older. */
+    /** Begins a frame: increments the age of the world. */
     public void begin() {
         data.guard.checkOwner();
         data.age++;
@@ -41,14 +41,14 @@ public final class FrameControl {
         data.guard.unlockStructure();
     }
 
-    /** Adds the lasting forces to what laws see, before PHYSICS. */
+    /** Adds the lasting forces to the columns, before PHYSICS. */
     public void applyForces() {
         forces.apply();
     }
 
     /**
-     * Ends PHYSICS: takes the lasting forces out again, to the bit, and frees column memory that
-     * was replaced, as all have rebound by then.
+     * Ends PHYSICS: removes the lasting forces again, to the bit, and frees replaced column memory,
+     * because all users have bound the new memory by then.
      */
     public void endPhysics() {
         data.guard.checkOwner();
@@ -56,27 +56,25 @@ public final class FrameControl {
         data.layout.releaseReplaced();
     }
 
-    /** Puts what is attached where its parents are; in DERIVE, before anything looks. */
+    /** Computes the places of attached items; called in DERIVE before other listeners. */
     public void placeAttached() {
         data.guard.checkOwner();
         data.hierarchy.place();
     }
 
-    /** Notes that the boxes around bodies were worked out anew, in DERIVE. */
+    /** Records that the boxes around bodies were computed, in DERIVE. */
     public void boundsDerived() {
         data.guard.checkOwner();
         data.boundsChanged();
     }
 
-    /** Begins PUBLISH: what is raised or changed from now on belongs to the next frame. */
+    /** Begins PUBLISH: events and changes from now on belong to the next frame. */
     public void publish() {
         data.guard.checkOwner();
         data.record.fix();
     }
 
-    /**
-     * Ends a frame: forgets its events and changes, published or not, and unlocks the structure.
-     */
+    /** Ends a frame: discards its events and changes, and unlocks the structure. */
     public void end() {
         data.guard.checkOwner();
         data.record.end();

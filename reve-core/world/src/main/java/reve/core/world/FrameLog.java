@@ -8,8 +8,8 @@ import java.util.Collections;
 import java.util.List;
 
 /**
- * What was noted while a frame is made: a list that PUBLISH shows to everybody as it then is, and
- * that the frame's end forgets. World's thread only.
+ * A list of entries of one frame. PUBLISH fixes it for all readers, and the end of the frame clears
+ * it. World's thread only.
  */
 final class FrameLog<T> {
 
@@ -20,13 +20,13 @@ final class FrameLog<T> {
     private long publishedLost;
 
     /**
-     * @param limit how many entries a frame keeps; later ones are only counted
+     * @param limit maximum number of entries per frame; further ones are only counted
      */
     FrameLog(int limit) {
         this.limit = limit;
     }
 
-    /** Adds to the frame that is being made, or to the next one after {@link #fix()}. */
+    /** Adds an entry to the frame that is being made or, after {@link #fix()}, to the next one. */
     void add(T entry) {
         if (noted.size() < limit) {
             noted.add(entry);
@@ -39,17 +39,17 @@ final class FrameLog<T> {
         return published != null;
     }
 
-    /** Entries of this frame in the order noted; a copy unless fixed. */
+    /** Returns the entries of this frame in the order of addition; a copy unless fixed. */
     List<T> entries() {
         return published != null ? published : List.copyOf(noted);
     }
 
-    /** How many entries of this frame did not fit. */
+    /** Returns the number of entries of this frame beyond the limit. */
     long lost() {
         return published != null ? publishedLost : lost;
     }
 
-    /** What is added from now on belongs to the next frame. Allocates only if there are entries. */
+    /** Assigns further entries to the next frame. Allocates memory only if there are entries. */
     void fix() {
         publishedLost = lost;
         lost = 0;
@@ -61,7 +61,7 @@ final class FrameLog<T> {
         }
     }
 
-    /** Forgets this frame, fixed or not. */
+    /** Discards the entries of this frame, fixed or not. */
     void end() {
         if (published == null) {
             noted.clear();

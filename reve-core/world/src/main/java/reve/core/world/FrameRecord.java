@@ -3,10 +3,10 @@ package reve.core.world;
 
 import java.util.List;
 
-/** What happened to a world in the frame that is being made. World's thread. */
+/** The events and changes of the frame that is being made. World's thread. */
 final class FrameRecord {
 
-    /** Changes that a frame keeps; more are only counted. */
+    /** Maximum number of stored changes per frame; further ones are only counted. */
     private static final int MAX_CHANGES = 1 << 20;
 
     private final FrameLog<WorldEvent> events = new FrameLog<>(Integer.MAX_VALUE);
@@ -27,34 +27,36 @@ final class FrameRecord {
         return charges;
     }
 
-    /** Returns a number, 1 or more, that rises when entries begin to belong to another frame. */
+    /**
+     * Returns a number, at least 1, that increases when entries begin to belong to another frame.
+     */
     long period() {
         return period;
     }
 
-    /** In the order raised; a copy. */
+    /** Returns the events in the order raised; a copy. */
     List<WorldEvent> events() {
         return events.entries();
     }
 
-    /** In the order made; a copy. */
+    /** Returns the changes in the order made; a copy. */
     List<WorldChange> changes() {
         return changes.entries();
     }
 
-    /** How many changes were too many to keep. */
+    /** Returns the number of changes beyond the limit. */
     long changesLost() {
         return changes.lost();
     }
 
-    /** Begins PUBLISH: what is added from now on belongs to the next frame. */
+    /** Begins PUBLISH: further entries belong to the next frame. */
     void fix() {
         events.fix();
         changes.fix();
         period++;
     }
 
-    /** Forgets this frame, fixed or not. */
+    /** Discards the entries of this frame, fixed or not. */
     void end() {
         if (!changes.isFixed()) {
             period++;

@@ -6,7 +6,10 @@ final class Hash {
 
     private Hash() {}
 
-    /** Maps similar codes far apart: the last steps of MurmurHash3 (A. Appleby, 2011). */
+    /**
+     * Mixes the bits of a hash code, so that similar codes differ in their low bits: the last steps
+     * of MurmurHash3 (A. Appleby, 2011).
+     */
     static int spread(int code) {
         int hash = (code ^ code >>> 16) * 0x85EBCA6B;
         hash = (hash ^ hash >>> 13) * 0xC2B2AE35;

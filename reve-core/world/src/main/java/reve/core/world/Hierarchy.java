@@ -15,9 +15,9 @@ import java.util.TreeMap;
 import java.util.TreeSet;
 
 /**
- * Attachments between bodies, and the places that follow from them. An attached item's pose in its
- * parent's frame is also part of its symbols; its rows of {@code position} and {@code orientation},
- * in the world frame, follow from it. World's thread only.
+ * Attachments between bodies, and the resulting places. An attached item's pose relative to its
+ * parent is part of its symbols; its rows of {@code position} and {@code orientation}, in the
+ * world's reference frame, are computed from it. World's thread only.
  */
 final class Hierarchy {
 
@@ -37,18 +37,18 @@ final class Hierarchy {
     /** Attached items, parents before children; out of date unless {@link #current}. */
     private final List<ItemId> order = new ArrayList<>();
 
-    /** Poses of the attached items in their parents' frames, in that order. */
+    /** Poses of the attached items relative to their parents, in the same order. */
     private double[] relative = {};
 
-    /** The row of each attached item and that of its parent, in that order. */
+    /** The row of each attached item and of its parent, in the same order. */
     private int[] rows = {};
 
     private boolean current = true;
     private long rowsVersion = -1;
 
     /**
-     * @param layout says when rows have moved
-     * @param activity counts a step for each level that is walked up
+     * @param layout reports when rows have moved
+     * @param activity counts a step for each level of parents
      */
     Hierarchy(Table bodies, Layout layout, Activity activity) {
         this.bodies = bodies;
@@ -66,7 +66,7 @@ final class Hierarchy {
     }
 
     /**
-     * @throws IllegalArgumentException if the two cannot move together
+     * @throws IllegalArgumentException if the child cannot be attached to the parent
      */
     void requireAttachable(ItemSymbols child, ItemSymbols parent) {
         String where = child.label() + " cannot be attached to " + parent.label() + ": ";
@@ -109,7 +109,7 @@ final class Hierarchy {
         }
     }
 
-    /** Attaches a child to a parent, or changes its pose in its parent's frame. */
+    /** Attaches a child to a parent, or changes its pose relative to the parent. */
     void attach(ItemId child, Attachment attachment) {
         detach(child);
         attachments.put(child, attachment);
@@ -130,7 +130,7 @@ final class Hierarchy {
         current = false;
     }
 
-    /** Attaches all items of a restored world as their symbols say. */
+    /** Attaches all items of a restored world according to their symbols. */
     void restore(Collection<ItemSymbols> items) {
         attachments.clear();
         children.clear();
@@ -143,8 +143,8 @@ final class Hierarchy {
     }
 
     /**
-     * Returns where an item is now, whatever was moved since the last {@link #place()}: the numbers
-     * of a pose in the world frame.
+     * Returns the present pose of an item in the world's reference frame, including moves since the
+     * last {@link #place()}.
      */
     double[] worldPose(ItemId item) {
         List<Attachment> path = new ArrayList<>();
@@ -162,12 +162,12 @@ final class Hierarchy {
         return result;
     }
 
-    /** Writes where an attached item is now to its row. */
+    /** Writes the present pose of an attached item to its row. */
     void settle(ItemId item) {
         write(bodies.rowOf(item), worldPose(item));
     }
 
-    /** Puts new attached items where their parents have them, in whatever order they come. */
+    /** Places new attached items according to their parents, in any order. */
     void placeNew(List<ItemId> items) {
         Set<ItemId> waiting = new HashSet<>();
         for (ItemId item : items) {
@@ -195,7 +195,9 @@ final class Hierarchy {
         }
     }
 
-    /** Puts all attached items where their parents have them; allocates only after changes. */
+    /**
+     * Places all attached items according to their parents; allocates memory only after changes.
+     */
     void place() {
         if (!current) {
             sort();

@@ -4,8 +4,8 @@ package reve.core.world;
 import java.util.Arrays;
 
 /**
- * Numbers by item id, in a hash table by linear probing that allocates no object per entry. World's
- * thread only.
+ * A hash table from item ids to numbers, with linear probing and without an object per entry.
+ * World's thread only.
  */
 final class IdMap {
 
@@ -43,7 +43,7 @@ final class IdMap {
         }
         keys[gap] = 0;
         size--;
-        // Entries behind the gap may have been put there because of it.
+        // Entries after the gap may have been placed there by probing.
         for (int i = after(gap); keys[i] != 0; i = after(i)) {
             long moved = keys[i];
             keys[i] = 0;
@@ -72,7 +72,7 @@ final class IdMap {
         }
     }
 
-    /** Returns the slot of an id, or the empty slot that it would get. */
+    /** Returns the slot of an id, or the empty slot for it. */
     private int slotOf(long id) {
         int slot = Hash.spread(Long.hashCode(id)) & (keys.length - 1);
         while (keys[slot] != id && keys[slot] != 0) {

@@ -5,7 +5,7 @@ import java.util.List;
 import java.util.Optional;
 
 /**
- * One thing in a world. It holds no numbers: its aspects are views of its row in the columns.
+ * An item of a world. It stores no numbers: its aspects are views of its row in the columns.
  * World's thread only; a removed item refuses every use.
  */
 public final class Item {
@@ -14,9 +14,7 @@ public final class Item {
     private final Table table;
     private ItemSymbols symbols;
 
-    /**
-     * Where the item was when it was asked for its row last, and the version of the layout then.
-     */
+    /** Cached row of the item, and the layout version for which it is valid. */
     private int row;
 
     private long layoutVersion = -1;
@@ -27,54 +25,57 @@ public final class Item {
         this.symbols = symbols;
     }
 
-    /** Stays the same as long as the item is in the world, and in its images. */
+    /** Returns the id, which does not change while the item is in the world or in its images. */
     public ItemId id() {
         return symbols.id();
     }
 
-    /** Unique in the world. */
+    /** Returns the name, unique in the world. */
     public String name() {
         return symbols.name();
     }
 
-    /** The kind whose table its row is in. */
+    /** Returns the kind, whose table contains the item's row. */
     public String kind() {
         return symbols.kind();
     }
 
-    /** The agent whose action created the item; empty for items that came otherwise. */
+    /** Returns the agent whose action created the item; empty for other items. */
     public Optional<String> maker() {
         return Optional.ofNullable(symbols.maker());
     }
 
-    /** Where the item is and what it looks like. */
+    /** Returns the physical aspect: place, shape and appearance. */
     public PhysicalAspect physical() {
         return new PhysicalAspect(this);
     }
 
-    /** What agents perceive of it. */
+    /** Returns the semantic aspect: symbols that agents perceive. */
     public SemanticAspect semantic() {
         return new SemanticAspect(this);
     }
 
-    /** What agents can do with it. */
+    /** Returns the access aspect: actions and capabilities. */
     public AccessAspect access() {
         return new AccessAspect(this);
     }
 
-    /** What an agent that has the item as its body perceives with; none for everything. */
+    /**
+     * Returns the sensors for an agent with this item as its body; if empty, the agent perceives
+     * everything.
+     */
     public List<Sensor> sensors() {
         return symbols.sensors();
     }
 
-    /** What physics laws see of it; empty for scenery. */
+    /** Returns the physics aspect, which laws use; empty for scenery. */
     public PhysicsAspect physics() {
         return new PhysicsAspect(this);
     }
 
     /**
-     * The item as it is now, to be written to a file; added to another world of the same prototype,
-     * it is the same item to the bit. Properties of its physics aspect that are 0 are left out.
+     * Returns the present definition of the item, for a file; an item created from it in another
+     * world of the same prototype is equal to the bit. Omits physics properties that are 0.
      */
     public ItemDefinition definition() {
         checkedRow();
@@ -114,13 +115,13 @@ public final class Item {
         return now.build();
     }
 
-    /** The item that this one moves with; see {@link World#attach}. */
+    /** Returns the parent; see {@link World#attach}. */
     public Optional<ItemId> parent() {
         checkedRow();
         return Optional.ofNullable(symbols.attachment()).map(Attachment::parent);
     }
 
-    /** Items that move with this one, in the order of their ids; a copy. */
+    /** Returns the attached items, in the order of their ids; a copy. */
     public List<ItemId> children() {
         checkedRow();
         return world.hierarchy.children(id());
@@ -138,18 +139,18 @@ public final class Item {
         return symbols;
     }
 
-    /** Changes what is symbolic about the item. */
+    /** Replaces the symbolic data of the item. */
     void change(ItemSymbols changed) {
         world.setSymbols(symbols, changed);
         symbols = changed;
     }
 
-    /** Takes over what is symbolic about the item in an image, as its world does. */
+    /** Replaces the symbolic data of the item by that of an image, when the world is restored. */
     void restore(ItemSymbols restored) {
         symbols = restored;
     }
 
-    /** The current row, after checking thread and life. */
+    /** Returns the current row, after checking thread and existence. */
     int checkedRow() {
         world.guard.checkOwner();
         if (layoutVersion != world.layout.version()) {

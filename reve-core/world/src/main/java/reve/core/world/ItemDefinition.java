@@ -11,8 +11,8 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * Everything an item begins with. What can be checked without a world is checked here, the rest by
- * {@link World#add}. Immutable; any number of worlds may use it.
+ * The initial state of an item. This class checks what does not depend on a world; {@link
+ * World#add} checks the rest. Immutable; worlds may share it.
  */
 public final class ItemDefinition {
 
@@ -56,24 +56,24 @@ public final class ItemDefinition {
     /**
      * Begins a definition: kind body, no shape, at the origin, scenery.
      *
-     * @throws IllegalArgumentException if the name cannot be seen as it is, see {@link
-     *     reve.core.text.VisibleName}
+     * @throws IllegalArgumentException if the name has invisible or misleading characters, see
+     *     {@link reve.core.text.VisibleName}
      */
     public static Builder named(String name) {
         return new Builder(Names.requireItemName("item name", name));
     }
 
-    /** As {@link #named}, of an item that a store kept, with whatever name it was kept. */
+    /** Begins a definition of an item from a store, whose name is accepted as stored. */
     public static Builder kept(String name) {
         return new Builder(name);
     }
 
-    /** The same item under another name, for templates. */
+    /** Returns a copy with another name, for templates. */
     public ItemDefinition renamed(String newName) {
         return copy(newName).build();
     }
 
-    /** The same item with other symbols: text, truth, finite numbers or lists. */
+    /** Returns a copy with other symbols: text, truth, finite numbers or lists. */
     public ItemDefinition withSymbols(Map<String, Object> otherSymbols) {
         Builder copy = copy(name);
         copy.symbols = TreePMap.empty();
@@ -81,7 +81,7 @@ public final class ItemDefinition {
         return copy.build();
     }
 
-    /** Begins a definition of another name that has, and shares, all that this one has. */
+    /** Begins a definition with another name that shares all else with this one. */
     public Builder copy(String newName) {
         Builder copy = new Builder(newName);
         copy.kind = kind;
@@ -101,97 +101,105 @@ public final class ItemDefinition {
         return copy;
     }
 
-    /** The name of the item. */
+    /** Returns the name of the item. */
     public String name() {
         return name;
     }
 
-    /** The kind of the item. */
+    /** Returns the kind of the item. */
     public String kind() {
         return kind;
     }
 
-    /** The shape of a body. */
+    /** Returns the shape of a body. */
     public Shape shape() {
         return shape;
     }
 
-    /** As given, else {@link Colour#defaultOf}. */
+    /** Returns the declared colour, else {@link Colour#defaultOf}. */
     public Colour colour() {
         return colour;
     }
 
-    /** Material of the whole shape; without it, a mesh shows its own. */
+    /** Returns the material of the whole shape; if empty, a mesh has its own materials. */
     public Optional<Material> material() {
         return material;
     }
 
-    /** Place of the origin (3) [m]: in the world frame, or in the parent's if there is one. */
+    /**
+     * Returns the location of the origin (3) [m]: in the world's reference frame, or relative to
+     * the parent if there is one.
+     */
     public double[] location() {
         return location.clone();
     }
 
-    /** Unit quaternion xyzw (4), in the same frame as the location. */
+    /** Returns the unit quaternion xyzw (4), in the same reference frame as the location. */
     public double[] orientation() {
         return orientation.clone();
     }
 
-    /** Name of the item that this one moves with. */
+    /** Returns the name of the parent. */
     public Optional<String> parent() {
         return parent;
     }
 
-    /** Designer's symbols, in alphabetical order: String, Double, Boolean, or a List of such. */
+    /**
+     * Returns the designer's symbols, in alphabetical order: String, Double, Boolean, or a List of
+     * these.
+     */
     public PMap<String, Object> symbols() {
         return symbols;
     }
 
-    /** What agents can do with it. */
+    /** Returns the actions on the item. */
     public List<Action> actions() {
         return actions;
     }
 
-    /** What the item can do with others, in the order given: {@code grip}. */
+    /** Returns the capabilities, in the order given, for example {@code grip}. */
     public List<String> capabilities() {
         return capabilities;
     }
 
-    /** What an agent that has the item as its body perceives with. */
+    /** Returns the sensors for an agent with this item as its body. */
     public List<Sensor> sensors() {
         return sensors;
     }
 
-    /** True if the item takes part in physics, else it is scenery. */
+    /** Returns whether the item takes part in physics; otherwise it is scenery. */
     public boolean hasPhysics() {
         return !numbers.isEmpty() || !references.isEmpty();
     }
 
-    /** Names of the numeric physics properties given, in the order given. */
+    /** Returns the names of the numeric physics properties, in the order given. */
     public List<String> physicsProperties() {
         return numbers.names();
     }
 
-    /** Values of a numeric physics property [its unit], empty if not given. */
+    /** Returns the values of a numeric physics property [its unit]; empty if not given. */
     public Optional<double[]> physics(String property) {
         return Optional.ofNullable(numbers.get(property)).map(double[]::clone);
     }
 
-    /** Names of the items that each reference property refers to. */
+    /** Returns the names of the items that each reference property refers to. */
     public Map<String, List<String>> references() {
         return references.toMap();
     }
 
-    /** Values of the {@link #physicsProperties()}, in their order; not to be changed. */
+    /**
+     * Returns the values of the {@link #physicsProperties()}, in their order; must not be changed.
+     */
     List<double[]> physicsValues() {
         return numbers.values();
     }
 
-    /** As {@link #location()}, not to be changed. */
+    /** Returns the array of {@link #location()}, which must not be changed. */
     double[] sharedLocation() {
         return location;
     }
 
-    /** As {@link #orientation()}, not to be changed. */
+    /** Returns the array of {@link #orientation()}, which must not be changed. */
     double[] sharedOrientation() {
         return orientation;
     }
@@ -200,12 +208,15 @@ public final class ItemDefinition {
         return !references.isEmpty();
     }
 
-    /** True if shape, material, colour, place or orientation were given. */
+    /** Returns whether shape, material, colour, location or orientation were given. */
     boolean isPlaced() {
         return placed;
     }
 
-    /** Collects a definition; each method refuses what cannot be right with a message naming it. */
+    /**
+     * Builder of a definition; each method refuses invalid values with a message that names the
+     * item.
+     */
     public static final class Builder {
 
         private final String name;
@@ -220,7 +231,7 @@ public final class ItemDefinition {
         PMap<String, Object> symbols = TreePMap.empty();
         List<Action> actions = List.of();
 
-        /** Takes the place of the list as soon as there is one action more. */
+        /** Replaces the list when another action is added. */
         private @Nullable Map<String, Action> actionsByName;
 
         List<String> capabilities = List.of();
@@ -232,12 +243,12 @@ public final class ItemDefinition {
             this.name = Names.require("item name", name);
         }
 
-        /** The name of the item. */
+        /** Returns the name of the item. */
         public String name() {
             return name;
         }
 
-        /** Sets the kind, {@code body} unless said otherwise. */
+        /** Sets the kind; the default is {@code body}. */
         public Builder kind(String newKind) {
             kind = newKind;
             return this;
@@ -250,21 +261,24 @@ public final class ItemDefinition {
             return this;
         }
 
-        /** Of the whole shape, instead of materials that come with a mesh. */
+        /** Sets the material of the whole shape, instead of a mesh's own materials. */
         public Builder material(Material newMaterial) {
             placed = true;
             material = Optional.of(newMaterial);
             return this;
         }
 
-        /** As {@link Colour#parse}. */
+        /** Sets the colour; accepts the forms of {@link Colour#parse}. */
         public Builder colour(String text) {
             placed = true;
             colour = Colour.parse(text);
             return this;
         }
 
-        /** Place of the origin [m]: in the world frame, or in the parent's if there is one. */
+        /**
+         * Sets the location of the origin [m]: in the world's reference frame, or relative to the
+         * parent if there is one.
+         */
         public Builder at(double x, double y, double z) {
             placed = true;
             location = new double[] {x, y, z};
@@ -272,7 +286,7 @@ public final class ItemDefinition {
             return this;
         }
 
-        /** Rotation as a quaternion of any length but 0; it is normalised. */
+        /** Sets the rotation as a quaternion of any length except 0, which is normalised. */
         public Builder orientation(double x, double y, double z, double w) {
             placed = true;
             orientation = Values.requireRotation(name, x, y, z, w);
@@ -280,21 +294,21 @@ public final class ItemDefinition {
         }
 
         /**
-         * Attaches the item to another, given by name: location and orientation are then in its
-         * frame. See {@link World#attach}.
+         * Attaches the item to another item, given by name: location and orientation are then
+         * relative to it. See {@link World#attach}.
          */
         public Builder parent(String itemName) {
             parent = itemName;
             return this;
         }
 
-        /** A semantic symbol: text, truth, a finite number, or a list of such. */
+        /** Adds a semantic symbol: text, truth, a finite number, or a list of these. */
         public Builder symbol(String symbol, Object value) {
             symbols = symbols.plus(symbol, Values.requireSymbol(name, symbol, value));
             return this;
         }
 
-        /** Something that agents can do with the item. */
+        /** Adds an action on the item. */
         public Builder action(Action action) {
             if (actionsByName == null) {
                 actionsByName = new LinkedHashMap<>();
@@ -309,7 +323,7 @@ public final class ItemDefinition {
             return this;
         }
 
-        /** Takes place, shape, material and colour from another item, and shares them. */
+        /** Shares place, shape, material and colour of another definition. */
         public Builder physicalOf(ItemDefinition other) {
             placed = other.placed;
             shape = other.shape;
@@ -320,27 +334,27 @@ public final class ItemDefinition {
             return this;
         }
 
-        /** Takes all symbols from another item, and shares them. */
+        /** Shares all symbols of another definition. */
         public Builder symbolsOf(ItemDefinition other) {
             symbols = other.symbols;
             return this;
         }
 
-        /** Takes all actions from another item, and shares them. */
+        /** Shares all actions of another definition. */
         public Builder actionsOf(ItemDefinition other) {
             actions = other.actions;
             actionsByName = null;
             return this;
         }
 
-        /** Takes all properties of its physics aspect from another item, and shares them. */
+        /** Shares all physics properties of another definition. */
         public Builder physicsOf(ItemDefinition other) {
             numbers = other.numbers;
             references = other.references;
             return this;
         }
 
-        /** Something that the item, as the body of an agent, can do with others: {@code grip}. */
+        /** Adds a capability of the item as the body of an agent, for example {@code grip}. */
         public Builder capability(String capability) {
             Names.require("capability of item " + name, capability);
             if (!capabilities.contains(capability)) {
@@ -350,7 +364,7 @@ public final class ItemDefinition {
         }
 
         /**
-         * How an agent that has the item as its body perceives; without any it perceives
+         * Adds a sensor for an agent with the item as its body; without sensors it perceives
          * everything.
          */
         public Builder sensor(Sensor sensor) {
@@ -362,27 +376,32 @@ public final class ItemDefinition {
             return this;
         }
 
-        /** A numeric physics property [its SI unit]. */
+        /** Sets a numeric physics property [its SI unit]. */
         public Builder physics(String property, double... values) {
             Values.requireFinite(name, property, values);
             numbers = numbers.with(property, values.clone());
             return this;
         }
 
-        /** Several numeric physics properties by name, in their order; quicker than one by one. */
+        /**
+         * Sets several numeric physics properties by name, in their order; faster than single
+         * calls.
+         */
         public Builder physics(Map<String, double[]> properties) {
             properties.forEach((property, values) -> Values.requireFinite(name, property, values));
             numbers = numbers.withAll(properties);
             return this;
         }
 
-        /** A physics property that refers to items by name: {@code end1}, {@code vertices}, ... */
+        /**
+         * Sets a physics property that refers to items by name: {@code end1}, {@code vertices}, ...
+         */
         public Builder reference(String property, String... itemNames) {
             references = references.with(property, List.of(itemNames));
             return this;
         }
 
-        /** The definition as it is now. */
+        /** Returns the definition. */
         public ItemDefinition build() {
             return new ItemDefinition(this);
         }

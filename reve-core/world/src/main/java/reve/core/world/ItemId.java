@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
-/**
- * Identity of an item for as long as its world lives: positive, given out in rising order, never
- * reused.
- */
+/** Identity of an item during the life of its world: positive, ascending, never reused. */
 public record ItemId(long value) implements Comparable<ItemId> {
 
     /** Checks that the number is positive. */

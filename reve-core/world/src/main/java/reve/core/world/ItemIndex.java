@@ -7,8 +7,8 @@ import java.util.Arrays;
 import java.util.function.Function;
 
 /**
- * Items by something that each has and no two share. A hash table of the items themselves, by
- * linear probing: a reference or two an item. World's thread only.
+ * A hash table of items by a unique key of theirs, with linear probing; it needs one or two
+ * references per item. World's thread only.
  */
 final class ItemIndex<K> {
 
@@ -19,7 +19,7 @@ final class ItemIndex<K> {
     private int size;
 
     /**
-     * @param keyOf stays what it is while the item is in here
+     * @param keyOf returns the key, which must not change while the item is in the table
      */
     ItemIndex(Function<Item, K> keyOf) {
         this.keyOf = keyOf;
@@ -29,14 +29,14 @@ final class ItemIndex<K> {
         return slots[slotOf(key)];
     }
 
-    /** Adds an item whose key no other has. */
+    /** Adds an item with a unique key. */
     void add(Item item) {
         makeRoom(1);
         put(item);
         size++;
     }
 
-    /** Makes room for that many more. */
+    /** Allocates space for that number of further items. */
     void makeRoom(int more) {
         int wanted = slots.length;
         while (5L * (size + more) > 4L * wanted) {
@@ -53,12 +53,12 @@ final class ItemIndex<K> {
         }
     }
 
-    /** Removes an item that is in here. */
+    /** Removes an item, which must be in the table. */
     void remove(Item item) {
         int gap = slotOf(keyOf.apply(item));
         slots[gap] = null;
         size--;
-        // What was put behind the gap because of the item moves up.
+        // Entries that were placed after the gap by probing move up.
         Item next;
         for (int i = after(gap); (next = slots[i]) != null; i = after(i)) {
             slots[i] = null;
@@ -79,7 +79,7 @@ final class ItemIndex<K> {
         slots[slot] = item;
     }
 
-    /** Where the item of a key is; an empty slot if there is none. */
+    /** Returns the slot of a key, or the empty slot for it. */
     private int slotOf(K key) {
         int slot = start(key);
         Item there;

@@ -4,23 +4,23 @@ package reve.core.world;
 import org.jspecify.annotations.Nullable;
 
 /**
- * How many items actions may have in a world at a time. Items that were removed count no more.
+ * Limit on the number of items that actions create. Removed items no longer count.
  *
- * @param agent whose action creates items, null for no agent's
- * @param items most items of that agent's making
- * @param worldItems most items of all agents' making
+ * @param agent whose action creates items; null if no agent acts
+ * @param items maximum number of items created by that agent
+ * @param worldItems maximum number of items created by all agents
  */
 public record ItemQuota(@Nullable String agent, int items, int worldItems) {
 
-    /** No agent's, and no limit. */
+    /** No limit. */
     public static final ItemQuota NONE = new ItemQuota(null, Integer.MAX_VALUE, Integer.MAX_VALUE);
 
     /**
-     * Refuses what exceeds the quota.
+     * Refuses an action that exceeds the quota.
      *
-     * @param created items that an action creates
+     * @param created number of items that the action creates
      * @param removed items that it removes, each once
-     * @throws ActionRefused {@code too-many-items}, with what was found and the limit
+     * @throws ActionRefused {@code too-many-items}, with the found number and the limit
      */
     public void require(World world, int created, Iterable<Item> removed) throws ActionRefused {
         if (agent == null || created == 0) {

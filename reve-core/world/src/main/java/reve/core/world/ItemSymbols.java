@@ -11,13 +11,14 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * What is symbolic about an item. Immutable, so that snapshots share it; a change makes a new one.
+ * The symbolic data of an item. Immutable, so that snapshots share it; a change creates a new
+ * object.
  *
  * @param given the designer's symbols by name, in alphabetical order: String, Double, Boolean or a
- *     List of such
- * @param derived the symbols that rules give the item, in the same way
- * @param attachment what the item moves with, null for nothing
- * @param maker the agent whose action created the item, null for items that came otherwise
+ *     List of these
+ * @param derived the symbols that rules set, in the same form
+ * @param attachment of the item, or null
+ * @param maker the agent whose action created the item; null for other items
  */
 public record ItemSymbols(
         ItemId id,
@@ -30,52 +31,55 @@ public record ItemSymbols(
 
     private static final PMap<String, Object> NO_SYMBOLS = TreePMap.empty();
 
-    /** What is symbolic in a definition; attached to nothing, whatever it says. */
+    /** Takes the symbolic data of a definition, without its attachment. */
     public ItemSymbols(ItemId id, ItemDefinition definition) {
         this(id, definition, Likeness.of(definition), null);
     }
 
-    /** As the other one, sharing a likeness that is equal to the definition's. */
+    /** Takes the symbolic data of a definition and shares an equal likeness. */
     ItemSymbols(ItemId id, ItemDefinition definition, Likeness likeness, @Nullable String maker) {
         this(id, definition.name(), likeness, definition.symbols(), NO_SYMBOLS, null, maker);
     }
 
-    /** The kind of the item. */
+    /** Returns the kind of the item. */
     public String kind() {
         return likeness.kind();
     }
 
-    /** The item for a person: {@code item ball (body #3)}. */
+    /** Returns the item as text for messages: {@code item ball (body #3)}. */
     String label() {
         return "item " + name + " (" + likeness.kind() + " " + id + ")";
     }
 
-    /** The shape of a body. */
+    /** Returns the shape of a body. */
     public Shape shape() {
         return likeness.shape();
     }
 
-    /** Of the whole shape; without it, a mesh shows its own. */
+    /** Returns the material of the whole shape; if empty, a mesh has its own materials. */
     public Optional<Material> material() {
         return likeness.material();
     }
 
-    /** What can be done with the item. */
+    /** Returns the actions on the item. */
     public List<Action> actions() {
         return likeness.actions();
     }
 
-    /** What the item can do with others. */
+    /** Returns the capabilities of the item. */
     public List<String> capabilities() {
         return likeness.capabilities();
     }
 
-    /** What an agent that has the item as its body perceives with; none for everything. */
+    /**
+     * Returns the sensors for an agent with this item as its body; if empty, the agent perceives
+     * everything.
+     */
     public List<Sensor> sensors() {
         return likeness.sensors();
     }
 
-    /** A designer's symbol, or a standard one: see {@link #symbols()}. */
+    /** Returns a designer's symbol, or a standard one: see {@link #symbols()}. */
     public Optional<Object> get(String symbol) {
         return switch (symbol) {
             case StandardSymbols.NAME -> Optional.of(name);
@@ -88,10 +92,10 @@ public record ItemSymbols(
     }
 
     /**
-     * All symbols: first the standard ones {@code name}, {@code class} (the kind unless the
-     * designer says otherwise) and, if the item has a shape, {@code dimensions} (a list of three
-     * extents [m] along its own axes), then the designer's and then those of rules, both in
-     * alphabetical order. A new map each time.
+     * Returns all symbols as a new map: first the standard ones {@code name}, {@code class} (by
+     * default the kind) and, if the item has a shape, {@code dimensions} (a list of three extents
+     * [m] along its own axes), then the designer's and then those of rules, both in alphabetical
+     * order.
      */
     public Map<String, Object> symbols() {
         var all = new LinkedHashMap<String, Object>();
@@ -113,7 +117,7 @@ public record ItemSymbols(
         return with(given.minus(symbol));
     }
 
-    /** The same with other symbols of rules, which are not checked. */
+    /** Returns a copy with other symbols of rules, which are not checked. */
     public ItemSymbols withDerived(Map<String, Object> symbols) {
         return withDerived(given(symbols));
     }
@@ -122,7 +126,7 @@ public record ItemSymbols(
         return new ItemSymbols(id, name, likeness, given, newDerived, attachment, maker);
     }
 
-    /** The same with other symbols of the designer's, which are not checked. */
+    /** Returns a copy with other symbols of the designer, which are not checked. */
     public ItemSymbols withGiven(Map<String, Object> symbols) {
         return with(given(symbols));
     }
@@ -135,12 +139,12 @@ public record ItemSymbols(
         return new ItemSymbols(id, name, newLikeness, given, derived, attachment, maker);
     }
 
-    /** The same with another attachment. */
+    /** Returns a copy with another attachment. */
     public ItemSymbols attached(@Nullable Attachment newAttachment) {
         return new ItemSymbols(id, name, likeness, given, derived, newAttachment, maker);
     }
 
-    /** The same, created by an action of that agent. */
+    /** Returns a copy that was created by an action of that agent. */
     public ItemSymbols madeBy(@Nullable String newMaker) {
         return new ItemSymbols(id, name, likeness, given, derived, attachment, newMaker);
     }

@@ -24,7 +24,7 @@ final class Items {
         return byName.find(name);
     }
 
-    /** Returns the items of some ids, all of which are in the world, in the same order. */
+    /** Returns the items of the given ids, which must be in the world, in the same order. */
     List<Item> of(Collection<ItemId> ids) {
         List<Item> items = new ArrayList<>(ids.size());
         for (ItemId id : ids) {
@@ -47,7 +47,7 @@ final class Items {
         byName.remove(item);
     }
 
-    /** Changes the symbolic data of an item, its name included. */
+    /** Replaces the symbolic data of an item, including its name. */
     void rename(Item item, ItemSymbols changed) {
         byName.remove(item);
         item.change(changed);
@@ -55,10 +55,10 @@ final class Items {
     }
 
     /**
-     * Replaces the items by those of an image. Items of the same id and kind stay the same objects;
+     * Replaces all items by those of an image. Items with the same id and kind keep their objects;
      * the others count as removed.
      *
-     * @param create makes an item that was not there
+     * @param create creates an item that is not in the world
      */
     void restore(Collection<ItemSymbols> image, Function<ItemSymbols, Item> create) {
         List<Item> restored = new ArrayList<>(image.size());

@@ -6,8 +6,8 @@ import java.util.ArrayList;
 import java.util.List;
 
 /**
- * Where the rows of all tables are: the memory of their columns, and a version that tells whoever
- * holds rows or memory that these have moved. World's thread.
+ * The layout of all tables: the memory of their columns, and a version that changes when rows or
+ * memory have moved. World's thread.
  */
 final class Layout {
 
@@ -23,23 +23,26 @@ final class Layout {
         return arena.reserve(columnName, bytes);
     }
 
-    /** Keeps memory that a column left until {@link #releaseReplaced()}. */
+    /** Keeps the former memory of a column until {@link #releaseReplaced()}. */
     void replace(MemorySegment memory) {
         replaced.add(memory);
         version++;
     }
 
-    /** Rows were added, removed or moved. */
+    /** Records that rows were added, removed or moved. */
     void rowsMoved() {
         version++;
     }
 
-    /** Raised whenever rows were added, removed or moved, or column memory was replaced. */
+    /**
+     * Returns the version, which increases when rows are added, removed or moved, or column memory
+     * is replaced.
+     */
     long version() {
         return version;
     }
 
-    /** Frees memory that was replaced; all have let go of it. */
+    /** Frees the former memory, which must not be used any more. */
     void releaseReplaced() {
         for (int i = 0; i < replaced.size(); i++) {
             arena.release(replaced.get(i));

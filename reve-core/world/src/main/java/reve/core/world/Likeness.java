@@ -5,13 +5,13 @@ import java.util.List;
 import java.util.Optional;
 
 /**
- * What is symbolic about an item beside name, symbols and attachment: much the same for many items,
+ * The symbolic data of an item except name, symbols and attachment. Often equal for many items,
  * which then share it. Immutable.
  *
- * @param material of the whole shape; without it, a mesh shows its own
- * @param actions what can be done with the item
- * @param capabilities what the item can do with others
- * @param sensors what an agent that has the item as its body perceives with; none for everything
+ * @param material of the whole shape; without it, a mesh has its own materials
+ * @param actions on the item
+ * @param capabilities of the item
+ * @param sensors for an agent with this item as its body; if empty, the agent perceives everything
  */
 public record Likeness(
         String kind,

@@ -4,18 +4,19 @@ package reve.core.world;
 import java.util.Optional;
 
 /**
- * How a surface answers light. What is shown is the item's colour times this colour times the
- * texture. Immutable.
+ * Optical properties of a surface. The shown colour is the item's colour times this colour times
+ * the texture. Immutable.
  *
  * @param colour of the surface
- * @param roughness 0 (a mirror's highlight: small and bright) to 1 (none to be seen)
- * @param metallic 0 (plastic, wood, stone) to 1 (bare metal: no colour but in what it reflects)
- * @param texture multiplies the colour, where the shape has texture coordinates
+ * @param roughness 0 (a small and bright highlight, like a mirror) to 1 (no visible highlight)
+ * @param metallic 0 (plastic, wood, stone) to 1 (bare metal: its colour appears in reflections
+ *     only)
+ * @param texture multiplies the colour, if the shape has texture coordinates
  */
 public record Material(
         Colour colour, double roughness, double metallic, Optional<Texture> texture) {
 
-    /** What a surface has that names no other: slightly glossy and white. */
+    /** The material of surfaces without a declared one: slightly glossy and white. */
     public static final Material DEFAULT = new Material(Colour.WHITE, 0.45, 0, Optional.empty());
 
     /**

@@ -11,12 +11,12 @@ import java.util.List;
 import java.util.Optional;
 
 /**
- * Triangles in metres around a body's origin, counter-clockwise seen from outside. Immutable; items
- * that look alike share one.
+ * Triangles in metres around a body's origin, counter-clockwise as seen from outside. Immutable;
+ * items with equal shapes share one.
  */
 public final class Mesh implements Shape {
 
-    /** Most vertices of one mesh, and most triangles. */
+    /** Maximum number of vertices, and of triangles, of one mesh. */
     public static final int MAX_COUNT = 1 << 20;
 
     private final float[] vertices;
@@ -32,13 +32,13 @@ public final class Mesh implements Shape {
     /**
      * Triangles of one material.
      *
-     * @param firstTriangle number of its first triangle
-     * @param triangleCount how many, at least 1
+     * @param firstTriangle index of the first triangle
+     * @param triangleCount number of triangles, at least 1
      */
     public record Part(int firstTriangle, int triangleCount, Material material) {}
 
     /**
-     * A mesh of flat triangles in the item's material.
+     * Creates a mesh of flat triangles in the item's material.
      *
      * @param vertices (count x 3) coordinates [m]; copied
      * @param triangles (count x 3) indices of vertices; copied
@@ -87,55 +87,63 @@ public final class Mesh implements Shape {
         file = builder.file;
     }
 
-    /** Begins a mesh of more than triangles; the arrays as in {@link #Mesh(float[], int[])}. */
+    /** Begins a mesh with further attributes; the arrays as in {@link #Mesh(float[], int[])}. */
     public static Builder builder(float[] vertices, int[] triangles) {
         return new Builder(vertices, triangles);
     }
 
-    /** (count x 3) coordinates [m], read only. */
+    /** Returns (count x 3) coordinates [m], read only. */
     public FloatBuffer vertices() {
         return FloatBuffer.wrap(vertices).asReadOnlyBuffer();
     }
 
-    /** (count x 3) indices of vertices, read only. */
+    /** Returns (count x 3) indices of vertices, read only. */
     public IntBuffer triangles() {
         return IntBuffer.wrap(triangles).asReadOnlyBuffer();
     }
 
     /**
-     * (count x 3) directions away from the surface at each vertex, read only; triangles whose
-     * corners have 0 0 0 are flat, and all are where there are no normals.
+     * Returns (count x 3) normals of the vertices, read only. Triangles whose corners have 0 0 0
+     * are flat; without normals, all triangles are flat.
      */
     public Optional<FloatBuffer> normals() {
         return readOnly(normals);
     }
 
-    /** (count x 2) places in the texture, 0 0 at its upper left and 1 1 at its lower right. */
+    /**
+     * Returns (count x 2) texture coordinates; 0 0 is the upper left corner, 1 1 the lower right.
+     */
     public Optional<FloatBuffer> textureCoordinates() {
         return readOnly(textureCoordinates);
     }
 
-    /** (count) colours of the vertices as {@link Colour#rgba()}, which multiply the material's. */
+    /**
+     * Returns (count) colours of the vertices as {@link Colour#rgba()}, which multiply the
+     * material's.
+     */
     public Optional<IntBuffer> colours() {
         return Optional.ofNullable(colours).map(all -> IntBuffer.wrap(all).asReadOnlyBuffer());
     }
 
-    /** The triangles by material, in order and without gaps; empty where all wear the item's. */
+    /**
+     * Returns the triangles by material, in order and without gaps; if empty, all have the item's
+     * material.
+     */
     public List<Part> parts() {
         return parts;
     }
 
-    /** The file it came from, relative to the world's folder. */
+    /** Returns the file of the mesh, relative to the world's folder. */
     public Optional<String> file() {
         return file;
     }
 
-    /** Lowest coordinate along an own axis (0, 1, 2) [m]. */
+    /** Returns the smallest coordinate along an axis of the shape (0, 1, 2) [m]. */
     public double min(int axis) {
         return low[axis];
     }
 
-    /** Highest coordinate along an own axis (0, 1, 2) [m]. */
+    /** Returns the largest coordinate along an axis of the shape (0, 1, 2) [m]. */
     public double max(int axis) {
         return high[axis];
     }
@@ -223,7 +231,7 @@ public final class Mesh implements Shape {
         return Optional.ofNullable(values).map(all -> FloatBuffer.wrap(all).asReadOnlyBuffer());
     }
 
-    /** What a mesh may have beside triangles; {@link #build} checks and copies. */
+    /** Builder of further attributes of a mesh; {@link #build} checks and copies. */
     public static final class Builder {
         private final float[] vertices;
         private final int[] triangles;
@@ -238,25 +246,25 @@ public final class Mesh implements Shape {
             this.triangles = triangles;
         }
 
-        /** As {@link Mesh#normals}. */
+        /** Sets the normals, see {@link Mesh#normals}. */
         public Builder normals(float[] values) {
             normals = values;
             return this;
         }
 
-        /** As {@link Mesh#textureCoordinates}. */
+        /** Sets the texture coordinates, see {@link Mesh#textureCoordinates}. */
         public Builder textureCoordinates(float[] values) {
             textureCoordinates = values;
             return this;
         }
 
-        /** As {@link Mesh#colours}. */
+        /** Sets the colours, see {@link Mesh#colours}. */
         public Builder colours(int[] rgba) {
             colours = rgba;
             return this;
         }
 
-        /** The next triangles have a material of their own. */
+        /** Assigns a material to the next {@code triangleCount} triangles. */
         public Builder part(int triangleCount, Material material) {
             int first =
                     parts.isEmpty()
@@ -266,7 +274,7 @@ public final class Mesh implements Shape {
             return this;
         }
 
-        /** As {@link Mesh#file}. */
+        /** Sets the file, see {@link Mesh#file}. */
         public Builder file(String relativePath) {
             file = Optional.of(relativePath);
             return this;

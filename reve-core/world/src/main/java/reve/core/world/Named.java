@@ -9,8 +9,8 @@ import java.util.List;
 import java.util.Map;
 
 /**
- * A few values by name, in the order in which the names were given. What is made from another one
- * by other values of the same names shares the names with it. Immutable.
+ * A small map from names to values, in the order of the names. Copies with other values for the
+ * same names share the names. Immutable.
  */
 final class Named<V> {
 
@@ -26,7 +26,7 @@ final class Named<V> {
         return new Named<>(List.of(), List.of());
     }
 
-    /** The same, with a value in place of the one that may have had the name. */
+    /** Returns a copy with the value added or replaced. */
     Named<V> with(String name, V value) {
         int index = names.indexOf(name);
         if (index >= 0) {
@@ -37,7 +37,7 @@ final class Named<V> {
         return new Named<>(append(names, name), append(values, value));
     }
 
-    /** The same, with several values, in their order. */
+    /** Returns a copy with several values added or replaced, in their order. */
     Named<V> withAll(Map<String, V> more) {
         if (isEmpty()) {
             return new Named<>(List.copyOf(more.keySet()), List.copyOf(more.values()));
@@ -58,7 +58,7 @@ final class Named<V> {
         return names;
     }
 
-    /** The values, in the order of the names. */
+    /** Returns the values, in the order of the names. */
     List<V> values() {
         return values;
     }
@@ -67,7 +67,7 @@ final class Named<V> {
         return names.isEmpty();
     }
 
-    /** A copy as a map, in the same order. */
+    /** Returns a copy as a map, in the same order. */
     Map<String, V> toMap() {
         var map = new LinkedHashMap<String, V>();
         for (int i = 0; i < names.size(); i++) {
@@ -76,7 +76,7 @@ final class Named<V> {
         return map;
     }
 
-    /** A list with one more element. */
+    /** Returns a list with one more element. */
     static <E> List<E> append(List<E> list, E element) {
         List<E> longer = new ArrayList<>(list.size() + 1);
         longer.addAll(list);

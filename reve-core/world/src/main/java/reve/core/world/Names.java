@@ -6,7 +6,7 @@ import reve.core.text.VisibleName;
 
 import java.util.regex.Pattern;
 
-/** The one place that decides what a name may be. */
+/** The rules for names. */
 final class Names {
 
     static final int MAX_LENGTH = 128;
@@ -16,7 +16,7 @@ final class Names {
 
     private Names() {}
 
-    /** A name people choose and read: items, symbols. */
+    /** Checks a name that people choose and read: of an item or a symbol. */
     static String require(String what, String name) {
         if (name.isBlank()) {
             throw new IllegalArgumentException(what + " is empty");
@@ -45,7 +45,7 @@ final class Names {
         return name;
     }
 
-    /** As {@link #require}, a new name of an item: {@link VisibleName} finds no fault with it. */
+    /** Checks the name of a new item, which must also meet the rules of {@link VisibleName}. */
     static String requireItemName(String what, String name) {
         require(what, name);
         VisibleName.fault(name)
@@ -57,7 +57,7 @@ final class Names {
         return name;
     }
 
-    /** A name that becomes part of file names, whatever the file system. */
+    /** Checks a name that becomes part of file names, on any file system. */
     static String requireWorldName(String name) {
         require("world name", name);
         if (!WORLD_NAME.matcher(name).matches()) {
@@ -70,7 +70,7 @@ final class Names {
         return name;
     }
 
-    /** Whether a text can be written as UTF-8: it holds no half of a surrogate pair. */
+    /** Returns whether a text can be encoded in UTF-8: it has no unpaired surrogate. */
     static boolean isUnicode(String text) {
         for (int i = 0; i < text.length(); i++) {
             if (Character.isSurrogate(text.charAt(i))) {
@@ -83,7 +83,10 @@ final class Names {
         return true;
     }
 
-    /** A name that laws look up: properties, kinds. Short enough for the C side's 48 bytes. */
+    /**
+     * Checks a name that laws look up: of a property or kind. Its maximum length fits the 48 bytes
+     * of the C interface.
+     */
     static String requireIdentifier(String what, String name) {
         if (!IDENTIFIER.matcher(name).matches()) {
             throw new IllegalArgumentException(

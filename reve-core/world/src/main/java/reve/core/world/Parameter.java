@@ -6,10 +6,10 @@ import reve.core.unit.Unit;
 /**
  * One parameter of an action. All parameters are required.
  *
- * @param components how many numbers it takes; 1 for anything else
- * @param unit what its numbers are in; {@link Unit#ONE} for anything else
- * @param minimum least number that it takes [unit]; negative infinity for any
- * @param maximum greatest number that it takes [unit]; infinity for any
+ * @param components how many numbers it takes; 1 for other types
+ * @param unit of its numbers; {@link Unit#ONE} for other types
+ * @param minimum smallest accepted number [unit]; negative infinity for no limit
+ * @param maximum largest accepted number [unit]; infinity for no limit
  */
 public record Parameter(
         String name,
@@ -19,7 +19,7 @@ public record Parameter(
         double minimum,
         double maximum,
         String doc) {
-    /** Most numbers in one argument. */
+    /** Maximum number of components of one argument. */
     public static final int MAX_COMPONENTS = 16;
 
     /** Checks name, components and bounds. */
@@ -47,17 +47,17 @@ public record Parameter(
         }
     }
 
-    /** A parameter that takes any number, text or truth value. */
+    /** Creates a parameter without bounds. */
     public Parameter(String name, ParameterType type, int components, Unit unit, String doc) {
         this(name, type, components, unit, Double.NEGATIVE_INFINITY, Double.POSITIVE_INFINITY, doc);
     }
 
-    /** This parameter of numbers within a range [unit]; each component has to be in it. */
+    /** Returns a copy that accepts only numbers in a range [unit]; each component must be in it. */
     public Parameter within(double newMinimum, double newMaximum) {
         return new Parameter(name, type, components, unit, newMinimum, newMaximum, doc);
     }
 
-    /** Whether there is a least or a greatest number. */
+    /** Returns whether the parameter has a minimum or a maximum. */
     public boolean isBounded() {
         return isBounded(minimum, maximum);
     }
@@ -66,27 +66,27 @@ public record Parameter(
         return minimum > Double.NEGATIVE_INFINITY || maximum < Double.POSITIVE_INFINITY;
     }
 
-    /** One or several numbers in a unit. */
+    /** Returns a parameter for one or several numbers in a unit. */
     public static Parameter number(String name, int components, Unit unit, String doc) {
         return new Parameter(name, ParameterType.NUMBER, components, unit, doc);
     }
 
-    /** A text. */
+    /** Returns a parameter for a text. */
     public static Parameter text(String name, String doc) {
         return new Parameter(name, ParameterType.TEXT, 1, Unit.ONE, doc);
     }
 
-    /** True or false. */
+    /** Returns a parameter for a truth value. */
     public static Parameter truth(String name, String doc) {
         return new Parameter(name, ParameterType.TRUTH, 1, Unit.ONE, doc);
     }
 
-    /** The name of a body. */
+    /** Returns a parameter for the name of a body. */
     public static Parameter item(String name, String doc) {
         return new Parameter(name, ParameterType.ITEM, 1, Unit.ONE, doc);
     }
 
-    /** What this parameter takes, in words: {@code 3 numbers in N*s}. */
+    /** Returns the accepted values in words: {@code 3 numbers in N*s}. */
     String expectation() {
         return switch (type) {
             case NUMBER ->

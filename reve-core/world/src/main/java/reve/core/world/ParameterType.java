@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
-/** What an action's parameter takes. */
+/** The type of an action's parameter. */
 public enum ParameterType {
     /** Finite numbers, one or several, in the parameter's unit. */
     NUMBER,

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
-/** An action that can be performed. Items hold no others, but know them as {@link Action} only. */
+/**
+ * An action that can be performed. All actions of items implement it; most code sees them as {@link
+ * Action} only.
+ */
 public interface PerformableAction extends Action {
     /**
-     * Does it, in the phase ACT on the world's thread. Either all of it happens or none.
+     * Performs the action completely or not at all, in the phase ACT on the world's thread.
      *
-     * @throws ActionRefused if it cannot be done now; nothing has happened then
+     * @throws ActionRefused if it is not possible now; the world is then unchanged
      */
     void perform(ActionCall call) throws ActionRefused;
 }

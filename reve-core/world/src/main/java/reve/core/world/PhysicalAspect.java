@@ -8,8 +8,8 @@ import java.util.List;
 import java.util.Optional;
 
 /**
- * Where a body is and what it looks like: a view of its row. Only the kind {@code body} has one;
- * for other kinds it is empty and everything else here throws. World's thread only.
+ * Place, shape and appearance of a body: a view of its row. Only the kind {@code body} has one; for
+ * other kinds it is empty and all other methods throw. World's thread only.
  */
 public final class PhysicalAspect {
 
@@ -21,12 +21,15 @@ public final class PhysicalAspect {
         this.item = item;
     }
 
-    /** True if the item is no body. */
+    /** Returns whether the item is not a body. */
     public boolean isEmpty() {
         return !item.kind().equals(WorldPrototype.BODY);
     }
 
-    /** Place of the origin in the world frame (3) [m]; see {@link World#attach}. */
+    /**
+     * Returns the location of the origin in the world's reference frame (3) [m]; see {@link
+     * World#attach}.
+     */
     public double[] location() {
         requirePlace();
         return item.symbols().attachment() == null
@@ -35,7 +38,7 @@ public final class PhysicalAspect {
     }
 
     /**
-     * What is attached moves in its parent's frame.
+     * Sets the location. For an attached item, this changes its pose relative to the parent.
      *
      * @throws IllegalArgumentException naming item and value if a number is not finite
      */
@@ -47,7 +50,7 @@ public final class PhysicalAspect {
         note("location", numbers(from), List.of(x, y, z));
     }
 
-    /** Rotation as a unit quaternion xyzw (4). */
+    /** Returns the rotation as a unit quaternion xyzw (4). */
     public double[] orientation() {
         requirePlace();
         return item.symbols().attachment() == null
@@ -55,7 +58,10 @@ public final class PhysicalAspect {
                 : Arrays.copyOfRange(item.world().hierarchy.worldPose(item.id()), 3, Pose.NUMBERS);
     }
 
-    /** Any quaternion but 0; it is normalised. What is attached turns in its parent's frame. */
+    /**
+     * Sets the rotation; the quaternion must not be 0 and is normalised. For an attached item, this
+     * changes its pose relative to the parent.
+     */
     public void setOrientation(double x, double y, double z, double w) {
         double[] from = orientation();
         double[] unit = Values.requireRotation(item.name(), x, y, z, w);
@@ -64,18 +70,18 @@ public final class PhysicalAspect {
         note("orientation", numbers(from), numbers(unit));
     }
 
-    /** Extent of the shape along the item's own axes (3) [m]. */
+    /** Returns the extent of the shape along the item's own axes (3) [m]. */
     public double[] size() {
         return read("size");
     }
 
-    /** The shape; its numbers are in metres. */
+    /** Returns the shape, with lengths in metres. */
     public Shape shape() {
         requirePlace();
         return item.symbols().shape();
     }
 
-    /** Gives the body another shape. */
+    /** Sets the shape. */
     public void setShape(Shape shape) {
         Shape from = shape();
         item.change(item.symbols().with(item.symbols().likeness().with(shape)));
@@ -83,14 +89,14 @@ public final class PhysicalAspect {
         note("shape", from, shape);
     }
 
-    /** Material of the whole shape; without it, a mesh shows its own. */
+    /** Returns the material of the whole shape; if empty, a mesh has its own materials. */
     public Optional<Material> material() {
         requirePlace();
         return item.symbols().material();
     }
 
     /**
-     * @param material empty for the one that comes with the shape
+     * @param material empty for the material of the shape itself
      */
     public void setMaterial(Optional<Material> material) {
         Optional<Material> from = material();
@@ -98,30 +104,36 @@ public final class PhysicalAspect {
         note("material", from.orElse(null), material.orElse(null));
     }
 
-    /** The colour of the whole body. */
+    /** Returns the colour of the body. */
     public Colour colour() {
         int row = requirePlace();
         return new Colour(item.table().column("colour").getInt(row, 0));
     }
 
-    /** Gives the body another colour. */
+    /** Sets the colour. */
     public void setColour(Colour colour) {
         Colour from = colour();
         writeColour(colour);
         note("colour", from, colour);
     }
 
-    /** Lower corner of the box around the item as of the last DERIVE (3) [m]; NaN before. */
+    /**
+     * Returns the lower corner of the box around the item at the last DERIVE (3) [m]; NaN before.
+     */
     public double[] boundsMin() {
         return read("boundsMin");
     }
 
-    /** Upper corner of the box around the item as of the last DERIVE (3) [m]; NaN before. */
+    /**
+     * Returns the upper corner of the box around the item at the last DERIVE (3) [m]; NaN before.
+     */
     public double[] boundsMax() {
         return read("boundsMax");
     }
 
-    /** Writes what a definition, checked before, says; there is no box until DERIVE. */
+    /**
+     * Writes the values of a definition, which was checked before; the box is computed in DERIVE.
+     */
     void place(ItemDefinition definition) {
         Table table = item.table();
         int row = item.checkedRow();
@@ -189,7 +201,7 @@ public final class PhysicalAspect {
         }
     }
 
-    /** The column of a property, which the values fit. */
+    /** Returns the column of a property, after checking the values. */
     private Column column(String property, double... values) {
         requirePlace();
         Column column = item.table().column(property);

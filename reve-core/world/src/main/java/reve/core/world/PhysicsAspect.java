@@ -11,8 +11,8 @@ import java.util.Map;
 import java.util.Set;
 
 /**
- * What physics laws see of an item: a view of its row. An item whose physics aspect is empty is
- * scenery, which no law can move. World's thread only.
+ * The physics properties of an item, which laws use: a view of its row. An item whose physics
+ * aspect is empty is scenery, which laws cannot move. World's thread only.
  */
 public final class PhysicsAspect {
 
@@ -22,12 +22,14 @@ public final class PhysicsAspect {
         this.item = item;
     }
 
-    /** True if laws do not act on the item. */
+    /** Returns whether the item is scenery, which laws do not use. */
     public boolean isEmpty() {
         return item.checkedRow() >= item.table().physicsRowCount();
     }
 
-    /** All properties of the item's kind, or none if the aspect is empty; in a fixed order. */
+    /**
+     * Returns all properties of the item's kind in a fixed order, or none if the aspect is empty.
+     */
     public Set<String> properties() {
         var names = new LinkedHashSet<String>();
         if (!isEmpty()) {
@@ -41,7 +43,7 @@ public final class PhysicsAspect {
     }
 
     /**
-     * The value of a numeric property with one component [its unit].
+     * Returns the value of a numeric property with one component [its unit].
      *
      * @throws IllegalArgumentException if the kind has no such property or it has more components
      * @throws IllegalStateException if the aspect is empty
@@ -60,7 +62,7 @@ public final class PhysicsAspect {
         return column.getDouble(item.checkedRow(), 0);
     }
 
-    /** All components of a numeric property [its unit]; throws as {@link #scalar}. */
+    /** Returns all components of a numeric property [its unit]; throws like {@link #scalar}. */
     public double[] vector(String property) {
         Column column = existing(property);
         int row = item.checkedRow();
@@ -72,8 +74,8 @@ public final class PhysicsAspect {
     }
 
     /**
-     * Sets a numeric property. The first one makes scenery physical, which moves its row and is
-     * therefore refused where the structure is locked.
+     * Sets a numeric property. The first one turns scenery into a physical item. That moves its
+     * row, and is therefore refused while the structure is locked.
      *
      * @throws IllegalArgumentException naming item, property and value if the property is unknown,
      *     components are missing, or a number is not finite or does not fit its type
@@ -96,10 +98,11 @@ public final class PhysicsAspect {
     }
 
     /**
-     * Empties the aspect: the item becomes scenery. It moves the item's row and is therefore
-     * refused where the structure is locked.
+     * Clears the aspect: the item becomes scenery. This moves the item's row, and is therefore
+     * refused while the structure is locked.
      *
-     * @throws IllegalArgumentException naming who refers to it, or if it is the item {@code world}
+     * @throws IllegalArgumentException naming the items that refer to it, or if it is the item
+     *     {@code world}
      */
     public void clear() {
         if (isEmpty()) {
@@ -116,7 +119,9 @@ public final class PhysicsAspect {
         before.forEach((property, from) -> note(property, from, null));
     }
 
-    /** Sets a numeric property of an item that has the aspect, unchecked and unnoted. */
+    /**
+     * Sets a numeric property of a physical item, without checks and without recording the change.
+     */
     void write(String property, double... values) {
         Column column = column(property);
         int row = item.checkedRow();
@@ -125,7 +130,7 @@ public final class PhysicsAspect {
         }
     }
 
-    /** The item that a property with one reference points at; throws as {@link #scalar}. */
+    /** Returns the target of a property with one reference; throws like {@link #scalar}. */
     public ItemId reference(String property) {
         List<ItemId> all = references(property);
         if (all.size() != 1) {
@@ -140,7 +145,7 @@ public final class PhysicsAspect {
         return all.getFirst();
     }
 
-    /** The items that a reference property points at, in order; throws as {@link #scalar}. */
+    /** Returns the targets of a reference property, in order; throws like {@link #scalar}. */
     public List<ItemId> references(String property) {
         Column column = existing(property);
         int row = item.checkedRow();
@@ -152,10 +157,10 @@ public final class PhysicsAspect {
     }
 
     /**
-     * Points a reference property at other items; refused where the structure is locked.
+     * Sets the targets of a reference property; refused while the structure is locked.
      *
-     * @throws IllegalArgumentException naming item and property if a target is not there, of the
-     *     wrong kind or scenery
+     * @throws IllegalArgumentException naming item and property if a target does not exist, is of
+     *     the wrong kind or is scenery
      */
     public void setReferences(String property, ItemId... targets) {
         List<ItemId> from = references(property);

@@ -2,12 +2,12 @@
 package reve.core.world;
 
 /**
- * A place [m] and a rotation (unit quaternion xyzw) in some frame, that of the world or of an item.
- * Immutable.
+ * A location [m] and a rotation (unit quaternion xyzw) in a reference frame, of the world or of an
+ * item. Immutable.
  */
 public record Pose(double x, double y, double z, double qx, double qy, double qz, double qw) {
 
-    /** Numbers of a pose in an array: location, then orientation. */
+    /** Length of a pose as an array: location, then orientation. */
     static final int NUMBERS = 7;
 
     public static final Pose ORIGIN = new Pose(0, 0, 0, 0, 0, 0, 1);
@@ -43,7 +43,7 @@ public record Pose(double x, double y, double z, double qx, double qy, double qz
 
     /**
      * @param location (3) [m]
-     * @param orientation quaternion xyzw (4) of any length but 0; it is normalised
+     * @param orientation quaternion xyzw (4) of any length except 0; it is normalised
      */
     public static Pose of(double[] location, double[] orientation) {
         double[] unit = orientation.clone();
@@ -51,7 +51,7 @@ public record Pose(double x, double y, double z, double qx, double qy, double qz
         return new Pose(location[0], location[1], location[2], unit[0], unit[1], unit[2], unit[3]);
     }
 
-    /** As {@link #of}, of a quaternion that is of length 1 already and kept to the bit. */
+    /** Returns a pose like {@link #of}, from a quaternion of length 1, which is kept to the bit. */
     static Pose exactly(double[] location, double[] orientation) {
         return new Pose(
                 location[0],
@@ -63,24 +63,27 @@ public record Pose(double x, double y, double z, double qx, double qy, double qz
                 orientation[3]);
     }
 
-    /** Place (3) [m]. */
+    /** Returns the location (3) [m]. */
     public double[] location() {
         return new double[] {x, y, z};
     }
 
-    /** Unit quaternion xyzw (4). */
+    /** Returns the unit quaternion xyzw (4). */
     public double[] orientation() {
         return new double[] {qx, qy, qz, qw};
     }
 
-    /** Where this pose, given in the frame of an outer one, is in the outer one's frame. */
+    /**
+     * Returns this pose, which is relative to {@code outer}, in the reference frame of {@code
+     * outer} itself.
+     */
     public Pose within(Pose outer) {
         double[] out = new double[NUMBERS];
         compose(outer.numbers(), 0, numbers(), 0, out, 0);
         return of(out);
     }
 
-    /** The pose that {@link #within} turns into this one. */
+    /** Returns this pose relative to {@code outer}; the inverse of {@link #within}. */
     public Pose relativeTo(Pose outer) {
         double[] inverse = {0, 0, 0, -outer.qx, -outer.qy, -outer.qz, outer.qw};
         double[] moved = {x - outer.x, y - outer.y, z - outer.z, qx, qy, qz, qw};
@@ -99,8 +102,8 @@ public record Pose(double x, double y, double z, double qx, double qy, double qz
     }
 
     /**
-     * The inner pose in the frame of the outer one's frame; {@code out} may be either of them. The
-     * inner place turned by q is v + 2w(u x v) + 2u x (u x v), with q = (u, w).
+     * Composes an inner pose with an outer one; {@code out} may be either of them. The inner
+     * location v rotated by q = (u, w) is v + 2w(u x v) + 2u x (u x v).
      */
     static void compose(
             double[] outer, int at, double[] inner, int innerAt, double[] out, int outAt) {
@@ -128,7 +131,10 @@ public record Pose(double x, double y, double z, double qx, double qy, double qz
         normalise(out, outAt + 3);
     }
 
-    /** Keeps products of many rotations from growing or shrinking; 0 stays 0. */
+    /**
+     * Normalises a quaternion, because rounding changes the length of products of many rotations; 0
+     * stays 0.
+     */
     private static void normalise(double[] values, int at) {
         double length =
                 Math.sqrt(

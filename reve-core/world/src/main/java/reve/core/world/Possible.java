@@ -4,16 +4,16 @@ package reve.core.world;
 import java.util.Optional;
 
 /**
- * Which numbers a property may get: what no body can have is refused in world files, actions and
- * edits alike; magnitudes that laws cannot compute with, in actions and edits.
+ * Limits on the numbers of properties. Values that no body can have are refused in world files,
+ * actions and edits; magnitudes that laws cannot compute with are refused in actions and edits.
  */
 public final class Possible {
-    /** Fraction of a moment that rounding may take. */
+    /** Relative tolerance for rounding of moments. */
     private static final double ROUNDING = 1e-6;
 
     private Possible() {}
 
-    /** Why an action or an edit may not give a property these numbers; empty if it may. */
+    /** Returns why an action or an edit may not set these numbers; empty if it may. */
     public static Optional<String> refusal(PropertyDescriptor property, double... values) {
         for (double value : values) {
             Optional<String> refusal = property.type().refusal(value);
@@ -28,8 +28,8 @@ public final class Possible {
     }
 
     /**
-     * Why a body cannot have these principal moments [kg*m^2]: of a solid, none is larger than the
-     * sum of the two others; an axis of 0 is locked. Empty if it can.
+     * Returns why a body cannot have these principal moments [kg*m^2]; empty if it can. For a
+     * solid, none exceeds the sum of the two others; an axis of 0 is locked.
      */
     public static Optional<String> impossibleInertia(double... moments) {
         for (int axis = 0; axis < 3; axis++) {

@@ -7,13 +7,13 @@ import java.util.Objects;
 import java.util.Optional;
 
 /**
- * What a property is: one typed column of every item of a kind.
+ * The declaration of a property: one typed column for all items of a kind.
  *
  * @param name unique within a {@link WorldPrototype}
- * @param kind the row space the property belongs to: {@code body}, {@code spring}, ...
+ * @param kind the row space of the property: {@code body}, {@code spring}, ...
  * @param components numbers per item, 1 to 16
- * @param refersTo the kind that a {@link ScalarType#REF} property points at; empty for numbers
- * @param minimum least value that a number may be given [unit]; negative infinity for any
+ * @param refersTo the kind of the targets of a {@link ScalarType#REF} property; empty for numbers
+ * @param minimum smallest number that may be set [unit]; negative infinity for no limit
  */
 public record PropertyDescriptor(
         String name,
@@ -25,7 +25,7 @@ public record PropertyDescriptor(
         double minimum,
         String doc) {
 
-    /** Most numbers one item may have in one property: a 4 by 4 matrix. */
+    /** Maximum number of components: a 4 by 4 matrix. */
     public static final int MAX_COMPONENTS = 16;
 
     /** Checks names, components and bounds. */
@@ -68,7 +68,7 @@ public record PropertyDescriptor(
         }
     }
 
-    /** A property whose numbers may be any that its type holds. */
+    /** Creates a property whose only limits are those of its type. */
     public PropertyDescriptor(
             String name,
             String kind,
@@ -80,12 +80,14 @@ public record PropertyDescriptor(
         this(name, kind, type, components, unit, refersTo, Double.NEGATIVE_INFINITY, doc);
     }
 
-    /** What a number may be that the property refuses although its type holds it; for messages. */
+    /**
+     * Returns the allowed numbers in words, for messages about a value that the type could hold.
+     */
     public String allowed() {
         return (minimum == 0 ? "0" : Double.toString(minimum)) + " or more [" + unit.symbol() + "]";
     }
 
-    /** Bytes of one row. */
+    /** Returns the size of one row [bytes]. */
     public int rowBytes() {
         return type.bytes() * components;
     }

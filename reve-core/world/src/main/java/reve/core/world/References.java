@@ -23,7 +23,7 @@ final class References {
     }
 
     /**
-     * @throws IllegalArgumentException if a reference property cannot point at an item
+     * @throws IllegalArgumentException if a reference property cannot refer to an item
      */
     static void requireTarget(
             String where,
@@ -52,19 +52,19 @@ final class References {
         }
     }
 
-    /** Returns true if references point at an item. */
+    /** Returns whether references to an item exist. */
     boolean isReferredTo(ItemId item) {
         return referrers.get(item.value(), 0) > 0;
     }
 
-    /** Points a component of a column at another item, which was checked before. */
+    /** Sets a reference, which was checked before. */
     void set(Column column, int row, int component, ItemId target) {
         count(column.getReference(row, component), -1);
         column.setReference(row, component, target.value());
         count(target.value(), 1);
     }
 
-    /** Ends all references of an item that is removed or becomes scenery. */
+    /** Clears all references of an item that is removed or becomes scenery. */
     void release(Table table, ItemId item) {
         if (!table.hasPhysics(item)) {
             return;
@@ -76,7 +76,7 @@ final class References {
         }
     }
 
-    /** Counts all references again. */
+    /** Counts all references from the columns. */
     void countAll() {
         referrers.clear();
         for (Table table : tables) {
@@ -111,7 +111,7 @@ final class References {
         return all.subList(1, all.size());
     }
 
-    /** Adds the items that refer to any of the targets or are attached to one. */
+    /** Adds the items that refer to any of the targets, or are attached to one. */
     private void addReferrers(Collection<ItemId> targets, Set<ItemId> into) {
         for (ItemId target : targets) {
             into.addAll(hierarchy.children(target));
@@ -153,7 +153,7 @@ final class References {
 
     private void count(long target, int change) {
         if (target == 0) {
-            return; // refers to nothing yet
+            return; // has no references yet
         }
         int now = referrers.get(target, 0) + change;
         if (now == 0) {

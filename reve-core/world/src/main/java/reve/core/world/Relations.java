@@ -14,26 +14,25 @@ import java.util.TreeSet;
 import java.util.function.Function;
 
 /**
- * How bodies that have a shape are to each other, by the boxes around them as the last DERIVE left
- * them. Worked out when asked for; who does not ask pays nothing. Same thread as the world or
- * snapshot.
+ * Spatial relations between bodies that have a shape, based on the boxes around them at the last
+ * DERIVE. They are computed when they are read, and cost nothing otherwise. Same thread as the
+ * world or snapshot.
  *
- * <p>What is small is told from the boxes: the size of two bodies is the smaller of their boxes'
- * diagonals, and the tolerance a hundredth of it.
- *
+ * <p>Distances are relative to the boxes: the size of two bodies is the smaller of their boxes'
+ * diagonals, and the tolerance is a hundredth of it.
  * <ul>
- *   <li>{@code near}: the gap between the boxes is at most the size
- *   <li>{@code touching}: the gap is at most the tolerance
- *   <li>{@code on}: the bottom of the one is at the top of the other within the tolerance, and seen
- *       from above they overlap
- *   <li>{@code inside}: the one box is within the other, give or take the tolerance, and smaller
+ * <li>{@code near}: the gap between the boxes is at most the size
+ * <li>{@code touching}: the gap is at most the tolerance
+ * <li>{@code on}: the bottom of the first box is at the top of the second within the tolerance, and
+ * they overlap as seen from above
+ * <li>{@code inside}: the first box is within the second, up to the tolerance, and smaller
  * </ul>
  */
 public final class Relations {
-    /** All of them. */
+    /** Names of all relations. */
     public static final Set<String> NAMES = Set.of("near", "on", "inside", "touching");
 
-    /** Most items that are told for one item and relation. */
+    /** Maximum number of related items per item and relation. */
     public static final int MAX_ITEMS = RelatedBoxes.MOST;
 
     private static final double TOLERANCE = RelatedBoxes.TOLERANCE;
@@ -45,7 +44,7 @@ public final class Relations {
     private long compared;
 
     /**
-     * @param nameOf names of items in the table
+     * @param nameOf returns the name of an item in the table
      */
     Relations(TableView bodies, Space space, Function<ItemId, String> nameOf) {
         this.bodies = bodies;
@@ -53,7 +52,7 @@ public final class Relations {
         this.nameOf = nameOf;
     }
 
-    /** Two boxes, seen from the first. The second one is read from one row after another. */
+    /** Two boxes, as seen from the first. The second one is loaded from row after row. */
     private static final class Pair {
         private final ColumnView mins;
         private final ColumnView maxs;
@@ -124,7 +123,7 @@ public final class Relations {
             };
         }
 
-        /** A box that everything meets to which the relation may hold. */
+        /** Returns a box that intersects all boxes with which the relation may hold. */
         Box reach(String relation) {
             double by = diagonal * (relation.equals("near") ? 1 : TOLERANCE);
             return new Box(
@@ -141,19 +140,19 @@ public final class Relations {
         }
     }
 
-    /** One of the others, and how far away it is [m]. */
+    /** A related item, and its gap [m]. */
     private record Other(ItemId id, double gap) {}
 
     private static final Comparator<Other> NEAREST =
             Comparator.comparingDouble(Other::gap).thenComparing(Other::id);
 
     /**
-     * Names of the items that an item is near, on, inside or touching: the smallest gap first, then
-     * in the order of their ids, at most {@link #MAX_ITEMS}.
+     * Returns the names of the related items, ordered by gap, then by id, at most {@link
+     * #MAX_ITEMS}.
      *
      * @param relation one of {@link #NAMES}
      * @throws IllegalArgumentException for any other relation
-     * @return empty if the item is no body with a shape
+     * @return empty if the item is not a body with a shape
      */
     public Optional<List<String>> of(ItemId item, String relation) {
         if (!NAMES.contains(relation)) {
@@ -179,7 +178,7 @@ public final class Relations {
                     double gap = pair.gap();
                     others.add(new Other(id, gap));
                     if (gap == 0 && ++meeting == MAX_ITEMS) {
-                        break; // those that follow have higher ids and no smaller gap
+                        break; // all further items have higher ids and no smaller gap
                     }
                 }
             }
@@ -189,8 +188,8 @@ public final class Relations {
     }
 
     /**
-     * Returns how many bodies were found within reach for all answers so far, which is what answers
-     * cost. The same number on every machine.
+     * Returns the number of bodies compared for all answers so far, as a measure of their cost. The
+     * same number on every machine.
      */
     public long compared() {
         return compared;

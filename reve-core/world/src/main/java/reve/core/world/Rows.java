@@ -14,7 +14,7 @@ final class Rows {
         return count;
     }
 
-    /** Returns how many rows, the first ones, take part in physics. */
+    /** Returns the number of rows with physics, which come first. */
     int physicsCount() {
         return physicsCount;
     }
@@ -37,7 +37,7 @@ final class Rows {
         rowById.remove(id);
     }
 
-    /** Forgets the rows of all items. */
+    /** Removes all items. */
     void clear() {
         rowById.clear();
     }

@@ -5,21 +5,21 @@ import java.util.Optional;
 
 /** The type of one number in a column. */
 public enum ScalarType {
-    /** A real of 4 bytes. */
+    /** 4-byte floating point number. */
     F32(Float.BYTES),
-    /** A real of 8 bytes. */
+    /** 8-byte floating point number. */
     F64(Double.BYTES),
-    /** A signed whole number of 4 bytes. */
+    /** 4-byte signed integer. */
     I32(Integer.BYTES),
-    /** An unsigned whole number of 4 bytes. */
+    /** 4-byte unsigned integer. */
     U32(Integer.BYTES),
     /** The {@link ItemId} of another item; 0 means none. */
     REF(Long.BYTES);
 
-    /** Bounds of magnitudes that files, actions and edits may set, in the unit of the property. */
+    /** Largest magnitude that files, actions and edits may set, in the unit of the property. */
     public static final double MAX_F64 = 1e100;
 
-    /** Least magnitude other than 0. */
+    /** Smallest magnitude other than 0. */
     public static final double MIN_F64 = 1e-100;
 
     private static final double MAX_F32 = 1e30;
@@ -31,15 +31,16 @@ public enum ScalarType {
         this.bytes = bytes;
     }
 
-    /** Size of one number [byte]. */
+    /** Returns the size of one number [bytes]. */
     public int bytes() {
         return bytes;
     }
 
     /**
-     * Why an action or an edit may not give a column of this type the number; empty if it may.
-     * Reals are bounded far from what the type holds, so that sums of forces, cubes of distances
-     * and quotients of masses stay finite: 0 or 1e-100 to 1e100, in single precision 1e-35 to 1e30.
+     * Returns why an action or an edit may not store the number in a column of this type; empty if
+     * it may. The limits are narrower than the type, so that sums of forces, cubes of distances and
+     * quotients of masses stay finite: 0, or magnitudes of 1e-100 to 1e100, in single precision
+     * 1e-35 to 1e30.
      */
     public Optional<String> refusal(double value) {
         if (!holds(value)) {
@@ -60,7 +61,10 @@ public enum ScalarType {
                         "an action or an edit sets 0 or a magnitude from " + least + " to " + most);
     }
 
-    /** Whether a column of this type can hold the number; reals may be rounded, not overflow. */
+    /**
+     * Returns whether a column of this type can hold the number; a floating point number may be
+     * rounded but not overflow.
+     */
     public boolean holds(double value) {
         return switch (this) {
             case F64 -> Double.isFinite(value);

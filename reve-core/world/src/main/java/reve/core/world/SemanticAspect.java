@@ -9,7 +9,10 @@ import java.util.Map;
 import java.util.Objects;
 import java.util.Optional;
 
-/** What agents perceive of an item: symbols with text, truth or a number. World's thread only. */
+/**
+ * The symbols of an item, which agents perceive: texts, truth values, numbers or lists. World's
+ * thread only.
+ */
 public final class SemanticAspect {
 
     private final Item item;
@@ -19,9 +22,9 @@ public final class SemanticAspect {
     }
 
     /**
-     * A symbol of the designer's or of a rule, or a standard one: {@code name}, {@code class},
-     * {@code dimensions}, and of bodies {@code location} (three numbers [m]) and {@link Relations}:
-     * {@code near}, {@code on}, {@code inside}, {@code touching} (lists of names).
+     * Returns a symbol of the designer or of a rule, or a standard one: {@code name}, {@code
+     * class}, {@code dimensions}, and for bodies {@code location} (three numbers [m]) and {@link
+     * Relations}: {@code near}, {@code on}, {@code inside}, {@code touching} (lists of names).
      */
     public Optional<Object> get(String symbol) {
         item.checkedRow();
@@ -35,7 +38,7 @@ public final class SemanticAspect {
         return item.symbols().get(symbol);
     }
 
-    /** How bodies of the item's world are to each other, as of the last DERIVE. */
+    /** Returns the relations between bodies of the item's world, at the last DERIVE. */
     public Relations relations() {
         item.world().guard.checkOwner();
         return item.world().relations;
@@ -45,8 +48,8 @@ public final class SemanticAspect {
      * Checks a symbol that is to be set later.
      *
      * @param item name of its item, for messages
-     * @return the value as {@link #set} keeps it: text, truth, a Double or a list of such
-     * @throws IllegalArgumentException as {@link #set}
+     * @return the value as {@link #set} stores it: text, truth, a Double or a list of these
+     * @throws IllegalArgumentException like {@link #set}
      */
     public static Object requireSettable(
             WorldPrototype prototype, String item, String symbol, Object value) {
@@ -60,8 +63,8 @@ public final class SemanticAspect {
     /**
      * Sets a symbol.
      *
-     * @param value String, Boolean, a finite number or a List of such, of the type that the
-     *     prototype declares for the symbol, if it does
+     * @param value String, Boolean, a finite number or a List of these; if the prototype declares a
+     *     type for the symbol, of that type
      * @throws IllegalArgumentException naming item and symbol for any other value, and for the
      *     symbols that the world derives
      */
@@ -71,7 +74,7 @@ public final class SemanticAspect {
         change(symbol, checked, item.symbols().with(symbol, checked));
     }
 
-    /** Forgets a designer's symbol, if there. */
+    /** Removes a designer's symbol, if present. */
     public void remove(String symbol) {
         item.checkedRow();
         if (item.symbols().given().containsKey(symbol)) {
@@ -80,12 +83,12 @@ public final class SemanticAspect {
     }
 
     /**
-     * Gives the item a symbol that follows from others, in DERIVE; a symbol of that name that the
-     * designer or an action gave hides it. Such changes are not noted: whoever has the rest of the
-     * world can work them out.
+     * Sets a derived symbol, in DERIVE; a symbol of the same name from the designer or an action
+     * takes precedence. The change is not recorded, because it can be computed from the rest of the
+     * world.
      *
-     * @param value as {@link #set}, or null to take the symbol away
-     * @throws IllegalArgumentException as {@link #set}
+     * @param value as in {@link #set}, or null to remove the symbol
+     * @throws IllegalArgumentException like {@link #set}
      */
     public void derive(String symbol, @Nullable Object value) {
         item.checkedRow();
@@ -105,8 +108,8 @@ public final class SemanticAspect {
     }
 
     /**
-     * All symbols that are kept, standard ones first: see {@link ItemSymbols#symbols()}. Location
-     * and relations, which are worked out when asked for, are not among them.
+     * Returns all stored symbols, standard ones first: see {@link ItemSymbols#symbols()}. Omits
+     * location and relations, which are computed when they are read.
      */
     public Map<String, Object> symbols() {
         item.checkedRow();

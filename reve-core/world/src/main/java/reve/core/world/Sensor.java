@@ -8,22 +8,23 @@ import java.util.SortedSet;
 import java.util.TreeSet;
 
 /**
- * What an agent perceives through its body. A body with sensors perceives nothing but what one of
- * them senses.
+ * A sensor, through which an agent perceives with its body. A body with sensors perceives only what
+ * one of them senses.
  *
- * <p>A camera senses no items: its agent is sent pictures when it asks to look.
+ * <p>A camera senses no items: its agent receives pictures on request.
  *
  * @param name unique among the sensors of a body
- * @param touch true if it senses what the body's bounding box comes as close to as the range; else
- *     it looks from the body's origin along its own +Z axis, the front of a glTF model
- * @param range how far it reaches [m], infinite for everything
- * @param fieldOfView full angle of the cone in which it sees [rad], 2π for all round; of a camera
+ * @param touch true if it senses items whose boxes are within the range of the body's box;
+ *     otherwise it looks from the body's origin along its own +Z axis, the front of a glTF model
+ * @param range maximum distance [m], infinite for no limit
+ * @param fieldOfView full angle of the cone that it sees [rad], 2π for all directions; for a camera
  *     the vertical angle of its picture, at most {@link #WIDEST_CAMERA}
- * @param lineOfSight true if what is behind the bounding box of another item is hidden
- * @param every it senses every that many frames; in between the agent keeps what it knows
- * @param symbols which symbols it perceives; empty for all
- * @param aspects what it perceives of an item beside its name
- * @param camera what its pictures are like, if it is a camera
+ * @param lineOfSight true if items behind the bounding box of another item are hidden
+ * @param every interval between perceptions [frames]; in between the agent keeps the last
+ *     perception
+ * @param symbols names of the perceived symbols; empty for all
+ * @param aspects the perceived aspects of an item, in addition to its name
+ * @param camera settings of the pictures, if it is a camera
  */
 public record Sensor(
         String name,
@@ -38,25 +39,25 @@ public record Sensor(
 
     public static final double ALL_ROUND = 2 * Math.PI;
 
-    /** The gap at which boxes count as touching, unless a sensor says otherwise [m]. */
+    /** Default gap at which boxes count as touching [m]. */
     public static final double TOUCH_RANGE = 0.01;
 
-    /** Widest vertical angle of a picture [rad]. */
+    /** Maximum vertical angle of a picture [rad]. */
     public static final double WIDEST_CAMERA = Math.toRadians(170);
 
     /**
-     * What a camera's pictures are like.
+     * Settings of a camera's pictures.
      *
      * @param width [px]
      * @param height [px]
-     * @param layers what they show of each pixel, at least one
+     * @param layers data of each pixel, at least one
      */
     public record Camera(int width, int height, Set<Layer> layers) {
-        /** Most pixels of a picture. */
+        /** Maximum number of pixels of a picture. */
         public static final int MAX_PIXELS = 1 << 16;
 
         /**
-         * @throws IllegalArgumentException if the size is out of its bounds
+         * @throws IllegalArgumentException if the size is out of bounds
          */
         public Camera {
             if (width < 1 || height < 1 || (long) width * height > MAX_PIXELS) {
@@ -72,24 +73,24 @@ public record Sensor(
             layers = EnumSet.copyOf(layers);
         }
 
-        /** A fresh copy. */
+        /** Returns a copy. */
         @Override
         public Set<Layer> layers() {
             return EnumSet.copyOf(layers);
         }
     }
 
-    /** What a picture shows of each pixel. */
+    /** A kind of data of each pixel. */
     public enum Layer {
         /** Red, green and blue. */
         COLOUR,
-        /** How far away it is. */
+        /** Distance along the view axis. */
         DEPTH,
-        /** Which item it is. */
+        /** Visible item. */
         ITEMS
     }
 
-    /** A side of an item that can be perceived. */
+    /** An aspect of an item that can be perceived. */
     public enum Aspect {
         /** Location and orientation. */
         PHYSICAL,
@@ -100,7 +101,7 @@ public record Sensor(
     }
 
     /**
-     * @throws IllegalArgumentException if range, field of view or every is out of its bounds
+     * @throws IllegalArgumentException if range, field of view or every is out of bounds
      */
     public Sensor {
         if (!(range > 0)) {
@@ -123,7 +124,7 @@ public record Sensor(
         aspects = aspects.isEmpty() ? Set.of() : Set.copyOf(EnumSet.copyOf(aspects));
     }
 
-    /** Sees everything all round, as far as it reaches. */
+    /** Returns a sensor that sees in all directions, up to the range. */
     public static Sensor sight(String name, double range) {
         return new Sensor(
                 name,
@@ -137,7 +138,7 @@ public record Sensor(
                 Optional.empty());
     }
 
-    /** Feels everything that the body touches. */
+    /** Returns a sensor that senses all items that the body touches. */
     public static Sensor touch(String name) {
         return new Sensor(
                 name,
@@ -151,7 +152,11 @@ public record Sensor(
                 Optional.empty());
     }
 
-    /** Takes pictures. @param fieldOfView vertical angle of them [rad] */
+    /**
+     * Returns a camera.
+     *
+     * @param fieldOfView vertical angle of its pictures [rad]
+     */
     public static Sensor camera(String name, double fieldOfView, Camera pictures) {
         return new Sensor(
                 name,
@@ -165,30 +170,30 @@ public record Sensor(
                 Optional.of(pictures));
     }
 
-    /** The same, as far as that [m]. */
+    /** Returns a copy with another range [m]. */
     public Sensor withRange(double metres) {
         return new Sensor(
                 name, touch, metres, fieldOfView, lineOfSight, every, symbols, aspects, camera);
     }
 
-    /** The same with another full angle of its cone [rad]. */
+    /** Returns a copy with another full angle of its cone [rad]. */
     public Sensor withFieldOfView(double radians) {
         return new Sensor(
                 name, touch, range, radians, lineOfSight, every, symbols, aspects, camera);
     }
 
-    /** The same, from which other items hide what is behind them. */
+    /** Returns a copy that does not see items behind other items. */
     public Sensor withLineOfSight() {
         return new Sensor(name, touch, range, fieldOfView, true, every, symbols, aspects, camera);
     }
 
-    /** The same, which senses every so many frames. */
+    /** Returns a copy with another interval [frames]. */
     public Sensor withEvery(int frames) {
         return new Sensor(
                 name, touch, range, fieldOfView, lineOfSight, frames, symbols, aspects, camera);
     }
 
-    /** The same, which perceives these symbols only. */
+    /** Returns a copy that perceives only these symbols. */
     public Sensor withSymbols(Set<String> names) {
         return new Sensor(
                 name,
@@ -202,18 +207,18 @@ public record Sensor(
                 camera);
     }
 
-    /** The same, which perceives these aspects. */
+    /** Returns a copy that perceives these aspects. */
     public Sensor withAspects(Set<Aspect> some) {
         return new Sensor(
                 name, touch, range, fieldOfView, lineOfSight, every, symbols, some, camera);
     }
 
-    /** True if it takes pictures, and senses no items. */
+    /** Returns whether it is a camera, which senses no items. */
     public boolean isCamera() {
         return camera.isPresent();
     }
 
-    /** True if it also senses what has no place, such as a spring. */
+    /** Returns whether it also senses items without a place, such as springs. */
     public boolean isUnlimited() {
         return !isCamera()
                 && !touch

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
-/** The form of a body around its origin, in metres along its own axes. Immutable. */
+/** The shape of a body around its origin, in metres along its own axes. Immutable. */
 public sealed interface Shape permits Shape.None, Shape.Sphere, Shape.Box, Shape.Plane, Mesh {
 
     /** Code of {@link None}. */
@@ -19,30 +19,28 @@ public sealed interface Shape permits Shape.None, Shape.Sphere, Shape.Box, Shape
     /** Code of {@link Mesh}. */
     int MESH = 4;
 
-    /**
-     * What the {@code shape} column holds for this form; the numbers never change their meaning.
-     */
+    /** Returns the value in the column {@code shape}; the codes never change their meaning. */
     int code();
 
-    /** Extent along an own axis (0, 1, 2) [m]. */
+    /** Returns the extent along an own axis (0, 1, 2) [m]. */
     double size(int axis);
 
-    /** A place without a form. */
+    /** Returns the shape of a body without one. */
     static Shape none() {
         return None.INSTANCE;
     }
 
-    /** A ball of this radius [m]. */
+    /** Returns a sphere with this radius [m]. */
     static Shape sphere(double radius) {
         return new Sphere(radius);
     }
 
-    /** A box with these edges [m]. */
+    /** Returns a box with these edges [m]. */
     static Shape box(double x, double y, double z) {
         return new Box(x, y, z);
     }
 
-    /** A rectangle in x and z with these edges [m]. */
+    /** Returns a rectangle in x and z with these edges [m]. */
     static Shape plane(double x, double z) {
         return new Plane(x, z);
     }
@@ -52,9 +50,9 @@ public sealed interface Shape permits Shape.None, Shape.Sphere, Shape.Box, Shape
         return new Mesh(vertices, triangles);
     }
 
-    /** A place without a form; nothing is drawn. */
+    /** A body without a shape; it is not drawn. */
     enum None implements Shape {
-        /** The only one. */
+        /** The only instance. */
         INSTANCE;
 
         @Override
@@ -68,7 +66,11 @@ public sealed interface Shape permits Shape.None, Shape.Sphere, Shape.Box, Shape
         }
     }
 
-    /** A ball centred on the origin. @param radius [m] */
+    /**
+     * A sphere centred on the origin.
+     *
+     * @param radius [m]
+     */
     record Sphere(double radius) implements Shape {
         /** Checks the radius. */
         public Sphere {
@@ -106,7 +108,7 @@ public sealed interface Shape permits Shape.None, Shape.Sphere, Shape.Box, Shape
         }
     }
 
-    /** A flat rectangle centred on the origin that faces along its own +Y. */
+    /** A flat rectangle centred on the origin; its normal is its own +Y axis. */
     record Plane(double x, double z) implements Shape {
         /** Checks the edges. */
         public Plane {

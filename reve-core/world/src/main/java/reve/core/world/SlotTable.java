@@ -9,9 +9,9 @@ import java.util.Arrays;
 import java.util.List;
 
 /**
- * The rows of one table in one slot of a {@link SnapshotRing}: written by the world's thread, read
- * by everybody. Columns that are the same as in the slot of the frame before are shared with it,
- * and those that hold nothing but zeros with each other.
+ * The rows of one table in one slot of a {@link SnapshotRing}: the world's thread writes them, any
+ * thread reads. Columns that equal those of the previous frame's slot are shared with it, and
+ * columns of zeros are shared by all.
  */
 final class SlotTable {
 
@@ -24,7 +24,7 @@ final class SlotTable {
     private int physicsRowCount;
 
     /**
-     * @param memory for each column, of all slots together
+     * @param memory for each column, for all slots of the ring
      */
     SlotTable(Table table, List<ColumnBuffers> memory, Zeros zeros) {
         this.kind = table.kind();
@@ -35,7 +35,7 @@ final class SlotTable {
         Arrays.fill(buffers, ColumnBuffers.NONE);
     }
 
-    /** Takes the used rows over; allocates only when a column has outgrown its memory. */
+    /** Copies the used rows; allocates memory only if a column has grown. */
     void copyFrom(Table table, @Nullable SlotTable before) {
         List<Column> sources = table.allColumns();
         rowCount = table.rowCount();
@@ -58,8 +58,8 @@ final class SlotTable {
     }
 
     /**
-     * A view of the copy as it is now. If the copy is changing meanwhile the view is nonsense,
-     * though safe to make and to read; the slot's stamp tells.
+     * Returns a view of the copy. If the copy changes meanwhile, the values are invalid, but
+     * reading is safe; the slot's stamp shows it.
      */
     TableSnapshot view() {
         return new TableSnapshot(kind, rowCount, physicsRowCount, properties, buffers.clone());
@@ -70,7 +70,7 @@ final class SlotTable {
         buffers[column] = ColumnBuffers.NONE;
     }
 
-    /** Whether the first byte is 0, and each the same as the one before it. */
+    /** Returns whether all bytes are 0. */
     private static boolean isZero(MemorySegment memory, long bytes) {
         return bytes == 0
                 || memory.get(ValueLayout.JAVA_BYTE, 0) == 0

@@ -8,16 +8,16 @@ import java.util.List;
 import java.util.Optional;
 
 /**
- * A fixed number of slots that hold the last published frames of a world for any number of readers.
- * Neither side ever waits: a frame goes into the oldest slot that nobody reads, or, if all are
- * being read, into the oldest one, whose readers thereby lose it. A slot takes memory when it is
- * first needed, and slots share the columns that did not change from frame to frame.
+ * A fixed number of slots with the last published frames of a world, for any number of readers.
+ * Neither side ever waits: a frame is written to the oldest slot without readers or, if all have
+ * readers, to the oldest one, whose readers lose it. A slot allocates memory when it is first
+ * needed, and slots share columns that did not change from frame to frame.
  */
 public final class SnapshotRing {
 
     private final World world;
 
-    /** All slots but the latest, oldest first. */
+    /** All slots except the latest, oldest first. */
     private final List<SnapshotSlot> older;
 
     private final SnapshotSlot.Memory memory;
@@ -40,7 +40,7 @@ public final class SnapshotRing {
     }
 
     /**
-     * Copies the world as it is now, as one frame. World's thread, in PUBLISH. Allocates only when
+     * Copies the present world as one frame. World's thread, in PUBLISH. Allocates memory only if
      * the world has grown or has events.
      *
      * @param frame number of the frame
@@ -58,8 +58,8 @@ public final class SnapshotRing {
     }
 
     /**
-     * The last frame published, empty before the first. Any thread; never waits. The reader closes
-     * it soon, and asks {@link WorldSnapshot#lost()} after reading.
+     * Returns the last published frame, empty before the first. Any thread; never waits. The reader
+     * closes it soon, and calls {@link WorldSnapshot#lost()} after reading.
      */
     public Optional<WorldSnapshot> acquireLatest() {
         while (true) {
@@ -74,7 +74,10 @@ public final class SnapshotRing {
         }
     }
 
-    /** A new slot while there may be more, the oldest one if all are being read. */
+    /**
+     * Returns a new slot up to the maximum number, then the oldest slot without readers, else the
+     * oldest one.
+     */
     private SnapshotSlot oldestFreeSlot() {
         for (int i = 0; i < older.size(); i++) {
             if (older.get(i).isFree()) {

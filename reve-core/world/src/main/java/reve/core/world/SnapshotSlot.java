@@ -13,12 +13,12 @@ import java.util.concurrent.atomic.AtomicInteger;
 import java.util.concurrent.atomic.AtomicLong;
 
 /**
- * Room for one snapshot, guarded by a stamp (a sequence lock): odd from when the world's thread
- * begins to write until a whole frame is there, else even and different after every write.
+ * Memory for one snapshot, guarded by a stamp (a sequence lock): odd while the world's thread
+ * writes, otherwise even and different after every write.
  */
 final class SnapshotSlot {
 
-    /** What the slots of one ring share. */
+    /** Memory that the slots of one ring share. */
     static final class Memory {
         private final List<List<ColumnBuffers>> columns;
         private final Zeros zeros = new Zeros();
@@ -57,10 +57,10 @@ final class SnapshotSlot {
     }
 
     /**
-     * Overwrites the slot, readers or not. World's thread. If it throws, nobody can acquire the
-     * slot until it is written again.
+     * Overwrites the slot, even if it has readers. World's thread. If it throws, the slot cannot be
+     * acquired until it is written again.
      *
-     * @param before the slot of the last frame, whose columns are shared where they did not change
+     * @param before the slot of the previous frame, with which unchanged columns are shared
      */
     void write(World world, long newFrame, double newTimeSeconds, @Nullable SnapshotSlot before) {
         long writing = stamp.getPlain() | 1;
@@ -77,7 +77,7 @@ final class SnapshotSlot {
         stamp.setRelease(writing + 1);
     }
 
-    /** A view of what the slot holds, unless that is no whole frame. Any thread. */
+    /** Returns a view of the slot, unless its content is incomplete. Any thread. */
     Optional<WorldSnapshot> acquire() {
         readers.incrementAndGet();
         long before = stamp.getAcquire();

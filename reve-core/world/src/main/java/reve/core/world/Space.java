@@ -11,12 +11,12 @@ import java.util.function.LongPredicate;
 import java.util.function.LongSupplier;
 
 /**
- * Which bodies are where, by the boxes around them ({@code boundsMin}, {@code boundsMax}) as the
- * last DERIVE left them: what was moved or reshaped since is found where it was, what was added
- * since is not found yet, what was removed since not any more. A body without a shape is a point.
+ * Spatial search for bodies by the boxes around them ({@code boundsMin}, {@code boundsMax}) at the
+ * last DERIVE. Later moves and changes of shape are not considered, items added later are not
+ * found, and removed items are omitted. A body without a shape is a point.
  *
- * <p>Looks boxes up in a tree that is brought up to date when somebody asks for the first time
- * after DERIVE; a world that nobody asks pays nothing. Same thread as the world or snapshot.
+ * <p>Uses a tree of boxes, which is updated at the first search after DERIVE; without searches it
+ * costs nothing. Same thread as the world or snapshot.
  */
 public final class Space {
 
@@ -33,9 +33,9 @@ public final class Space {
 
     /**
      * @param ids of the bodies in the rows
-     * @param version raised when the boxes were worked out anew; 0 or more
-     * @param removals how many bodies were removed so far
-     * @param isThere whether the body with an id is still there
+     * @param version increases when the boxes were computed; 0 or more
+     * @param removals number of bodies removed so far
+     * @param isThere returns whether a body still exists
      */
     Space(
             ColumnView ids,
@@ -52,20 +52,23 @@ public final class Space {
         this.isThere = isThere;
     }
 
-    /** Bodies whose boxes meet a box or touch it, in the order of their ids. */
+    /** Returns the bodies whose boxes intersect or touch a box, in the order of their ids. */
     public List<ItemId> inBox(Box box) {
         inBox(box, found);
         return present(Integer.MAX_VALUE);
     }
 
-    /** As {@link #inBox(Box)}, into memory of the caller's, which grows only to what is found. */
+    /**
+     * Searches like {@link #inBox(Box)}, into memory of the caller, which grows only to the number
+     * of results.
+     */
     public void inBox(Box box, Found into) {
         update();
         index.inBox(box, into);
         keepPresent(into);
     }
 
-    /** Bodies whose boxes meet a ball or touch it, in the order of their ids. */
+    /** Returns the bodies whose boxes intersect or touch a sphere, in the order of their ids. */
     public List<ItemId> inSphere(double x, double y, double z, double radius) {
         if (!(radius >= 0)) {
             throw new IllegalArgumentException("radius is " + radius + " m, expected 0 or more");
@@ -77,10 +80,10 @@ public final class Space {
     }
 
     /**
-     * The bodies nearest to a point: in the order of the distance from the point to their boxes, 0
-     * within them, and of their ids for equal ones.
+     * Returns the bodies nearest to a point, ordered by the distance from the point to their boxes,
+     * 0 inside them, then by id.
      *
-     * @param most how many; fewer if there are not so many
+     * @param most maximum number of results
      */
     public List<ItemId> nearest(double x, double y, double z, int most) {
         if (most < 0 || Double.isNaN(x + y + z)) {
@@ -104,7 +107,7 @@ public final class Space {
             if (all || found.size() >= most) {
                 return present(most);
             }
-            asked = 2 * asked; // some were removed since DERIVE
+            asked = 2 * asked; // some bodies were removed since DERIVE
         }
     }
 

@@ -3,7 +3,7 @@ package reve.core.world;
 
 import java.util.Set;
 
-/** Names of the symbols that items have without a designer's doing. */
+/** Names of the symbols that items have without a declaration. */
 public final class StandardSymbols {
 
     static final String NAME = "name";

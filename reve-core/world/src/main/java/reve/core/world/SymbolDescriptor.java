@@ -4,12 +4,12 @@ package reve.core.world;
 import reve.core.unit.Unit;
 
 /**
- * What the designer of a world says of a semantic symbol, wherever it occurs.
+ * The designer's declaration of a semantic symbol, for all items.
  *
- * @param unit what a number is in; {@link Unit#ONE} for anything else
+ * @param unit of a number; {@link Unit#ONE} for other types
  */
 public record SymbolDescriptor(String name, SymbolType type, Unit unit, String doc) {
-    /** Most elements of a list. */
+    /** Maximum number of elements of a list. */
     public static final int MAX_ELEMENTS = 64;
 
     /** Checks name and unit. */

@@ -8,17 +8,17 @@ import java.util.Map;
 import java.util.TreeSet;
 
 /**
- * Which items have which value of a symbol. A symbol is indexed from the first time it is asked
- * for, so that others cost nothing. World's thread only.
+ * An index from the values of a symbol to items. A symbol is indexed from its first search, so that
+ * other symbols cost nothing. World's thread only.
  */
 final class SymbolIndex {
 
     private final Map<String, Map<Object, TreeSet<ItemId>>> byValue = new HashMap<>();
 
     /**
-     * Items that have the value, in the order of their ids; a copy.
+     * Returns the items with that value, in the order of their ids; a copy.
      *
-     * @param all every item of the world, to look through for a symbol not yet indexed
+     * @param all every item of the world, for building the index
      */
     List<ItemId> find(String symbol, Object value, Collection<ItemSymbols> all) {
         Map<Object, TreeSet<ItemId>> index = byValue.get(symbol);
@@ -33,7 +33,7 @@ final class SymbolIndex {
         return found == null ? List.of() : List.copyOf(found);
     }
 
-    /** Forgets everything, after items were replaced as a whole. */
+    /** Discards all indexes, after all items were replaced. */
     void clear() {
         byValue.clear();
     }
@@ -67,7 +67,7 @@ final class SymbolIndex {
                                         }));
     }
 
-    /** Numbers are equal whatever their type and the sign of their zero. */
+    /** Returns a key that is equal for equal numbers of any type, and for 0 and -0. */
     private static Object key(Object value) {
         return value instanceof Number number ? Double.valueOf(number.doubleValue() + 0.0) : value;
     }

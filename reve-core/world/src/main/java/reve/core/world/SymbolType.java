@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
-/** What a semantic symbol holds. */
+/** The type of a semantic symbol. */
 public enum SymbolType {
     /** A text. */
     TEXT,

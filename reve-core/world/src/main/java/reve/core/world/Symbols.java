@@ -18,7 +18,7 @@ final class Symbols {
     private final SymbolIndex bySymbol = new SymbolIndex();
     private PMap<ItemId, ItemSymbols> all = TreePMap.empty();
 
-    /** The likeness of the item added last: the next one often has an equal one. */
+    /** The likeness of the last added item, because the next item often has an equal one. */
     private @Nullable Likeness latest;
 
     /** Numbers of items by the agent that made them; contains no 0. */
@@ -28,7 +28,7 @@ final class Symbols {
     private long lastId;
     private long removals;
 
-    /** Returns the symbolic data of a new item, under a new id. */
+    /** Creates the symbolic data of a new item, with a new id. */
     ItemSymbols create(ItemDefinition definition, @Nullable String maker) {
         Likeness likeness = Likeness.of(definition);
         if (likeness.equals(latest)) {
@@ -38,7 +38,7 @@ final class Symbols {
         return new ItemSymbols(new ItemId(++lastId), definition, likeness, maker);
     }
 
-    /** Returns the highest id that was ever given out. */
+    /** Returns the highest id that was ever assigned. */
     long lastId() {
         return lastId;
     }
@@ -58,12 +58,12 @@ final class Symbols {
         return bySymbol.find(symbol, value, all.values());
     }
 
-    /** Returns how many items there are that actions of an agent created. */
+    /** Returns the number of items that actions of an agent created. */
     int made(String agent) {
         return made.getOrDefault(agent, 0);
     }
 
-    /** Returns how many items there are that actions of agents created. */
+    /** Returns the number of items that actions of agents created. */
     int made() {
         return madeInAll;
     }
@@ -74,7 +74,7 @@ final class Symbols {
         count(item, 1);
     }
 
-    /** Returns a number that each removal raises, also a removal by an image. */
+    /** Returns a number that each removal increments, including removals by a restored image. */
     long removals() {
         return removals;
     }
@@ -93,7 +93,7 @@ final class Symbols {
         all = all.plus(after.id(), after);
     }
 
-    /** Replaces all by the symbolic data of an image. */
+    /** Replaces all symbolic data by that of an image. */
     void restore(PMap<ItemId, ItemSymbols> other, long otherLastId) {
         removals++;
         bySymbol.clear();

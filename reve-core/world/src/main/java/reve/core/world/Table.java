@@ -14,8 +14,8 @@ import java.util.function.Function;
 import java.util.stream.Stream;
 
 /**
- * The live rows of one kind. World's thread only; rows come and go through {@link World}. Memory
- * behind the last row is always zero.
+ * The live rows of one kind. World's thread only; {@link World} adds and removes rows. Memory after
+ * the last row is always zero.
  */
 public final class Table implements TableView {
 
@@ -33,12 +33,12 @@ public final class Table implements TableView {
     private final Map<String, Column> byName = new LinkedHashMap<>();
     private final Map<String, Column> physicsByName = new LinkedHashMap<>();
 
-    /** The form of the item in each row; as many as there is memory for. */
+    /** The shape of the item in each row; the length is the capacity in rows. */
     private Shape[] shapes;
 
     /**
-     * @param guard asked before each change
-     * @param record gets to know of direct edits of columns
+     * @param guard called before each change
+     * @param record receives direct edits of columns
      */
     Table(
             String kind,
@@ -107,7 +107,7 @@ public final class Table implements TableView {
         return rows.rowOf(id);
     }
 
-    /** True if the item is in this table and takes part in physics. */
+    /** Returns whether the item is in this table and takes part in physics. */
     boolean hasPhysics(ItemId id) {
         int row = rowOf(id);
         return row >= 0 && row < rows.physicsCount();
@@ -123,7 +123,7 @@ public final class Table implements TableView {
         return columns;
     }
 
-    /** The form of the item in a row. */
+    /** Returns the shape of the item in a row. */
     public Shape shapeAt(int row) {
         return shapes[Objects.checkIndex(row, rows.count())];
     }
@@ -132,7 +132,7 @@ public final class Table implements TableView {
         shapes[row] = shape;
     }
 
-    /** The ids of the items, then {@link #columns()}. */
+    /** Returns the column of ids, then {@link #columns()}. */
     List<Column> allColumns() {
         return allColumns;
     }
@@ -145,12 +145,12 @@ public final class Table implements TableView {
         return required(physicsByName, "physics property", name);
     }
 
-    /** Columns of references, in a fixed order. */
+    /** Returns the columns of references, in a fixed order. */
     List<Column> references() {
         return references;
     }
 
-    /** Gives an item a zeroed row at the end of its part. */
+    /** Assigns a zeroed row at the end of its part to an item. */
     int insert(ItemId id, boolean physics) {
         makeRoom(rowCount() + 1);
         int row = rowCount();
@@ -167,7 +167,7 @@ public final class Table implements TableView {
         return row;
     }
 
-    /** Takes an item's row away; the last row of each part moves into the gap. */
+    /** Removes an item's row; the last row of each part moves into the gap. */
     void remove(ItemId id) {
         int gap = rowOf(id);
         int last = rowCount() - 1;
@@ -184,7 +184,7 @@ public final class Table implements TableView {
         layout.rowsMoved();
     }
 
-    /** Moves a scenery row to the end of the physics part, values included. */
+    /** Moves a scenery row to the end of the physics part, with its values. */
     void promote(ItemId id) {
         makeRoom(rowCount() + 1);
         int to = physicsRowCount();
@@ -203,7 +203,7 @@ public final class Table implements TableView {
         layout.rowsMoved();
     }
 
-    /** Makes room for that many rows, at least doubling when more memory is needed. */
+    /** Allocates memory for that number of rows; grows at least by a factor of two. */
     void makeRoom(int wanted) {
         if (wanted <= shapes.length) {
             return;
@@ -215,7 +215,7 @@ public final class Table implements TableView {
         Arrays.fill(shapes, before, capacity, Shape.none());
     }
 
-    /** Takes over all rows of a copy. */
+    /** Copies all rows from an image. */
     void restore(TableCopy copy, Function<ItemId, Shape> shapeOf) {
         makeRoom(copy.rowCount());
         clear(copy.rowCount(), Math.max(0, rowCount() - copy.rowCount()));
@@ -242,7 +242,7 @@ public final class Table implements TableView {
         }
     }
 
-    /** Swaps two rows by way of the first unused one. */
+    /** Swaps two rows, with the first unused row as temporary memory. */
     private void swap(int one, int other) {
         if (one != other) {
             int spare = rowCount();
@@ -262,7 +262,7 @@ public final class Table implements TableView {
         shapes[to] = shapes[from];
     }
 
-    /** Notes where the item of a row is now. */
+    /** Records the row of its item. */
     private void settle(int row) {
         rows.put(ids.getReference(row, 0), row);
     }

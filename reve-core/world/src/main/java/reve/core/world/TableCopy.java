@@ -17,7 +17,8 @@ public final class TableCopy {
     private int physicsRowCount;
 
     /**
-     * @param allocate gives memory for that many bytes; what is outgrown is left to its owner
+     * @param allocate returns memory with that number of bytes; replaced memory stays with its
+     *     owner
      */
     TableCopy(Table table, LongFunction<MemorySegment> allocate) {
         this.kind = table.kind();
@@ -27,32 +28,35 @@ public final class TableCopy {
         Arrays.fill(memories, MemorySegment.NULL);
     }
 
-    /** The kind whose rows these are. */
+    /** Returns the kind of the rows. */
     public String kind() {
         return kind;
     }
 
-    /** Rows of the table. */
+    /** Returns the number of rows. */
     public int rowCount() {
         return rowCount;
     }
 
-    /** How many rows, the first ones, take part in physics. */
+    /** Returns the number of rows with physics, which come first. */
     public int physicsRowCount() {
         return physicsRowCount;
     }
 
-    /** What each column is, in a fixed order; the first holds the items' ids. */
+    /**
+     * Returns the properties of the columns, in a fixed order; the first column contains the items'
+     * ids.
+     */
     public List<PropertyDescriptor> properties() {
         return properties;
     }
 
-    /** The used rows of a column (rows x components), packed, in native byte order. */
+    /** Returns the used rows of a column (rows x components), packed, in native byte order. */
     public MemorySegment column(int index) {
         return memories[index].asSlice(0, bytes(index, rowCount));
     }
 
-    /** Bytes of all used rows. */
+    /** Returns the size of all used rows [bytes]. */
     public long bytes() {
         long sum = 0;
         for (int i = 0; i < memories.length; i++) {
@@ -61,7 +65,9 @@ public final class TableCopy {
         return sum;
     }
 
-    /** Makes room for rows whose values the caller writes next; the old values are gone. */
+    /**
+     * Sets the number of rows; the caller writes all values next, because the old values are lost.
+     */
     public void resize(int rows, int physicsRows) {
         if (rows < 0 || physicsRows < 0 || physicsRows > rows) {
             throw new IllegalArgumentException(
@@ -80,7 +86,7 @@ public final class TableCopy {
         physicsRowCount = physicsRows;
     }
 
-    /** Copies the used rows; allocates only when the live column has outgrown the copy. */
+    /** Copies the used rows; allocates memory only if the live column has grown beyond the copy. */
     void copyFrom(Table table) {
         List<Column> sources = table.allColumns();
         rowCount = table.rowCount();
@@ -94,7 +100,7 @@ public final class TableCopy {
     }
 
     /**
-     * @throws IllegalArgumentException naming what differs if the copy is of no such table
+     * @throws IllegalArgumentException naming the difference if the copy does not match the table
      */
     void requireOf(Table table) {
         List<PropertyDescriptor> expected =

@@ -9,7 +9,7 @@ import java.util.HashMap;
 import java.util.List;
 import java.util.Map;
 
-/** A table as it was when a frame was published. One reading thread, read only. */
+/** A table in the state of a published frame. One reading thread, read only. */
 public final class TableSnapshot implements TableView {
 
     private final String kind;
@@ -21,7 +21,7 @@ public final class TableSnapshot implements TableView {
 
     private final ColumnBuffers.Buffer[] buffers;
 
-    /** Made when they are asked for: few readers want all. */
+    /** Created when they are requested, because few readers need all. */
     private final @Nullable ColumnSnapshot[] made;
 
     private final Map<Long, Integer> rowById = new HashMap<>();
@@ -55,20 +55,22 @@ public final class TableSnapshot implements TableView {
         return physicsRowCount;
     }
 
-    /** (rows) ids of the items. */
+    /** Returns (rows) ids of the items. */
     public ColumnSnapshot ids() {
         return column(0);
     }
 
     /**
-     * @throws IllegalArgumentException at times when the snapshot was lost
+     * Returns the item in a row.
+     *
+     * @throws IllegalArgumentException possibly, if the snapshot was lost
      */
     @Override
     public ItemId idAt(int row) {
         return new ItemId(ids().getReference(row, 0));
     }
 
-    /** The first call looks through all rows, later ones are quick. */
+    /** Returns the row of an item. The first call searches all rows, later calls are fast. */
     @Override
     public int rowOf(ItemId id) {
         if (rowById.isEmpty()) {

@@ -4,25 +4,25 @@ package reve.core.world;
 import java.util.List;
 
 /**
- * All items of one kind as columns over densely packed rows: live ({@link Table}) or as they were
- * in a snapshot ({@link TableSnapshot}). Rows [0, physicsRowCount) are the items with a physics
- * aspect, the rest is scenery.
+ * All items of one kind as columns with densely packed rows: live ({@link Table}) or of a snapshot
+ * ({@link TableSnapshot}). Rows [0, physicsRowCount) are the items with a physics aspect, the rest
+ * is scenery.
  */
 public sealed interface TableView permits Table, TableSnapshot {
 
-    /** The kind whose items these are. */
+    /** Returns the kind of the items. */
     String kind();
 
-    /** All items of the kind. */
+    /** Returns the number of items of the kind. */
     int rowCount();
 
-    /** Items with a physics aspect, which come first. */
+    /** Returns the number of items with a physics aspect, which come first. */
     int physicsRowCount();
 
-    /** The item in a row. */
+    /** Returns the item in a row. */
     ItemId idAt(int row);
 
-    /** The row of an item, -1 if it is not in this table. */
+    /** Returns the row of an item, -1 if it is not in this table. */
     int rowOf(ItemId id);
 
     /**
@@ -30,6 +30,6 @@ public sealed interface TableView permits Table, TableSnapshot {
      */
     ColumnView column(String name);
 
-    /** In a fixed order. */
+    /** Returns the columns in a fixed order. */
     List<? extends ColumnView> columns();
 }

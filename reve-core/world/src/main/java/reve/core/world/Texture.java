@@ -5,15 +5,15 @@ import java.nio.ByteBuffer;
 import java.util.Optional;
 
 /**
- * A picture that surfaces wear: opaque sRGB, repeated beyond its edges. Immutable; the same object
- * is shared by all that show it.
+ * An image on surfaces: opaque sRGB, repeated beyond its edges. Immutable; all surfaces with the
+ * texture share one object.
  */
 public final class Texture {
 
-    /** Most pixels of one texture. */
+    /** Maximum number of pixels of one texture. */
     public static final int MAX_PIXELS = 1 << 24;
 
-    /** Most pixels a side, which any graphics library takes. */
+    /** Maximum width and height [px], which any graphics library supports. */
     public static final int MAX_SIDE = 8192;
 
     private final int width;
@@ -24,10 +24,11 @@ public final class Texture {
     /**
      * @param width [px]
      * @param height [px]
-     * @param rgba (height x width x 4) bytes r g b a, from the upper left pixel by rows; copied; a
+     * @param rgba (height x width x 4) bytes r g b a, by rows from the upper left pixel; copied; a
      *     is not shown
-     * @param file where it came from, relative to the world's folder, if from a file of its own
-     * @throws IllegalArgumentException if there are no or too many pixels, or not 4 bytes each
+     * @param file relative to the world's folder, if the texture has its own file
+     * @throws IllegalArgumentException if the number of pixels is 0 or too large, or there are not
+     *     4 bytes per pixel
      */
     public Texture(int width, int height, byte[] rgba, Optional<String> file) {
         if (!fits(width, height)) {
@@ -58,7 +59,7 @@ public final class Texture {
         this.file = file;
     }
 
-    /** Whether a texture may have that many pixels. */
+    /** Returns whether a texture may have that size. */
     public static boolean fits(int width, int height) {
         return width >= 1
                 && height >= 1
@@ -67,22 +68,25 @@ public final class Texture {
                 && width * height <= MAX_PIXELS;
     }
 
-    /** [px]. */
+    /** Returns the width [px]. */
     public int width() {
         return width;
     }
 
-    /** [px]. */
+    /** Returns the height [px]. */
     public int height() {
         return height;
     }
 
-    /** (height x width x 4) bytes r g b a, from the upper left pixel by rows; read only. */
+    /** Returns (height x width x 4) bytes r g b a, by rows from the upper left pixel; read only. */
     public ByteBuffer rgba() {
         return ByteBuffer.wrap(rgba).asReadOnlyBuffer();
     }
 
-    /** The file it came from, relative to the world's folder; empty if it came with a mesh. */
+    /**
+     * Returns the file, relative to the world's folder; empty if the texture is part of a mesh
+     * file.
+     */
     public Optional<String> file() {
         return file;
     }

@@ -4,7 +4,7 @@ package reve.core.world;
 import java.util.Arrays;
 import java.util.List;
 
-/** The door that numbers and symbol values pass on their way into a world. */
+/** Checks of numbers and symbol values before they enter a world. */
 final class Values {
 
     static final int MAX_TEXT = 4096;
@@ -21,7 +21,7 @@ final class Values {
         }
     }
 
-    /** Whether all are +0, which columns hold that nobody wrote to. */
+    /** Returns whether all are +0, the initial value of columns. */
     static boolean isZero(double... values) {
         for (double value : values) {
             if (Double.doubleToRawLongBits(value) != 0) {
@@ -67,10 +67,10 @@ final class Values {
     }
 
     /**
-     * The quaternion scaled to length 1; to the bit the same if its squared length is that already
-     * within {@link #UNIT_TOLERANCE}, as that of a rotation that was normalised in 32 bits.
+     * Returns the quaternion normalised to length 1; unchanged to the bit if its squared length is
+     * 1 within {@link #UNIT_TOLERANCE}, as after normalisation in 32 bits.
      *
-     * @param xyzw four numbers of any length but 0
+     * @param xyzw four numbers, not all 0
      */
     static double[] requireRotation(String item, double... xyzw) {
         requireFinite(item, "orientation", xyzw);
@@ -97,7 +97,10 @@ final class Values {
         return unit;
     }
 
-    /** Text, truth, a finite number (as Double), or a list of such; of the type declared for it. */
+    /**
+     * Checks a symbol value: text, truth, a finite number (as Double), or a list of these, of the
+     * declared type.
+     */
     static Object requireSymbol(
             WorldPrototype prototype, String item, String symbol, Object value) {
         Object checked = requireSymbol(item, symbol, value);
@@ -117,7 +120,7 @@ final class Values {
         return checked;
     }
 
-    /** As {@link #requireSymbol(WorldPrototype, String, String, Object)}, of any type. */
+    /** Checks like {@link #requireSymbol(WorldPrototype, String, String, Object)}, for any type. */
     static Object requireSymbol(String item, String symbol, Object value) {
         Names.require("symbol name of item " + item, symbol);
         if (StandardSymbols.DERIVED.contains(symbol)) {

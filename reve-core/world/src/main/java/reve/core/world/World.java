@@ -10,13 +10,13 @@ import java.util.Objects;
 import java.util.Optional;
 
 /**
- * The virtual world store: one {@link Table} of columns per kind for numbers, one immutable map for
- * what is symbolic. Here items come, go, change their names and move with each other; what they are
- * is changed through their aspects ({@link Item}).
+ * The virtual world store: one {@link Table} of columns per kind for numbers, and one immutable map
+ * for symbolic data. This class adds, removes, renames and attaches items; aspects change the data
+ * of an item ({@link Item}).
  *
- * <p>One thread owns a world and all it hands out; the others read a {@link WorldSnapshot}. Its
- * {@link #guard()} says which thread that is and what may be changed now: items come and go only
- * while the structure is unlocked, not in PHYSICS, DERIVE and PUBLISH.
+ * <p>One thread owns a world and all objects that it returns; other threads read a {@link
+ * WorldSnapshot}. The {@link #guard()} holds the owner thread and the permitted changes: items are
+ * added and removed only while the structure is unlocked, not in PHYSICS, DERIVE and PUBLISH.
  */
 public final class World {
 
@@ -27,13 +27,12 @@ public final class World {
     private final FrameControl frameControl;
 
     /**
-     * An empty world but for the item {@code world}, whose physics aspect holds the world's
+     * Creates a world with only the item {@code world}, whose physics aspect contains the world's
      * constants.
      *
      * @param name of letters a to z, digits, spaces, {@code .}, {@code _} and {@code -}, beginning
      *     with a letter or digit: it becomes part of file names
-     * @param arena where column memory comes from; it must outlive the world, and the caller closes
-     *     it
+     * @param arena allocator of column memory; it must outlive the world, and the caller closes it
      */
     public World(String name, WorldPrototype prototype, ColumnArena arena) {
         data = new WorldData(Names.requireWorldName(name), prototype, arena);
@@ -44,35 +43,33 @@ public final class World {
         register(List.of(insert(constants.build(), true, null)));
     }
 
-    /** Name of the world, for messages and clients. */
+    /** Returns the name of the world, for messages and clients. */
     public String name() {
         return data.name;
     }
 
-    /** Which properties its items have. */
+    /** Returns the prototype: the properties of the world's items. */
     public WorldPrototype prototype() {
         return data.prototype;
     }
 
-    /** Which thread owns the world, and what it may change now. */
+    /** Returns the guard of threads and phases. */
     public WorldGuard guard() {
         return data.guard;
     }
 
-    /** What the world's thread does now; any thread may ask. */
+    /** Returns the current activity of the world's thread; any thread may read it. */
     public Activity activity() {
         return data.activity;
     }
 
-    /**
-     * Frames of simulated time that the world has behind it; with an older image they come back.
-     */
+    /** Returns the number of simulated frames so far; restoring an image also restores it. */
     public long age() {
         data.guard.checkOwner();
         return data.age;
     }
 
-    /** How old the world is when it begins; for whoever builds it. */
+    /** Sets the initial age of the world; called while it is built. */
     public void setAge(long frames) {
         data.guard.checkOwner();
         data.age = frames;
@@ -97,7 +94,7 @@ public final class World {
     }
 
     /**
-     * As the other one.
+     * Adds items like {@link #addAll(List)}.
      *
      * @param maker the agent whose action creates them, null for none; see {@link #made}
      */
@@ -121,7 +118,7 @@ public final class World {
         return List.copyOf(added);
     }
 
-    /** Throws as {@link #addAll} would now, and adds nothing. */
+    /** Throws if {@link #addAll} would throw now, and adds nothing. */
     public void requireAddable(List<ItemDefinition> definitions) {
         new DefinitionCheck(data, items, definitions).run();
     }
@@ -129,7 +126,8 @@ public final class World {
     /**
      * Removes an item.
      *
-     * @throws IllegalArgumentException naming who refers to it, or if it is the item {@code world}
+     * @throws IllegalArgumentException naming the items that refer to it, or if it is the item
+     *     {@code world}
      * @throws IllegalStateException naming the phase if the structure is locked
      */
     public void remove(ItemId id) {
@@ -139,7 +137,7 @@ public final class World {
         data.note(new WorldChange.Removed(id, item.name(), List.of()));
     }
 
-    /** Throws as {@link #remove} would now for the item's sake, and removes nothing. */
+    /** Throws if {@link #remove} would refuse the item now, and removes nothing. */
     public void requireRemovable(ItemId id) {
         Item item = item(id);
         WorldData.requireNotConstants(item.symbols(), "it stays");
@@ -154,8 +152,8 @@ public final class World {
     }
 
     /**
-     * Removes an item and, first, all items that refer to it or are attached to it, directly or
-     * not; else as {@link #remove}.
+     * Removes an item after all items that refer to it or are attached to it, directly or not;
+     * otherwise like {@link #remove}.
      */
     public void removeCascade(ItemId id) {
         Item item = removable(id);
@@ -166,9 +164,9 @@ public final class World {
     }
 
     /**
-     * Gives an item another name. References stay, as they are by id.
+     * Renames an item. References are not affected, because they contain ids.
      *
-     * @throws IllegalArgumentException if the name is taken or cannot be one
+     * @throws IllegalArgumentException if the name is taken or invalid
      * @throws IllegalStateException naming the phase if the structure is locked
      */
     public void rename(ItemId id, String newName) {
@@ -179,7 +177,9 @@ public final class World {
         restoreName(id, newName);
     }
 
-    /** As {@link #rename}, with whatever name a store kept. */
+    /**
+     * Renames an item like {@link #rename}, to a name from a store, which is accepted as stored.
+     */
     public void restoreName(ItemId id, String newName) {
         data.guard.requireUnlocked("rename items");
         Item item = item(id);
@@ -194,27 +194,29 @@ public final class World {
         data.note(new WorldChange.Renamed(id, oldName, newName));
     }
 
-    /** Throws as {@link #attach} would now for the items' sake, and attaches nothing. */
+    /** Throws if {@link #attach} would refuse the items now, and attaches nothing. */
     public void requireAttachable(ItemId child, ItemId parent) {
         data.hierarchy.requireAttachable(item(child).symbols(), item(parent).symbols());
     }
 
-    /** As {@link #attach(ItemId, ItemId, Pose)}; the child stays where it is now. */
+    /**
+     * Attaches an item like {@link #attach(ItemId, ItemId, Pose)}; the child keeps its present pose
+     * in the world.
+     */
     public void attach(ItemId child, ItemId parent) {
         requireAttachable(child, parent);
         attach(child, parent, pose(child).relativeTo(pose(parent)));
     }
 
     /**
-     * Makes a body move with another from now on, at a fixed pose in its frame. One that is
-     * attached already changes its parent. Its place in the world frame follows in DERIVE, at any
-     * depth.
+     * Attaches a body to a parent, with a fixed pose relative to it. An attached body changes its
+     * parent. The pose in the world's reference frame is computed in DERIVE, at any depth.
      *
-     * <p>Laws do not move what is attached: it is scenery or of mass 0, and forces on it do not
-     * reach the parent.
+     * <p>Laws do not move attached items: they are scenery or have mass 0, and forces on them do
+     * not reach the parent.
      *
-     * @throws IllegalArgumentException naming both if one is no body, the child has a mass, or the
-     *     parent moves with the child
+     * @throws IllegalArgumentException naming both if one is not a body, the child has a mass, or
+     *     the parent is attached to the child, directly or not
      * @throws IllegalStateException naming the phase if the structure is locked
      */
     public void attach(ItemId child, ItemId parent, Pose pose) {
@@ -229,7 +231,7 @@ public final class World {
     }
 
     /**
-     * Lets an attached item be on its own, where it is now.
+     * Detaches an item, which keeps its present pose in the world.
      *
      * @throws IllegalArgumentException if it is not attached
      * @throws IllegalStateException naming the phase if the structure is locked
@@ -247,24 +249,24 @@ public final class World {
         data.note(new WorldChange.Detached(child, before));
     }
 
-    /** Which bodies are where, as of the last DERIVE. */
+    /** Returns the spatial search, with the state of the last DERIVE. */
     public Space space() {
         data.guard.checkOwner();
         return data.space;
     }
 
-    /** How bodies are to each other, as of the last DERIVE. */
+    /** Returns the relations between bodies, with the state of the last DERIVE. */
     public Relations relations() {
         data.guard.checkOwner();
         return data.relations;
     }
 
     /**
-     * Becomes, to the bit, the world that an image was copied from. Items of the same id stay the
-     * same objects; those that the image does not have count as removed.
+     * Restores, to the bit, the world from which an image was copied. Items with the same id keep
+     * their objects; items that are not in the image count as removed.
      *
      * @param image of a world of the same prototype
-     * @throws IllegalArgumentException naming what differs if the prototype is another
+     * @throws IllegalArgumentException naming the difference if the prototype is another
      * @throws IllegalStateException naming the phase if the structure is locked
      */
     public void restore(WorldImage image) {
@@ -287,20 +289,20 @@ public final class World {
         data.note(new WorldChange.Restored(image.frame()));
     }
 
-    /** The item of that name. World's thread only. */
+    /** Returns the item of that name. World's thread only. */
     public Optional<Item> find(String itemName) {
         data.guard.checkOwner();
         return Optional.ofNullable(items.find(itemName));
     }
 
-    /** The item of that id, as long as it is there. */
+    /** Returns the item of that id, if it is in the world. */
     public Optional<Item> find(ItemId id) {
         data.guard.checkOwner();
         return Optional.ofNullable(items.find(id));
     }
 
     /**
-     * @throws IllegalArgumentException if there is no such item (any more)
+     * @throws IllegalArgumentException if the item is not in the world
      */
     public Item item(ItemId id) {
         data.guard.checkOwner();
@@ -312,8 +314,8 @@ public final class World {
     }
 
     /**
-     * Items whose symbol has a value, in the order of their ids; a copy. Looks them up in an index
-     * that is kept current from the first time that the symbol is asked for.
+     * Returns the items whose symbol has a value, in the order of their ids; a copy. Uses an index
+     * that is kept up to date from the first search for the symbol.
      *
      * @param symbol a designer's or a standard one: {@code class}, {@code name}
      * @param value text, truth or a number
@@ -323,7 +325,7 @@ public final class World {
         return items.of(data.symbols.with(symbol, value));
     }
 
-    /** All items in the order of their ids, the item {@code world} first; a copy. */
+    /** Returns all items in the order of their ids, the item {@code world} first; a copy. */
     public List<Item> items() {
         data.guard.checkOwner();
         return items.of(data.symbols.all().keySet());
@@ -336,28 +338,28 @@ public final class World {
         return data.table(kind);
     }
 
-    /** In the order of {@link WorldPrototype#kinds()}. */
+    /** Returns the tables in the order of {@link WorldPrototype#kinds()}. */
     public List<Table> tables() {
         return data.tables;
     }
 
     /**
-     * Raised whenever rows were added, removed or moved, or column memory was replaced. Replaced
-     * memory stays readable until the next PHYSICS is over.
+     * Returns the layout version, which increases when rows are added, removed or moved, or column
+     * memory is replaced. Replaced memory stays readable until the end of the next PHYSICS.
      */
     public long layoutVersion() {
         return data.layout.version();
     }
 
-    /** What is symbolic about all items, in the order of their ids: one immutable version. */
+    /** Returns the symbolic data of all items, in the order of their ids: one immutable version. */
     public PMap<ItemId, ItemSymbols> symbols() {
         data.guard.checkOwner();
         return data.symbols.all();
     }
 
     /**
-     * Adds an event to the frame that is being made, or to the next one in PUBLISH and between
-     * frames.
+     * Adds an event to the frame that is being made; in PUBLISH and between frames, to the next
+     * one.
      */
     public void raise(WorldEvent event) {
         data.guard.requireEditable();
@@ -365,9 +367,9 @@ public final class World {
     }
 
     /**
-     * What became different in the frame that is being made, in the order it did, other than by
-     * laws and in DERIVE; a copy. In PUBLISH it is the same to all who ask; changes made in PUBLISH
-     * and between frames belong to the next frame, those made before the first to frame 0.
+     * Returns the changes of the frame that is being made, in order, except those by laws and in
+     * DERIVE; a copy. In PUBLISH all callers receive the same changes. Changes made in PUBLISH and
+     * between frames belong to the next frame, those before the first frame to frame 0.
      */
     public List<WorldChange> changes() {
         data.guard.checkOwner();
@@ -375,8 +377,8 @@ public final class World {
     }
 
     /**
-     * How many changes of the frame were too many to keep (2^20): what follows a world by its
-     * changes then has to look at all of it.
+     * Returns the number of changes of the frame beyond the limit (2^20). If it is not 0, a
+     * listener that follows a world by its changes must read all of it.
      */
     public long changesLost() {
         data.guard.checkOwner();
@@ -384,25 +386,25 @@ public final class World {
     }
 
     /**
-     * Events of the frame that is being made, in the order raised; a copy. In PUBLISH they are the
-     * same to all who ask.
+     * Returns the events of the frame that is being made, in the order raised; a copy. In PUBLISH
+     * all callers receive the same events.
      */
     public List<WorldEvent> events() {
         data.guard.checkOwner();
         return data.record.events();
     }
 
-    /** Forces on bodies that last for some frames. */
+    /** Returns the forces on bodies that last for some frames. */
     public Forces forces() {
         return forces;
     }
 
-    /** Items that laws may fail at because of what actions and edits did to them. */
+    /** Returns the items at which laws may fail because of actions and edits. */
     public Arrests arrests() {
         return arrests;
     }
 
-    /** Steps that are charged to the agents whose acts caused them. */
+    /** Returns the steps that are charged to agents. */
     public Charges charges() {
         data.guard.checkOwner();
         return data.record.charges();
@@ -412,24 +414,27 @@ public final class World {
         return frameControl;
     }
 
-    /** Items that refer to an item, directly or not, in an order that equal worlds share. */
+    /**
+     * Returns the items that refer to an item, directly or not, in an order that is the same in
+     * equal worlds.
+     */
     List<Item> referring(ItemId id) {
         return items.of(data.references.referring(id));
     }
 
-    /** How many items there are that actions of an agent created. */
+    /** Returns the number of items that actions of an agent created. */
     public int made(String agent) {
         data.guard.checkOwner();
         return data.symbols.made(agent);
     }
 
-    /** How many items there are that actions of agents created. */
+    /** Returns the number of items that actions of agents created. */
     public int made() {
         data.guard.checkOwner();
         return data.symbols.made();
     }
 
-    /** The highest id that was ever given to an item. */
+    /** Returns the highest id that was ever assigned to an item. */
     public long lastId() {
         return data.symbols.lastId();
     }
@@ -439,7 +444,7 @@ public final class World {
         items.addAll(added);
     }
 
-    /** Reserves memory before anything is added, because only that can still fail. */
+    /** Allocates memory before any item is added, because nothing later can fail. */
     private void makeRoom(List<ItemDefinition> definitions) {
         for (Table table : data.tables) {
             int more = 0;
@@ -465,7 +470,7 @@ public final class World {
         return item;
     }
 
-    /** Points an added item at those it refers to and moves with, which may be added with it. */
+    /** Sets the references and the parent of an added item; the targets may be added with it. */
     private void link(Item item, ItemDefinition definition) {
         if (definition.hasReferences()) {
             definition.references().forEach((property, names) -> refer(item, property, names));

@@ -8,8 +8,8 @@ import java.util.Map;
 import java.util.Set;
 
 /**
- * The parts of a world below its items, which know items by id only: columns, symbols, attachments,
- * references, and the record of the frame. Aspects change an item through it. World's thread only.
+ * The data of a world below the level of items: columns, symbols, attachments, references, and the
+ * record of the frame, all by item id. Aspects change items through it. World's thread only.
  */
 final class WorldData {
 
@@ -29,7 +29,7 @@ final class WorldData {
     final Relations relations;
     private final Map<String, Table> tableByKind = new HashMap<>();
 
-    /** Frames of simulated time that the world has behind it. */
+    /** Number of simulated frames so far. */
     long age;
 
     private long boundsVersion;
@@ -74,7 +74,7 @@ final class WorldData {
     }
 
     /**
-     * @throws IllegalArgumentException if there is no such item (any more)
+     * @throws IllegalArgumentException if the item is not in the world
      */
     ItemSymbols require(ItemId id) {
         ItemSymbols symbolsOf = symbols.all().get(id);
@@ -84,7 +84,7 @@ final class WorldData {
         return symbolsOf;
     }
 
-    /** Makes searches use the boxes around bodies as they are now. */
+    /** Makes spatial searches use the present boxes. */
     void boundsChanged() {
         boundsVersion++;
     }
@@ -128,7 +128,7 @@ final class WorldData {
     }
 
     /**
-     * @throws IllegalArgumentException naming item and property if a target does not fit
+     * @throws IllegalArgumentException naming item and property if a target is not allowed
      */
     void setReferences(ItemSymbols item, Column column, List<ItemId> targets) {
         guard.requireUnlocked("change " + column.name() + " of " + item.label());

@@ -7,9 +7,10 @@ import java.util.LinkedHashMap;
 import java.util.Map;
 
 /**
- * Something that happened in a frame, for agents, operators and the journal.
+ * An event of a frame, for agents, operators and the journal.
  *
- * @param type joined, left, acted, law-loaded, law-unloaded, fault, or what an action raises
+ * @param type joined, left, acted, law-loaded, law-unloaded, fault, or the type of an action's
+ *     event
  * @param fields String, Number or Boolean by name, in the order given
  */
 public record WorldEvent(long frame, String type, Map<String, Object> fields) {
@@ -33,7 +34,9 @@ public record WorldEvent(long frame, String type, Map<String, Object> fields) {
                 });
     }
 
-    /** Its size: of the type, names and texts in UTF-8, and 8 of each number or truth value. */
+    /**
+     * Returns its size: type, names and texts in UTF-8, and 8 bytes for each number or truth value.
+     */
     public long bytes() {
         long bytes = utf8(type);
         for (Map.Entry<String, Object> field : fields.entrySet()) {

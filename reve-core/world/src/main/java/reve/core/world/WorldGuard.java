@@ -4,11 +4,11 @@ package reve.core.world;
 import org.jspecify.annotations.Nullable;
 
 /**
- * Who may use a world, and what may be changed of it now.
+ * Checks which thread uses a world, and which changes are permitted now.
  *
- * <p>One thread owns a world: at first the one that made it, then the one that last called {@link
- * #claim()}; {@code FrameLoop} claims for whoever runs it. With {@code -Dreve.check.thread=true}
- * every use by another thread is refused.
+ * <p>One thread owns a world: first the thread that created it, then the thread that last called
+ * {@link #claim()}; {@code FrameLoop} calls it for the thread that runs it. With {@code
+ * -Dreve.check.thread=true} every use by another thread is refused.
  */
 public final class WorldGuard {
 
@@ -19,9 +19,9 @@ public final class WorldGuard {
     private @Nullable String lockedBy;
     private @Nullable String inspectedBy;
 
-    /** What is done by somebody who changes nothing. */
+    /** Code that must not change the world. */
     public interface Inspection<T, E extends Exception> {
-        /** Looks, and returns what was found. */
+        /** Reads the world, and returns a result. */
         T look() throws E;
     }
 
@@ -51,8 +51,8 @@ public final class WorldGuard {
     }
 
     /**
-     * Lets somebody look at the world and change nothing: until that is done, every change is
-     * refused with an IllegalStateException that says who is looking.
+     * Runs code that must not change the world: meanwhile every change is refused with an
+     * IllegalStateException that names the code.
      */
     public <T, E extends Exception> T inspect(String who, Inspection<T, E> inspection) throws E {
         checkOwner();
@@ -79,7 +79,7 @@ public final class WorldGuard {
         }
     }
 
-    /** Values may be changed. */
+    /** Requires that values may be changed now. */
     void requireEditable() {
         checkOwner();
         if (inspectedBy != null) {
@@ -88,7 +88,11 @@ public final class WorldGuard {
         }
     }
 
-    /** Items may come and go. @param what the caller is about to do, for the message */
+    /**
+     * Requires that items may be added and removed now.
+     *
+     * @param what the intended change, for the message
+     */
     void requireUnlocked(String what) {
         requireEditable();
         if (lockedBy != null) {

@@ -9,10 +9,10 @@ import java.lang.foreign.MemorySegment;
 import java.util.List;
 
 /**
- * Everything a world is at the end of a frame: all columns, which item is in which row, what is
- * symbolic, its age, forces that have not ended, and the last id given out. A world that takes it
- * over with {@link World#restore} goes on with the same bits. Its memory is its own, so it may be
- * kept for as long as it is wanted, and filled again and again. One thread at a time.
+ * The complete state of a world at the end of a frame: all columns, the item of each row, symbolic
+ * data, age, remaining forces, and the last assigned id. A world that restores it with {@link
+ * World#restore} continues with the same bits. It owns its memory, so it may be kept for any time,
+ * and it can be reused. One thread at a time.
  */
 public final class WorldImage implements AutoCloseable {
 
@@ -26,7 +26,7 @@ public final class WorldImage implements AutoCloseable {
     private long age;
     private long lastId;
 
-    /** Room for a world of a prototype; nothing in it yet. World's thread. */
+    /** Creates an empty image for a world of the prototype. World's thread. */
     public WorldImage(World world) {
         tables =
                 world.tables().stream().map(table -> new TableCopy(table, this::allocate)).toList();
@@ -43,54 +43,54 @@ public final class WorldImage implements AutoCloseable {
         setForces(world.forces().active());
     }
 
-    /** What is no column; for whoever fills the tables from elsewhere. */
+    /** Sets the symbolic data; for readers that fill the tables from another source. */
     public void setSymbolic(long atFrame, long lastItemId, PMap<ItemId, ItemSymbols> itemSymbols) {
         frame = atFrame;
         lastId = lastItemId;
         symbols = itemSymbols;
     }
 
-    /** How old the world was; for whoever fills the tables from elsewhere. */
+    /** Sets the age of the world; for readers that fill the tables from another source. */
     public void setAge(long frames) {
         age = frames;
     }
 
-    /** Forces that have not ended; for whoever fills the tables from elsewhere. */
+    /** Sets the remaining forces; for readers that fill the tables from another source. */
     public void setForces(List<Force> active) {
         forces = List.copyOf(active);
     }
 
-    /** Forces that have not ended, in the order in which they were added. */
+    /** Returns the remaining forces, in the order of addition. */
     public List<Force> forces() {
         return forces;
     }
 
-    /** The frame at whose end the world was like this. */
+    /** Returns the frame at whose end the image was made. */
     public long frame() {
         return frame;
     }
 
-    /** Frames of simulated time that the world had behind it. */
+    /** Returns the number of simulated frames at that time. */
     public long age() {
         return age;
     }
 
-    /** The highest id that was ever given to an item. */
+    /** Returns the highest id that was ever assigned to an item. */
     public long lastId() {
         return lastId;
     }
 
-    /** What is symbolic about all items, in the order of their ids. */
+    /** Returns the symbolic data of all items, in the order of their ids. */
     public PMap<ItemId, ItemSymbols> symbols() {
         return symbols;
     }
 
-    /** In the order of {@link WorldPrototype#kinds()}. */
+    /** Returns the tables in the order of {@link WorldPrototype#kinds()}. */
     public List<TableCopy> tables() {
         return tables;
     }
 
-    /** Size of the columns [bytes]. */
+    /** Returns the size of the columns [bytes]. */
     public long bytes() {
         return tables.stream().mapToLong(TableCopy::bytes).sum();
     }

@@ -17,27 +17,27 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * Which properties the items of a world have: the contract between a world, its designers and the
+ * The properties of the items of a world: the contract between a world, its designers and the
  * engine. Immutable.
  *
- * <p>{@link #properties()} are the physics aspect's; {@link #physicalProperties()} are the physical
- * aspect's (where a body is and what it looks like), which every body has, scenery too.
+ * <p>{@link #properties()} belong to the physics aspect; {@link #physicalProperties()} belong to
+ * the physical aspect (place, shape and appearance), which every body has, including scenery.
  */
 public final class WorldPrototype {
 
-    /** The kind of what has a place. */
+    /** The kind of items with a place. */
     public static final String BODY = "body";
 
-    /** The kind of what connects two bodies. */
+    /** The kind of connections between two bodies. */
     public static final String SPRING = "spring";
 
-    /** The kind of triangles with bodies for corners. */
+    /** The kind of triangles with bodies as corners. */
     public static final String SURFACE = "surface";
 
     /** The kind with exactly one row, for constants of the world. */
     public static final String WORLD = "world";
 
-    /** The property that says whether laws can move a body. */
+    /** The property that decides whether laws can move a body. */
     static final String MASS = "mass";
 
     private final String name;
@@ -49,7 +49,7 @@ public final class WorldPrototype {
     private final Map<String, PropertyDescriptor> byName = new HashMap<>();
     private final Map<String, SymbolDescriptor> symbolsByName = new HashMap<>();
 
-    /** What items of a kind refer to others with, by kind; a key for each kind. */
+    /** The reference properties by kind; has a key for each kind. */
     private final Map<String, List<PropertyDescriptor>> references = new HashMap<>();
 
     private WorldPrototype(
@@ -83,7 +83,8 @@ public final class WorldPrototype {
     }
 
     /**
-     * The prototype of the given name: {@code si-f64}, the default, or {@code si-f32}, for speed.
+     * Returns the prototype of the given name: {@code si-f64}, the default, or {@code si-f32}, for
+     * speed.
      *
      * @throws IllegalArgumentException for any other name
      */
@@ -100,11 +101,11 @@ public final class WorldPrototype {
     }
 
     /**
-     * This prototype with a designer's own physics properties added. A kind that did not exist
-     * begins to.
+     * Returns a copy with a designer's own physics properties. A property of an unknown kind adds
+     * this kind.
      *
-     * @throws IllegalArgumentException if a name is taken, or a reference points at a kind that
-     *     does not exist
+     * @throws IllegalArgumentException if a name is taken, or a reference names a kind that does
+     *     not exist
      */
     public WorldPrototype extendedBy(List<PropertyDescriptor> more) {
         var all = new ArrayList<>(properties);
@@ -128,8 +129,7 @@ public final class WorldPrototype {
     }
 
     /**
-     * This prototype with the types of semantic symbols; symbols that it does not name may hold
-     * anything.
+     * Returns a copy with declared types of semantic symbols; undeclared symbols may have any type.
      *
      * @throws IllegalArgumentException if a symbol is declared twice
      */
@@ -139,58 +139,58 @@ public final class WorldPrototype {
         return new WorldPrototype(name, realType, properties, all);
     }
 
-    /** Name of the prototype, for example {@code si-f64}. */
+    /** Returns the name of the prototype, for example {@code si-f64}. */
     public String name() {
         return name;
     }
 
     /**
-     * The type of positions, velocities, forces, ...: {@link ScalarType#F64} or {@link
+     * Returns the type of positions, velocities, forces, ...: {@link ScalarType#F64} or {@link
      * ScalarType#F32}.
      */
     public ScalarType realType() {
         return realType;
     }
 
-    /** Properties of the physics aspect, standard ones first, in a fixed order. */
+    /** Returns the properties of the physics aspect, standard ones first, in a fixed order. */
     public List<PropertyDescriptor> properties() {
         return properties;
     }
 
-    /** Semantic symbols whose type is declared, in the order declared. */
+    /** Returns the declared semantic symbols, in the order of declaration. */
     public List<SymbolDescriptor> symbols() {
         return symbols;
     }
 
-    /** What is declared of a semantic symbol. */
+    /** Returns the declaration of a semantic symbol. */
     public Optional<SymbolDescriptor> symbol(String symbolName) {
         return Optional.ofNullable(symbolsByName.get(symbolName));
     }
 
-    /** Properties of the physical aspect of {@code body}. */
+    /** Returns the properties of the physical aspect of {@code body}. */
     public List<PropertyDescriptor> physicalProperties() {
         return physicalProperties;
     }
 
     /**
-     * All kinds in the order of their first property: body, spring, surface, world, then designers'
-     * own.
+     * Returns all kinds in the order of their first property: body, spring, surface, world, then
+     * designers' own.
      */
     public List<String> kinds() {
         return kinds;
     }
 
-    /** Whether there are items of that kind. */
+    /** Returns whether the kind exists. */
     public boolean hasKind(String kind) {
         return references.containsKey(kind);
     }
 
-    /** Properties with which items of a kind refer to others, in their order. */
+    /** Returns the reference properties of a kind, in their order. */
     public List<PropertyDescriptor> references(String kind) {
         return Collections.unmodifiableList(references.getOrDefault(kind, List.of()));
     }
 
-    /** The physics property of that kind and name. */
+    /** Returns the physics property of that kind and name. */
     public Optional<PropertyDescriptor> find(String kind, String propertyName) {
         return Optional.ofNullable(byName.get(propertyName))
                 .filter(property -> property.kind().equals(kind))
@@ -318,7 +318,7 @@ public final class WorldPrototype {
                 name, kind, type, components, Unit.parse(unit), Optional.empty(), doc);
     }
 
-    /** What has no meaning below 0. */
+    /** Returns a property with the minimum 0. */
     private static PropertyDescriptor notNegative(
             String kind, String name, ScalarType type, int components, String unit, String doc) {
         return new PropertyDescriptor(

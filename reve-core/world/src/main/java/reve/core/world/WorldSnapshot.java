@@ -8,9 +8,10 @@ import java.util.List;
 import java.util.concurrent.atomic.AtomicBoolean;
 
 /**
- * A world as it was at the end of one frame, for one reading thread. It shares a slot of a {@link
- * SnapshotRing}: a reader that keeps it too long loses it, after which numbers read from it are
- * nonsense (never unsafe). So: read, then ask {@link #lost()}, then believe.
+ * The state of a world at the end of one frame, for one reading thread. It uses a slot of a {@link
+ * SnapshotRing}: a reader that keeps it too long loses it, and further values are then invalid,
+ * though reading stays safe. Read first, then call {@link #lost()}, and use the values only if it
+ * returns false.
  */
 public final class WorldSnapshot implements AutoCloseable {
 
@@ -41,12 +42,12 @@ public final class WorldSnapshot implements AutoCloseable {
         this.events = events;
     }
 
-    /** The frame at whose end the world was like this. */
+    /** Returns the frame of the snapshot. */
     public long frame() {
         return frame;
     }
 
-    /** Simulated time at the end of the frame [s]. */
+    /** Returns the simulated time at the end of the frame [s]. */
     public double timeSeconds() {
         return timeSeconds;
     }
@@ -68,7 +69,10 @@ public final class WorldSnapshot implements AutoCloseable {
                         + tables.stream().map(TableSnapshot::kind).toList());
     }
 
-    /** In the order of {@link WorldPrototype#kinds()}; throws after {@link #close()}. */
+    /**
+     * Returns the tables in the order of {@link WorldPrototype#kinds()}; throws after {@link
+     * #close()}.
+     */
     public List<TableSnapshot> tables() {
         if (closed.get()) {
             throw new IllegalStateException("the snapshot of frame " + frame + " is closed");
@@ -77,8 +81,8 @@ public final class WorldSnapshot implements AutoCloseable {
     }
 
     /**
-     * Which bodies were where. The first call builds a tree of all boxes, in a millisecond per ten
-     * thousand bodies or so; throws after {@link #close()}.
+     * Returns the spatial search. The first call builds a tree of all boxes, about 1 ms per 10,000
+     * bodies; throws after {@link #close()}.
      */
     public Space space() {
         TableSnapshot bodies = table(WorldPrototype.BODY);
@@ -95,27 +99,27 @@ public final class WorldSnapshot implements AutoCloseable {
         return space;
     }
 
-    /** How bodies were to each other; as {@link #space()}. */
+    /** Returns the relations between bodies; builds the same tree as {@link #space()}. */
     public Relations relations() {
         return new Relations(table(WorldPrototype.BODY), space(), id -> symbols.get(id).name());
     }
 
-    /** What is symbolic about all items, in the order of their ids; valid for ever. */
+    /** Returns the symbolic data of all items, in the order of their ids; always valid. */
     public PMap<ItemId, ItemSymbols> symbols() {
         return symbols;
     }
 
-    /** What happened in the frame, in order; valid for ever. */
+    /** Returns the events of the frame, in order; always valid. */
     public List<WorldEvent> events() {
         return events;
     }
 
-    /** True if the slot was overwritten since: what was read from tables may be nonsense. */
+    /** Returns whether the slot was overwritten, so that values read from tables may be invalid. */
     public boolean lost() {
         return slot.isOverwrittenSince(stamp);
     }
 
-    /** Gives the slot back. */
+    /** Releases the slot. */
     @Override
     public void close() {
         if (!closed.getAndSet(true)) {

@@ -1,15 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
-/** Memory that is zero and stays so, for all columns of a ring that are. World's thread only. */
+/**
+ * Constant memory of zeros, shared by all columns of a ring that contain only zeros. World's thread
+ * only.
+ */
 final class Zeros {
 
-    /** What outgrew the zeros is likely to go on growing. */
+    /**
+     * Larger memory is allocated with this fraction more, because a growing column probably grows
+     * further.
+     */
     private static final int SLACK = 8;
 
     private ColumnBuffers.Buffer zeros = ColumnBuffers.NONE;
 
-    /** At least that many bytes. */
+    /** Returns at least that many bytes of zeros. */
     ColumnBuffers.Buffer of(long bytes) {
         if (zeros.memory().byteSize() < bytes) {
             zeros = ColumnBuffers.zeros(bytes + bytes / SLACK);
