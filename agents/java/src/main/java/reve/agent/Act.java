@@ -18,12 +18,12 @@ public record Act(Optional<String> item, String action, Map<String, ?> arguments
         arguments = Map.copyOf(arguments);
     }
 
-    /** Performs an action of an item with arguments. */
+    /** Returns an action of an item with arguments. */
     public static Act of(String item, String action, Map<String, ?> arguments) {
         return new Act(Optional.of(item), action, arguments);
     }
 
-    /** An action of the agent's own body. */
+    /** Returns an action of the agent's own body. */
     public static Act ofBody(String action, Map<String, ?> arguments) {
         return new Act(Optional.empty(), action, arguments);
     }

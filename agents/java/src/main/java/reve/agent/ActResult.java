@@ -5,11 +5,11 @@ import java.util.Optional;
 import java.util.OptionalLong;
 
 /**
- * How an act ended.
+ * The result of an act.
  *
- * @param frame in which it took effect, if accepted
- * @param code why it was refused, for programs
- * @param reason and for people
+ * @param frame in which the act took effect, if accepted
+ * @param code of the refusal, for programs
+ * @param reason of the refusal, for people
  */
 public record ActResult(
         long id,

@@ -18,19 +18,19 @@ import java.util.function.LongFunction;
 import java.util.function.Supplier;
 
 /**
- * An agent in a world. Calls block until the server has answered; a thread of the client's own
- * reads, so that the server's pings are answered while the agent thinks. Methods may be called from
- * any thread.
+ * An agent in a world. Calls block until the server has answered. A thread of the client reads
+ * messages and answers the server's pings while the agent computes. Methods may be called from any
+ * thread.
  *
- * <p>With {@link Join#withGrace} the client goes on by itself over another connection when one
- * breaks: whoever waits for an answer gets it, and no action is done twice.
+ * <p>With {@link Join#withGrace} the client reconnects by itself when its connection breaks:
+ * pending calls receive their answers, and no action is executed twice.
  *
- * <p>Every call throws {@link DisconnectedException} once the connection has ended, and {@link
- * AgentException} with code {@code no-answer} if the server is silent for longer than the patience.
+ * <p>Every call throws {@link DisconnectedException} after the connection has ended, and {@link
+ * AgentException} with code {@code no-answer} if the server does not answer within the patience.
  */
 public final class AgentClient implements AutoCloseable {
 
-    /** How many events wait for {@link #events()}; older ones are forgotten. */
+    /** Maximum number of events that wait for {@link #events()}; the oldest are discarded. */
     public static final int MAX_EVENTS = 1024;
 
     private static final Duration RETRY = Duration.ofMillis(200);
@@ -43,10 +43,10 @@ public final class AgentClient implements AutoCloseable {
     private final Welcome welcome;
     private final Thread reader;
 
-    /** Held while something is sent; taken before this. */
+    /** Lock for sending; acquired before this object's own lock. */
     private final Object sending = new Object();
 
-    /** Replaced by the reader, with {@link #sending} held. */
+    /** Replaced by the reader's thread, with {@link #sending} held. */
     private volatile Wire wire;
 
     // Guarded by this.
@@ -56,14 +56,14 @@ public final class AgentClient implements AutoCloseable {
     /**
      * Joins the world at an address, with a body that the world chooses.
      *
-     * @throws IOException if nobody listens there
+     * @throws IOException if no server listens there
      * @throws DisconnectedException with the server's code if the agent may not join
      */
     public static AgentClient connect(String host, int port, String name) throws IOException {
         return connect(host, port, Join.as(name));
     }
 
-    /** As {@link #connect(String, int, String)}, in any role. */
+    /** Joins with the given settings. */
     public static AgentClient connect(String host, int port, Join join) throws IOException {
         return new AgentClient(InetSocketAddress.createUnresolved(host, port), join);
     }
@@ -86,28 +86,28 @@ public final class AgentClient implements AutoCloseable {
         }
     }
 
-    /** What the server said when the agent joined: its body, the world, the limits. */
+    /** Returns the welcome: the agent's body, the world, the limits. */
     public Welcome welcome() {
         return welcome;
     }
 
-    /** The items of the next frame. */
+    /** Returns the items of the next frame. */
     public Perception perceive() {
         return ask(Protocol::perceive, Perception.class);
     }
 
     /**
-     * The items of the next frame; the symbols of bodies with a shape hold {@code near}, {@code
-     * on}, {@code inside} and {@code touching}, too.
+     * Returns the items of the next frame; the symbols of bodies with a shape also contain {@code
+     * near}, {@code on}, {@code inside} and {@code touching}.
      */
     public Perception perceiveWithRelations() {
         return ask(Protocol::perceiveWithRelations, Perception.class);
     }
 
     /**
-     * Asks for a perception every that many frames from now on, for {@link #nextPerception()}.
+     * Requests a perception every {@code frames} frames from now on, for {@link #nextPerception()}.
      *
-     * @throws IllegalStateException in lock-step, where the agent perceives its rounds
+     * @throws IllegalStateException in lock-step, where each round has a perception
      */
     public void perceiveEvery(int frames) {
         if (welcome.lockStep().isPresent()) {
@@ -121,8 +121,8 @@ public final class AgentClient implements AutoCloseable {
     }
 
     /**
-     * Waits for the newest perception that the agent has not seen: who is slow skips some, and
-     * never gets old ones.
+     * Waits for the newest perception that was not returned yet; a slow agent misses some, and
+     * never receives old ones.
      *
      * @throws IllegalStateException without {@link #perceiveEvery}
      */
@@ -134,7 +134,7 @@ public final class AgentClient implements AutoCloseable {
         return talk.news();
     }
 
-    /** Ends what {@link #perceiveEvery} began. */
+    /** Ends the perceptions of {@link #perceiveEvery}. */
     public void stopPerceiving() {
         synchronized (sending) {
             Optional<byte[]> farewell;
@@ -146,7 +146,7 @@ public final class AgentClient implements AutoCloseable {
     }
 
     /**
-     * What one of the body's cameras sees now.
+     * Returns a picture from one of the body's cameras.
      *
      * @throws AgentException with the server's code if there is no picture
      */
@@ -155,7 +155,7 @@ public final class AgentClient implements AutoCloseable {
     }
 
     /**
-     * Asks an item to do one of its actions and waits for the outcome. A refusal is a result, no
+     * Performs an action of an item and waits for the result. A refusal is a result, not an
      * exception.
      *
      * @param arguments by parameter name: a Number, a double[] or List of Numbers, a String or a
@@ -166,9 +166,9 @@ public final class AgentClient implements AutoCloseable {
     }
 
     /**
-     * Has a command of the role control done and waits for the outcome: pause, step, run, snapshot,
+     * Executes a command of the role control and waits for the result: pause, step, run, snapshot,
      * rewind, edit, load-law, unload-law, picture, save or shut-down, with the fields that the
-     * protocol's page lists.
+     * protocol defines.
      *
      * @param fields by name: a Number, a double[] or List of Numbers, a String, a Boolean, or a Map
      *     of Numbers
@@ -178,10 +178,10 @@ public final class AgentClient implements AutoCloseable {
     }
 
     /**
-     * What would be perceived that many frames from now, if nobody did anything; for the role
-     * control.
+     * Returns the perception after that many frames of a copy of the world without further acts;
+     * for the role control.
      *
-     * @throws AgentException with the server's code if it refuses to look so far ahead
+     * @throws AgentException with the server's code if the number of frames is too large
      */
     public Perception foresee(int frames) {
         return switch (ask(() -> talk.fork(frames), ServerMessage.class)) {
@@ -196,7 +196,7 @@ public final class AgentClient implements AutoCloseable {
     }
 
     /**
-     * In lock-step: does these things in the next frame and returns what is perceived then, or at
+     * In lock-step: performs the acts in the next frame and returns the perception after it, or at
      * the end of a round of several frames, with the results.
      *
      * @throws IllegalStateException if the agent is not in lock-step
@@ -206,24 +206,21 @@ public final class AgentClient implements AutoCloseable {
         return observe();
     }
 
-    /**
-     * In lock-step: does these things in the next frame, for which the world need not wait any
-     * longer.
-     */
+    /** In lock-step: performs the acts in the next frame and ends the agent's round. */
     public void ready(Act... acts) {
         requireLockStep();
         say(() -> talk.ready(acts));
     }
 
     /**
-     * In lock-step: waits for the newest perception that was not observed yet, after which the
-     * world waits for the agent. The first is that of the frame that it joined in.
+     * In lock-step: waits for the newest perception that was not returned yet, after which the
+     * world waits for the agent. The first one is of the frame in which the agent joined.
      */
     public Perception observe() {
         return observe(0);
     }
 
-    /** As {@link #observe()}, of that frame or a later one. */
+    /** Waits like {@link #observe()}, for the perception of that frame or a later one. */
     public Perception observe(long frame) {
         LockStep time = requireLockStep();
         Duration longest =
@@ -253,28 +250,29 @@ public final class AgentClient implements AutoCloseable {
                                         "nobody waits for this agent; join withLockStep"));
     }
 
-    /** Returns when the server has answered. */
+    /** Sends a ping and waits for the pong. */
     public void ping() {
         ask(Protocol::ping, ServerMessage.Pong.class);
     }
 
     /**
-     * What happened since the last call, oldest first. A {@link WorldEvent#MISSED} stands for those
-     * that the server did not send.
+     * Returns the events since the last call, oldest first. A {@link WorldEvent#MISSED} represents
+     * events that the server did not send.
      */
     public synchronized List<WorldEvent> events() {
         return talk.events();
     }
 
     /**
-     * How many events the server did not send, see {@link WorldEvent#MISSED}. At least: of what
-     * happened while a connection was broken it may not know how many, and counts one.
+     * Returns the number of events that the server did not send, see {@link WorldEvent#MISSED}. A
+     * lower bound: if the server does not know how many there were while a connection was broken,
+     * they count as one.
      */
     public synchronized long missedEvents() {
         return talk.missedEvents();
     }
 
-    /** Leaves the world. Calling it again does nothing. */
+    /** Leaves the world. Further calls do nothing. */
     @Override
     public void close() {
         finish(new DisconnectedException("closed", "this agent has left", Optional.empty()));
@@ -282,9 +280,9 @@ public final class AgentClient implements AutoCloseable {
             synchronized (sending) {
                 wire.write(talk.encode(Protocol.bye()));
             }
-            reader.join(patience); // ends with the server's bye, or with the connection
+            reader.join(patience); // the reader ends with the server's bye, or with the connection
         } catch (IOException e) {
-            // The connection is gone already, which is all we want.
+            // The connection is gone already.
         } catch (InterruptedException e) {
             Thread.currentThread().interrupt();
         } finally {
@@ -318,7 +316,7 @@ public final class AgentClient implements AutoCloseable {
         }
     }
 
-    /** Sends what has no answer of its own. */
+    /** Sends a message that has no answer. */
     private void say(Supplier<byte[]> build) {
         synchronized (sending) {
             byte[] lines;
@@ -336,7 +334,10 @@ public final class AgentClient implements AutoCloseable {
         }
     }
 
-    /** With this held: until ready, or the end of the connection or of patience. */
+    /**
+     * Waits, with this object's lock held, until ready, the end of the connection, or the end of
+     * the patience.
+     */
     private void await(BooleanSupplier ready, Duration longest) {
         long deadline = System.nanoTime() + longest.toNanos();
         while (!ready.getAsBoolean()) {
@@ -356,8 +357,8 @@ public final class AgentClient implements AutoCloseable {
     }
 
     /**
-     * With {@link #sending} held. Over a broken connection nothing: what matters is said again over
-     * the next.
+     * Sends with {@link #sending} held. Does nothing on a broken connection: the next connection
+     * repeats what matters.
      */
     private void send(byte[] lines) {
         try {
@@ -369,7 +370,7 @@ public final class AgentClient implements AutoCloseable {
         }
     }
 
-    /** The first reason counts. */
+    /** Ends the client; only the first reason counts. */
     private synchronized AgentException finish(AgentException reason) {
         AgentException first = end == null ? reason : end;
         end = first;
@@ -416,10 +417,10 @@ public final class AgentClient implements AutoCloseable {
     }
 
     /**
-     * Goes on over another connection, until the time of grace is over.
+     * Reconnects until the time of grace is over.
      *
-     * @return true if that worked
-     * @throws AgentException if the server refuses for good
+     * @return true if that succeeded
+     * @throws AgentException if the server refuses the session
      */
     private boolean resume() {
         if (welcome.session().isEmpty()) {
@@ -461,7 +462,7 @@ public final class AgentClient implements AutoCloseable {
         }
     }
 
-    /** Until it is time to try again, or the client is closed. */
+    /** Waits until the next attempt, or until the client is closed. */
     private synchronized void pause() {
         if (end == null) {
             try {
@@ -476,7 +477,7 @@ public final class AgentClient implements AutoCloseable {
         try {
             old.close();
         } catch (IOException e) {
-            // Closing frees the descriptor even when it complains.
+            // Closing frees the descriptor even if it fails.
         }
     }
 }

@@ -5,14 +5,14 @@ import java.time.Duration;
 import java.util.Optional;
 
 /**
- * The server refused a message, ended the connection, or is silent. The code is for programs, the
- * message, which ends with the hint if there is one, for people.
+ * The server refused a message, ended the connection, or did not answer. The code is for programs;
+ * the message, which ends with the hint if there is one, is for people.
  */
 public class AgentException extends RuntimeException {
 
     private static final long serialVersionUID = 1L;
 
-    /** The protocol's code of the error. */
+    /** Code of the error as in the protocol. */
     private final String code;
 
     private final transient Optional<String> hint;
@@ -40,14 +40,14 @@ public class AgentException extends RuntimeException {
     }
 
     /**
-     * One of the codes of the protocol; {@code no-answer} for silence, {@code protocol} for what is
-     * no message.
+     * Returns a code of the protocol, {@code no-answer} if the server did not answer, or {@code
+     * protocol} for an invalid message.
      */
     public String code() {
         return code;
     }
 
-    /** What to do about it. */
+    /** Returns what to do about it. */
     public Optional<String> hint() {
         return hint;
     }

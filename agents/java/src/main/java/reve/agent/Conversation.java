@@ -22,9 +22,9 @@ import java.util.Set;
 import java.util.function.LongFunction;
 
 /**
- * What a client and a server have said to each other: one session, over however many connections.
- * No sockets, no threads: what is to be sent is returned as bytes, what has come is given to {@link
- * #take}. Who shares one holds a lock.
+ * The state of one session, over one or several connections. Has no sockets and no threads: methods
+ * return the bytes to send, and {@link #take} receives messages. Callers that share one hold a
+ * lock.
  */
 final class Conversation {
 
@@ -35,13 +35,13 @@ final class Conversation {
     private long lastId;
     private final Map<Long, Optional<ServerMessage>> answers = new HashMap<>();
 
-    /** What is sent again after a break, in order. */
+    /** Requests without an answer, in order; they are repeated after a break. */
     private final Map<Long, byte[]> unanswered = new LinkedHashMap<>();
 
-    /** Questions about frames that are not made yet. */
+    /** Requests about future frames. */
     private final Set<Long> ahead = new HashSet<>();
 
-    /** The stream of perceptions; 0 if there is none. In lock-step it has no id. */
+    /** Id of the stream of perceptions; 0 if there is none. In lock-step it has no id. */
     private long subscription;
 
     private int every;
@@ -56,13 +56,13 @@ final class Conversation {
     private final Deque<WorldEvent> events = new ArrayDeque<>();
     private long frameSeen;
 
-    /** Frames of the events that came after the last frame that was seen whole. */
+    /** Frames of the events after the last frame whose events are all known. */
     private final List<Long> seenAfter = new ArrayList<>();
 
     private int knownAlready;
     private long missedEvents;
 
-    /** A message that is answered, as it is to be sent. */
+    /** A message that has an answer, in encoded form. */
     record Question(long id, byte[] line) {}
 
     Conversation(Join join, Welcome welcome) {
@@ -83,7 +83,7 @@ final class Conversation {
         return new Question(id, line);
     }
 
-    /** Asks what would be perceived that many frames from now. */
+    /** Requests the perception of a future frame. */
     Question fork(int frames) {
         Question question = question(id -> Protocol.command(id, "fork", Map.of("frames", frames)));
         ahead.add(question.id());
@@ -95,7 +95,7 @@ final class Conversation {
     }
 
     /**
-     * @throws AgentException with what the server refused
+     * @throws AgentException if the server refused the request
      */
     <T extends ServerMessage> T answer(long id, Class<T> type) {
         ServerMessage answer = answers.get(id).orElseThrow();
@@ -108,7 +108,7 @@ final class Conversation {
         return type.cast(answer);
     }
 
-    /** Nobody waits for that answer any more. */
+    /** Forgets a request whose answer is no longer needed. */
     void drop(long id) {
         answers.remove(id);
         unanswered.remove(id);
@@ -119,7 +119,7 @@ final class Conversation {
         return Wire.encode(message, join.encoding());
     }
 
-    /** Begins another stream in place of the one there is, if any. */
+    /** Begins a stream of perceptions; it replaces the present one. */
     byte[] subscribe(int frames) {
         subscription = ++lastId;
         every = frames;
@@ -132,7 +132,7 @@ final class Conversation {
         return subscription != 0;
     }
 
-    /** Longest time between two perceptions of the stream. */
+    /** Returns the maximum time between two perceptions of the stream. */
     Duration pace() {
         return Duration.ofMillis(1000L * every / welcome.rate());
     }
@@ -157,7 +157,7 @@ final class Conversation {
         return Optional.of(encode(Protocol.perceive(++lastId, 0)));
     }
 
-    /** Does these things and is done with the round. */
+    /** Performs acts and ends the round. */
     byte[] ready(Act... acts) {
         OptionalLong seen = known == null ? OptionalLong.empty() : OptionalLong.of(known.frame());
         doing.forEach(this::drop);
@@ -186,8 +186,8 @@ final class Conversation {
     }
 
     /**
-     * True if a perception of that frame or a later one was not looked at, and the results of what
-     * was done are here.
+     * Returns whether a perception of that frame or a later one is available, and the results of
+     * the round's acts too.
      */
     boolean hasObservation(long frame) {
         return known != null
@@ -209,7 +209,8 @@ final class Conversation {
     }
 
     /**
-     * True if the round went on without us, and the next one waits while we still wait for results.
+     * Returns whether a round passed without this agent, and the next one waits while results are
+     * still pending.
      */
     boolean mustSayReady() {
         return known != null && known.frame() > readyFrame && !isAllDone();
@@ -235,10 +236,10 @@ final class Conversation {
     }
 
     /**
-     * Something has come.
+     * Processes a message.
      *
-     * @return what is to be said to it at once, if anything
-     * @throws AgentException if the connection ends, or nobody asked for that
+     * @return an immediate reply, if any
+     * @throws AgentException if the connection ends, or the message answers no request
      */
     Optional<byte[]> take(ServerMessage message) {
         switch (message) {
@@ -287,7 +288,7 @@ final class Conversation {
         hasSeen(perception.frame());
     }
 
-    /** In lock-step perceptions come without having been asked for. */
+    /** Returns the id of the stream; in lock-step perceptions come without a request. */
     private OptionalLong stream() {
         return welcome.lockStep().isPresent()
                 ? OptionalLong.empty()
@@ -304,7 +305,7 @@ final class Conversation {
     private void hear(WorldEvent event) {
         if (event.type().equals(WorldEvent.MISSED)) {
             miss(event);
-        } else if (knownAlready > 0) { // told again after a break
+        } else if (knownAlready > 0) { // repeated after a break
             knownAlready--;
         } else {
             keep(event);
@@ -313,7 +314,7 @@ final class Conversation {
         }
     }
 
-    /** The server did not send the events of some frames, up to that of the gap. */
+    /** Counts the events that the server did not send, up to the frame of the gap. */
     private void miss(WorldEvent gap) {
         keep(gap);
         missedEvents += gap.fields().get("events") instanceof Double count ? count.longValue() : 1;
@@ -328,7 +329,7 @@ final class Conversation {
         events.addLast(event);
     }
 
-    /** All events up to that frame have come. */
+    /** Records that all events up to that frame have arrived. */
     private void hasSeen(long frame) {
         if (frame > frameSeen) {
             frameSeen = frame;
@@ -336,7 +337,7 @@ final class Conversation {
         }
     }
 
-    /** How another connection goes on; empty where that is not possible. */
+    /** Returns the join that resumes the session; empty if that is not possible. */
     Optional<Join> greeting() {
         return welcome.session()
                 .map(
@@ -346,7 +347,11 @@ final class Conversation {
                                         new Join.Resume(session.token(), Math.max(0, frameSeen))));
     }
 
-    /** Another connection has been welcomed: what has to be said again over it. */
+    /**
+     * Handles the welcome of a new connection.
+     *
+     * @return the requests to repeat
+     */
     byte[] goneOn() {
         knownAlready = seenAfter.size();
         var lines = new ByteArrayOutputStream();

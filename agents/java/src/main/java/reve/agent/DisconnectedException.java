@@ -3,7 +3,7 @@ package reve.agent;
 
 import java.util.Optional;
 
-/** The connection ended; the code is the server's reason, {@code lost} where it gave none. */
+/** The connection ended; the code is the server's reason, or {@code lost} if there was none. */
 public final class DisconnectedException extends AgentException {
 
     private static final long serialVersionUID = 1L;

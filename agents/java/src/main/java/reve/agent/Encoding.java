@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.agent;
 
-/** How messages are written after the hello. */
+/** Encoding of messages after the hello. */
 public enum Encoding {
     /** One JSON object per line. */
     JSON("json"),
-    /** MessagePack maps behind their length. */
+    /** MessagePack maps with a length prefix. */
     MESSAGEPACK("msgpack");
 
     private final String wireName;
@@ -14,7 +14,7 @@ public enum Encoding {
         this.wireName = wireName;
     }
 
-    /** As the protocol writes it. */
+    /** Returns the name in the protocol. */
     String wireName() {
         return wireName;
     }

@@ -6,18 +6,18 @@ import java.util.List;
 import java.util.Optional;
 
 /**
- * What a camera saw, row by row from the top. Buffers are read-only and little-endian; layers that
- * the camera lacks are empty.
+ * A picture from a camera, in rows from the top. Buffers are read-only and little-endian; layers
+ * that the camera lacks are empty.
  *
- * @param id of the question
+ * @param id of the request
  * @param time of the world [s]
  * @param sensor the camera
  * @param width [px]
  * @param height [px]
- * @param colour red, green and blue in sRGB, a byte each
- * @param depth along the view [m], f32; 0 where nothing is in range
- * @param items u16; 0 for no item, else its place in the names, from 1
- * @param names of the items that are seen
+ * @param colour red, green and blue in sRGB, one byte each
+ * @param depth along the view axis [m], f32; 0 where nothing is in range
+ * @param items u16; 0 for no item, else the index of its name, from 1
+ * @param names of the visible items
  */
 public record Image(
         long id,
@@ -32,7 +32,7 @@ public record Image(
         List<String> names)
         implements ServerMessage {
 
-    /** The name of the item at a pixel, counted from the upper left. */
+    /** Returns the name of the item at a pixel, counted from the upper left. */
     public Optional<String> find(int x, int y) {
         ByteBuffer numbers =
                 items.orElseThrow(

@@ -7,20 +7,19 @@ import java.util.Optional;
 import javax.net.ssl.SSLContext;
 
 /**
- * How to join a world: {@code Join.as("ada").withBody("boat")}.
+ * Settings of a session: {@code Join.as("ada").withBody("boat")}.
  *
  * @param name 1 to 64 of A-Z a-z 0-9 _ . -
  * @param role "agent", "control" or "observer"
- * @param world that is joined; needed only where the server has several
- * @param body an item that the world lends to agents; empty to let the world choose
- * @param encoding how messages are written; MessagePack is faster and needs msgpack-core on the
- *     class path
- * @param grace how long the body may wait for the agent when the connection breaks
- * @param lockStep how the world waits for the agent; empty if it does not
- * @param resume the session to go on with
- * @param token for a server that asks for one
- * @param tls whom to trust on a private connection, see {@link Trust}; empty for plain text
- * @param patience longest wait for any answer
+ * @param world name of the world; needed only if the server has several
+ * @param body an item that the world grants to agents; empty to let the world choose
+ * @param encoding of messages; MessagePack is faster and needs msgpack-core on the class path
+ * @param grace time that the body waits for the agent after the connection breaks
+ * @param lockStep settings of lock-step; empty for real time
+ * @param resume the session to resume
+ * @param token the secret, if the server requires one
+ * @param tls TLS trust anchors, see {@link Trust}; empty for plain text
+ * @param patience maximum wait for any answer
  */
 public record Join(
         String name,
@@ -40,12 +39,12 @@ public record Join(
     /**
      * A session whose connection broke.
      *
-     * @param session the token that its welcome gave
-     * @param frame the last one whose events have all come
+     * @param session token from its welcome
+     * @param frame the last frame of which all events were received
      */
     public record Resume(String session, long frame) {}
 
-    /** As an agent with a body that the world chooses. */
+    /** Returns settings of an agent with a body that the world chooses. */
     public static Join as(String name) {
         return new Join(
                 name,
@@ -61,14 +60,14 @@ public record Join(
                 PATIENCE);
     }
 
-    /** The same in another role. */
+    /** Returns a copy with another role. */
     public Join withRole(String newRole) {
         return new Join(
                 name, newRole, world, body, encoding, grace, lockStep, resume, token, tls,
                 patience);
     }
 
-    /** The same, in the world of this name. */
+    /** Returns a copy for the world of this name. */
     public Join withWorld(String newWorld) {
         return new Join(
                 name,
@@ -84,7 +83,7 @@ public record Join(
                 patience);
     }
 
-    /** The same, asking for this body. */
+    /** Returns a copy that requests this body. */
     public Join withBody(String item) {
         return new Join(
                 name,
@@ -100,7 +99,7 @@ public record Join(
                 patience);
     }
 
-    /** The same in another encoding. */
+    /** Returns a copy with another encoding. */
     public Join withEncoding(Encoding newEncoding) {
         return new Join(
                 name,
@@ -116,14 +115,14 @@ public record Join(
                 patience);
     }
 
-    /** The same; the session outlives a broken connection for so long. */
+    /** Returns a copy whose session outlives a broken connection for this time. */
     public Join withGrace(Duration newGrace) {
         return new Join(
                 name, role, world, body, encoding, newGrace, lockStep, resume, token, tls,
                 patience);
     }
 
-    /** The same, in lock-step with the world. */
+    /** Returns a copy in lock-step with the world. */
     public Join withLockStep(LockStep time) {
         return new Join(
                 name,
@@ -139,7 +138,7 @@ public record Join(
                 patience);
     }
 
-    /** The same, resuming a session. */
+    /** Returns a copy that resumes a session. */
     public Join withResume(Resume session) {
         return new Join(
                 name,
@@ -155,7 +154,7 @@ public record Join(
                 patience);
     }
 
-    /** The same, with the secret of a token. */
+    /** Returns a copy with the secret of a token. */
     public Join withToken(String secret) {
         return new Join(
                 name,
@@ -171,7 +170,7 @@ public record Join(
                 patience);
     }
 
-    /** The same, over TLS that trusts this context's certificates. */
+    /** Returns a copy that uses TLS and trusts this context's certificates. */
     public Join withTls(SSLContext trusted) {
         return new Join(
                 name,
@@ -187,7 +186,7 @@ public record Join(
                 patience);
     }
 
-    /** The same, waiting for the server at most so long. */
+    /** Returns a copy with another maximum wait for the server. */
     public Join withPatience(Duration newPatience) {
         return new Join(
                 name,
@@ -203,7 +202,7 @@ public record Join(
                 newPatience);
     }
 
-    /** How another connection goes on with a session that this one began. */
+    /** Returns the settings that resume a session of this join. */
     Join resuming(String inWorld, Resume session) {
         return new Join(
                 name,
@@ -219,7 +218,7 @@ public record Join(
                 patience);
     }
 
-    /** Without its secrets. */
+    /** Omits secrets. */
     @Override
     public String toString() {
         return role + " " + name;

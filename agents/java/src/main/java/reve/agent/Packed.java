@@ -16,7 +16,7 @@ import java.io.UncheckedIOException;
 import java.nio.ByteBuffer;
 import java.util.Map;
 
-/** Messages as MessagePack behind their length in 4 bytes, from and to the same trees as JSON. */
+/** Converts messages between the trees of JSON and MessagePack with a length prefix of 4 bytes. */
 final class Packed {
 
     static final int LENGTH_BYTES = 4;
@@ -34,7 +34,7 @@ final class Packed {
                     .put(bytes)
                     .array();
         } catch (IOException e) {
-            throw new UncheckedIOException(e); // it writes to memory
+            throw new UncheckedIOException(e); // cannot happen: it writes to memory
         }
     }
 
@@ -63,7 +63,7 @@ final class Packed {
 
     /**
      * @param message without its length
-     * @throws IOException or a RuntimeException of msgpack-core if it is no message
+     * @throws IOException or a RuntimeException of msgpack-core if it is not a valid message
      */
     static JsonNode read(byte[] message) throws IOException {
         try (MessageUnpacker unpacker = MessagePack.newDefaultUnpacker(message)) {

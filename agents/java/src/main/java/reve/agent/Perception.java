@@ -13,7 +13,7 @@ import java.util.OptionalLong;
  * All items that an agent perceives in one frame.
  *
  * @param time of the world [s]
- * @param results in lock-step those of what was done in the round before, in order
+ * @param results in lock-step, the results of the previous round's acts, in order
  */
 public record Perception(
         OptionalLong id, long frame, double time, List<Item> items, List<ActResult> results)
@@ -27,15 +27,15 @@ public record Perception(
         return new Perception(id, frame, time, items, ofActs);
     }
 
-    /** The item of that name, if it was perceived. */
+    /** Returns the item of that name, if it was perceived. */
     public Optional<Item> find(String name) {
         return items.stream().filter(item -> item.name().equals(name)).findFirst();
     }
 
     /**
-     * What the agent perceives after an update to this perception.
+     * Returns this perception after an update.
      *
-     * @throws AgentException if the update is to another one
+     * @throws AgentException if the update belongs to another perception
      */
     Perception updated(Update update) {
         if (update.since() != frame) {
@@ -63,16 +63,16 @@ public record Perception(
     }
 
     /**
-     * One item as perceived.
+     * One perceived item.
      *
-     * @param location in the world's frame [m]; empty for what has no place or one that is not
+     * @param location in the world's reference frame [m]; empty if the item has none or it is not
      *     sensed
-     * @param orientation in the world's frame
+     * @param orientation in the world's reference frame
      * @param symbols String, Double, Boolean or a List of these by name
-     * @param actions by name: parameters by name
-     * @param needs capabilities that the body of who acts must have, by action; those that need
-     *     none are left out
-     * @param capabilities the item's own
+     * @param actions parameters by name, by action
+     * @param needs required capabilities of the acting body, by action; omits actions that need
+     *     none
+     * @param capabilities of the item itself
      */
     public record Item(
             String name,
@@ -83,7 +83,7 @@ public record Perception(
             Map<String, List<String>> needs,
             List<String> capabilities) {}
 
-    /** A place in the world's frame [m], +Y up. */
+    /** A location in the world's reference frame [m], +Y up. */
     public record Location(double x, double y, double z) {}
 
     /** A rotation as a unit quaternion. */
@@ -94,13 +94,13 @@ public record Perception(
     }
 
     /**
-     * What an action takes.
+     * One parameter of an action.
      *
      * @param type "number", "text", "truth" or "item"
-     * @param components how many numbers, for numbers only
-     * @param unit that they are in, for numbers only
-     * @param min least value of each of them, if there is a bound
-     * @param max greatest value of each of them, if there is a bound
+     * @param components number of components, for numbers only
+     * @param unit for numbers only
+     * @param min minimum of each component, if there is one
+     * @param max maximum of each component, if there is one
      */
     public record Parameter(
             String type,

@@ -22,7 +22,7 @@ import java.util.OptionalInt;
 import java.util.OptionalLong;
 import java.util.function.Function;
 
-/** The messages of protocol version 1, as trees that JSON or MessagePack hold. */
+/** The messages of protocol version 1, as trees for JSON or MessagePack. */
 final class Protocol {
 
     static final int VERSION = 1;
@@ -86,7 +86,7 @@ final class Protocol {
     }
 
     /**
-     * @param every frames between perceptions, 0 for no more
+     * @param every frames between perceptions, 0 to end the stream
      */
     static ObjectNode perceive(long id, int every) {
         return message("perceive").put("id", id).put("every", every);
@@ -108,7 +108,7 @@ final class Protocol {
         return values;
     }
 
-    /** An act that says {@code ready}, too. */
+    /** Returns an act that also ends the round. */
     static ObjectNode andReady(ObjectNode act, OptionalLong frame) {
         act.put("ready", true);
         frame.ifPresent(seen -> act.put("frame", seen));
@@ -116,7 +116,7 @@ final class Protocol {
     }
 
     /**
-     * @param frame of the perception that the agent goes by
+     * @param frame of the perception on which the agent's decision is based
      */
     static ObjectNode ready(OptionalLong frame) {
         ObjectNode message = message("ready");
@@ -124,7 +124,7 @@ final class Protocol {
         return message;
     }
 
-    /** What only the role control may say. */
+    /** Returns a command for the role control. */
     static ObjectNode command(long id, String type, Map<String, ?> fields) {
         ObjectNode message = message(type).put("id", id);
         fields.forEach(
@@ -193,7 +193,7 @@ final class Protocol {
     }
 
     /**
-     * @throws AgentException with code {@code protocol} if the line says nothing of version 1
+     * @throws AgentException with code {@code protocol} if the line is not a message of version 1
      */
     static ServerMessage read(String line) {
         try {
@@ -205,7 +205,7 @@ final class Protocol {
 
     /**
      * @param packed MessagePack without its length
-     * @throws AgentException with code {@code protocol} if it says nothing of version 1
+     * @throws AgentException with code {@code protocol} if it is not a message of version 1
      */
     static ServerMessage read(byte[] packed) {
         try {

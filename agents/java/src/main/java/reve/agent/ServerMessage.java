@@ -5,7 +5,7 @@ import java.util.Optional;
 import java.util.OptionalLong;
 
 /**
- * What a server says. Closed: an agent that meets anything else speaks another protocol version.
+ * A message from a server. Sealed: any other message belongs to another version of the protocol.
  */
 public sealed interface ServerMessage
         permits Welcome,
@@ -19,16 +19,16 @@ public sealed interface ServerMessage
                 ServerMessage.Pong,
                 ServerMessage.Bye {
 
-    /** A message was refused; the connection goes on. */
+    /** A message was refused; the connection continues. */
     record Error(OptionalLong id, String code, String message, Optional<String> hint)
             implements ServerMessage {}
 
-    /** The server asks whether we are still there. */
+    /** Requests a pong. */
     record Ping() implements ServerMessage {}
 
-    /** The server is still there. */
+    /** Answers a ping. */
     record Pong(OptionalLong id) implements ServerMessage {}
 
-    /** The connection ends, and why. */
+    /** The connection ends. */
     record Bye(String code, String message, Optional<String> hint) implements ServerMessage {}
 }

@@ -14,12 +14,12 @@ import java.security.cert.CertificateFactory;
 import javax.net.ssl.SSLContext;
 import javax.net.ssl.TrustManagerFactory;
 
-/** Whose word is taken for who a server is. */
+/** TLS trust anchors. */
 public final class Trust {
 
     private Trust() {}
 
-    /** Those whom the Java runtime trusts. */
+    /** Returns the trust anchors of the Java runtime. */
     public static SSLContext system() {
         try {
             return SSLContext.getDefault();
@@ -29,10 +29,10 @@ public final class Trust {
     }
 
     /**
-     * The certificates in a file, and nobody else.
+     * Returns the certificates in a file as the only trust anchors.
      *
-     * @param file PEM: the server's own certificate, or that of the authority which signed it
-     * @throws IOException naming the file, if it cannot be read or holds none
+     * @param file PEM: the server's own certificate, or the certificate of its issuer
+     * @throws IOException naming the file, if it cannot be read or contains no certificate
      */
     public static SSLContext file(Path file) throws IOException {
         try (InputStream in = Files.newInputStream(file)) {

@@ -7,7 +7,7 @@ import java.util.Optional;
 import java.util.OptionalLong;
 
 /**
- * What is different from an earlier perception; {@link AgentClient} adds it up.
+ * The differences from an earlier perception; {@link AgentClient} applies them.
  *
  * @param time of the world [s]
  * @param since the frame of that perception
@@ -23,7 +23,7 @@ record Update(
         List<Change> changed)
         implements ServerMessage {
 
-    /** What is new about an item; empty for what is as before. */
+    /** The changed data of an item; unchanged data is empty. */
     record Change(
             String name,
             Optional<Perception.Location> location,

@@ -6,16 +6,16 @@ import java.util.OptionalInt;
 import java.util.OptionalLong;
 
 /**
- * Who the agent is in which world.
+ * The server's answer to a join.
  *
  * @param role "agent", "control" or "observer"
- * @param body name of the item that is its body; only agents have one
- * @param frame in which it joined
+ * @param body name of the agent's body; empty for other roles
+ * @param frame in which the agent joined
  * @param rate frames per second
  * @param encoding "json" or "msgpack"
- * @param lockStep the rhythm and the deadline that an agent in lock-step has got
- * @param session given to who asked for grace
- * @param resumed true if a session goes on after its connection broke
+ * @param lockStep the interval and the deadline of an agent in lock-step
+ * @param session present if the join requested grace
+ * @param resumed true if a session was resumed after its connection broke
  */
 public record Welcome(
         OptionalLong id,
@@ -34,26 +34,26 @@ public record Welcome(
         implements ServerMessage {
 
     /**
-     * With the token another connection goes on with the session, that long [s] after the first
-     * broke.
+     * A token with which another connection can resume the session within the given time after the
+     * connection breaks [s].
      */
     public record Ticket(String token, double graceSeconds) {}
 
     /**
-     * What the server takes from an agent. Limits that the server does not have are empty.
+     * Limits of the server. A limit that the server does not have is empty.
      *
-     * @param lineBytes longest line
-     * @param messagesPerSecond most messages that it takes in a second, or in lock-step in one of
-     *     the world's if that goes faster; the others wait
-     * @param actsInFlight most commands that may wait for their result
-     * @param idleSeconds silence after which it asks whether the agent is still there; the client
-     *     answers by itself
-     * @param graceSeconds the most that one can ask for
-     * @param items most items in the world at a time that the agent's actions created
-     * @param worldItems most items in the world at a time that actions of all agents created
-     * @param eventBytes most bytes of events in a second of world time that its actions raise
-     * @param worldEventBytes most bytes of events in a second of world time that actions of all
-     *     agents raise
+     * @param lineBytes maximum length of a message
+     * @param messagesPerSecond maximum rate of messages; in lock-step per second of world time if
+     *     that is faster; further messages wait
+     * @param actsInFlight maximum number of commands without a result
+     * @param idleSeconds silence after which the server sends a ping; the client answers by itself
+     * @param graceSeconds maximum time of grace
+     * @param items maximum number of items created by the agent's actions
+     * @param worldItems maximum number of items created by actions of all agents
+     * @param eventBytes maximum size of events that the agent's actions raise [byte/s of world
+     *     time]
+     * @param worldEventBytes maximum size of events that actions of all agents raise [byte/s of
+     *     world time]
      */
     public record Limits(
             int lineBytes,

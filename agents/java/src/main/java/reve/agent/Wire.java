@@ -23,7 +23,7 @@ import javax.net.ssl.SSLException;
 import javax.net.ssl.SSLParameters;
 import javax.net.ssl.SSLSocket;
 
-/** One connection to a server, which has welcomed us. One thread reads; who writes holds a lock. */
+/** One connection to a server after its welcome. One thread reads; writers hold a lock. */
 final class Wire implements Closeable {
 
     private final Socket socket;
@@ -36,14 +36,14 @@ final class Wire implements Closeable {
         this.out = socket.getOutputStream();
     }
 
-    /** A connection and what the server welcomed us with. */
+    /** A connection and its welcome. */
     record Opened(Wire wire, Welcome welcome) {}
 
     /**
-     * Connects, shakes hands where the way is to be private, says hello and waits for the welcome.
+     * Connects, does the TLS handshake if TLS is used, sends hello and waits for the welcome.
      *
-     * @throws IOException if nobody listens there, or the connection breaks before the welcome
-     * @throws AgentException if the server refuses, or is silent for longer than the patience
+     * @throws IOException if no server listens there, or the connection breaks before the welcome
+     * @throws AgentException if the server refuses, or does not answer within the patience
      */
     static Opened open(InetSocketAddress address, Join join) throws IOException {
         var socket = new Socket();
@@ -93,12 +93,12 @@ final class Wire implements Closeable {
         }
     }
 
-    /** Looked up anew: a server that comes back may have another address. */
+    /** Resolves the host name again, because a restarted server may have another address. */
     private static InetSocketAddress resolved(InetSocketAddress address) {
         return new InetSocketAddress(address.getHostString(), address.getPort());
     }
 
-    /** Shakes hands, and makes sure that the server is the one at that address. */
+    /** Does the TLS handshake, and checks that the certificate matches the host. */
     private static Socket secure(Socket socket, String host, SSLContext trusted)
             throws IOException {
         var secure =
@@ -112,7 +112,10 @@ final class Wire implements Closeable {
         return secure;
     }
 
-    /** Before the welcome the server may only ping, refuse the hello or end the connection. */
+    /**
+     * Waits for the welcome; before it, the server may only ping, refuse the hello or end the
+     * connection.
+     */
     private Welcome awaitWelcome(Duration patience) throws IOException {
         try {
             while (true) {
@@ -132,13 +135,17 @@ final class Wire implements Closeable {
         }
     }
 
-    /** The next message. @throws EOFException if the server has closed the connection */
+    /**
+     * Returns the next message.
+     *
+     * @throws EOFException if the server has closed the connection
+     */
     ServerMessage next() throws IOException {
         int first = in.read();
         if (first < 0) {
             throw new EOFException("the server closed it without a reason");
         }
-        if (first != 0) { // a line of JSON begins with a brace, a length with 0
+        if (first != 0) { // a line of JSON begins with a brace, a length prefix with 0
             return Protocol.read(line(first));
         }
         byte[] packed = new byte[in.readUnsignedByte() << 16 | in.readUnsignedShort()];

@@ -4,7 +4,7 @@ package reve.agent;
 import java.util.Map;
 
 /**
- * Something that happened in the world.
+ * An event of the world.
  *
  * @param fields String, Double or Boolean by name
  */
@@ -12,9 +12,9 @@ public record WorldEvent(long frame, String type, Map<String, Object> fields)
         implements ServerMessage {
 
     /**
-     * The type of an event that stands for others: those of the frames {@code first} to {@code
-     * last}, which the server did not send, as the client reads too slowly or others caused too
-     * many at once; {@code events} are how many, if the server knows.
+     * Type of the event that reports events that the server did not send, of the frames {@code
+     * first} to {@code last}, because the client reads too slowly or other agents caused too many
+     * at once; {@code events} is their number, if the server knows it.
      */
     public static final String MISSED = "missed";
 }

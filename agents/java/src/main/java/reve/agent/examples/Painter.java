@@ -18,9 +18,9 @@ import java.util.Map;
 import java.util.TreeMap;
 
 /**
- * An agent that shows how fast things are: it watches all items and paints those that let
- * themselves be painted, from blue (at rest) to red (the fastest seen so far). Its last line on
- * standard output is a JSON summary.
+ * An example agent that shows the speed of items: it watches all items and paints those with an
+ * action for it, from blue (at rest) to red (the highest speed so far). Its last line on standard
+ * output is a JSON summary.
  */
 public final class Painter {
 
@@ -50,7 +50,9 @@ public final class Painter {
         this.seconds = seconds;
     }
 
-    /** Runs the agent; exit code 1 if it could not join or was cut off, 2 for wrong arguments. */
+    /**
+     * Runs the agent; exit code 1 if it could not join or was disconnected, 2 for wrong arguments.
+     */
     public static void main(String[] arguments) {
         Map<String, String> options =
                 new LinkedHashMap<>(

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/** Agents worth watching. */
+/** Example agents. */
 @NullMarked
 package reve.agent.examples;
 
