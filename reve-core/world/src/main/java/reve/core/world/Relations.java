@@ -20,12 +20,13 @@ import java.util.function.Function;
  *
  * <p>Distances are relative to the boxes: the size of two bodies is the smaller of their boxes'
  * diagonals, and the tolerance is a hundredth of it.
+ *
  * <ul>
- * <li>{@code near}: the gap between the boxes is at most the size
- * <li>{@code touching}: the gap is at most the tolerance
- * <li>{@code on}: the bottom of the first box is at the top of the second within the tolerance, and
- * they overlap as seen from above
- * <li>{@code inside}: the first box is within the second, up to the tolerance, and smaller
+ *   <li>{@code near}: the gap between the boxes is at most the size
+ *   <li>{@code touching}: the gap is at most the tolerance
+ *   <li>{@code on}: the bottom of the first box is at the top of the second within the tolerance,
+ *       and they overlap as seen from above
+ *   <li>{@code inside}: the first box is within the second, up to the tolerance, and smaller
  * </ul>
  */
 public final class Relations {

@@ -97,7 +97,8 @@ public final class Turn {
     /** Ends the oldest open round of the agent. */
     public void ready(long nowNanos) {
         playing = true;
-        allowance.answer(nowNanos); // before the count changes, because the loop reads both in this order
+        allowance.answer(
+                nowNanos); // before the count changes, because the loop reads both in this order
         done.incrementAndGet();
         speak();
     }

@@ -9,21 +9,15 @@ import reve.core.agent.protocol.BadMessage;
 import reve.core.agent.protocol.ClientMessage;
 import reve.core.agent.protocol.CloseReason;
 import reve.core.agent.protocol.Encoding;
-import reve.core.agent.protocol.MessageReader;
 import reve.core.agent.protocol.ServerMessage;
 import reve.core.agent.protocol.Text;
 
 import java.io.IOException;
 import java.net.InetAddress;
 import java.net.InetSocketAddress;
-import java.nio.ByteBuffer;
 import java.nio.channels.SelectionKey;
-import java.nio.charset.StandardCharsets;
 import java.util.concurrent.atomic.AtomicBoolean;
 import java.util.function.Supplier;
-import java.util.regex.Pattern;
-
-import javax.net.ssl.SSLException;
 
 /**
  * One connection, and its session after the hello. A connection ends once, with a reason. The
@@ -33,9 +27,6 @@ import javax.net.ssl.SSLException;
  */
 public final class Connection implements EventLoop.Handler, Writers.Target {
 
-    private static final int MAX_DRAINED_BYTES = 1024 * 1024;
-    private static final Pattern HTTP = Pattern.compile("^[A-Z]{3,10} .* HTTP/");
-
     private final Connections connections;
     private final AgentLimits limits;
     private final AgentTimeouts timeouts;
@@ -44,23 +35,9 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
     private final InetSocketAddress address;
     private final Outbox outbox;
 
-    // The fields below belong to the event loop's thread.
-    private final MessageFramer messages;
-    private final SelectionKey key;
+    // The event loop's thread.
+    private final ConnectionReader reader;
     private final ConnectionWriter writer;
-
-    private int errors;
-
-    /** True while reading is suspended. */
-    private boolean held;
-
-    /**
-     * Time since which the client has sent more than its quota without a pause [ns]; 0 if it does
-     * not.
-     */
-    private long floodingSinceNanos;
-
-    private int drained;
 
     /** True while the connection is in the queue for writing, so that it is queued once. */
     private final AtomicBoolean queued = new AtomicBoolean();
@@ -85,12 +62,10 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
         this.wire = wire;
         this.address = wire.peer();
         this.outbox = new Outbox(limits.outboxMessages(), limits.outboxBytes(), this::wantToWrite);
-        this.messages = new MessageFramer(limits, timeouts, () -> send(new ServerMessage.Ping()));
-        this.key = wire.register(connections.loop(), this, this::read);
+        SelectionKey key = wire.register(connections.loop(), this, this::read);
+        this.reader = new ConnectionReader(connections, this, wire, key);
         this.writer = new ConnectionWriter(connections, this, wire, key, outbox);
     }
-
-    // Methods for any thread.
 
     boolean hasEnded() {
         return ending != null;
@@ -190,8 +165,6 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
         }
     }
 
-    // Methods for the event loop's thread.
-
     @Override
     public void ready(SelectionKey ready) {
         if (ready.isWritable()) {
@@ -217,8 +190,8 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
                                         + timeouts.write().toMillis() / 1000.0
                                         + " s for 64 KiB"));
                 close();
-            } else if (!held) {
-                messages.checkTime(nowNanos);
+            } else {
+                reader.checkTime(nowNanos);
             }
         } catch (CloseReason e) {
             end(e);
@@ -241,7 +214,10 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
     /** Closes the socket. */
     void close() {
         connections.slowReaders().release(this);
-        leave(CloseReason.regular("lost", "the connection broke")); // the client is gone and cannot receive a reason
+        leave(
+                CloseReason.regular(
+                        "lost",
+                        "the connection broke")); // the client is gone and cannot receive a reason
         try {
             wire.close();
         } catch (IOException e) {
@@ -251,117 +227,19 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
     }
 
     private void read() {
-        guard(
-                () -> {
-                    if (hasEnded()) {
-                        drain();
-                        return;
-                    }
-                    if (held) {
-                        pause(); // the wire has data to write itself
-                        return;
-                    }
-                    do {
-                        boolean open = messages.fill(wire);
-                        takeAll();
-                        if (!open) {
-                            throw CloseReason.regular(
-                                    "lost", "the client closed the connection without a bye");
-                        }
-                    } while (wire.hasReceived() && !held && !hasEnded());
-                });
+        reader.read();
     }
 
-    private interface Reading {
-        void read() throws IOException, CloseReason;
-    }
-
-    /** Runs a read; ends the connection with a reason if it fails. */
-    private void guard(Reading reading) {
-        try {
-            reading.read();
-        } catch (CloseReason e) {
-            end(e);
-        } catch (TlsWire.PlainTextException e) {
-            end(CloseReason.refused("tls-expected", "this server speaks TLS", "connect with TLS"));
-        } catch (SSLException e) {
-            end(CloseReason.cut("tls-failed", "TLS failed: " + e.getMessage()));
-            close();
-        } catch (IOException e) {
-            close();
-        } catch (Throwable e) {
-            fail(e);
-        }
-    }
-
-    private void takeAll() throws CloseReason {
-        while (!hasEnded() && !held) {
-            Client client = session;
-            if (client != null && !client.hasQuota()) {
-                throttle();
-                return;
-            }
-            ByteBuffer next = messages.next();
-            if (next == null) {
-                floodingSinceNanos = messages.hasTakenAll() ? 0 : floodingSinceNanos;
-                return;
-            }
-            counters.lines.increment();
-            if (client != null) {
-                client.count();
-            }
-            take(next);
-        }
-    }
-
-    /**
-     * Suspends reading because the client has used up its quota. Further data waits in the socket,
-     * then at the client.
-     */
-    private void throttle() throws CloseReason {
-        long now = System.nanoTime();
-        if (floodingSinceNanos == 0) {
-            floodingSinceNanos = now;
-        } else if (now - floodingSinceNanos > timeouts.flood().toNanos()) {
-            throw CloseReason.cut(
-                    "too-many-messages",
-                    "for "
-                            + timeouts.flood().toMillis() / 1000.0
-                            + " s there were always more than "
-                            + limits.messagesPerSecond()
-                            + " messages in a second");
-        }
-        pause();
-        connections.readLater(this);
-    }
-
-    private void pause() {
-        held = true;
-        key.interestOpsAnd(~SelectionKey.OP_READ);
-    }
-
-    /** Resumes reading if the quota allows it. */
+    /** Resumes reading if the client's quota allows it. */
     void readAgain() {
-        release(null);
-    }
-
-    private void drain() throws IOException {
-        if (!writer.isShut()) {
-            key.interestOpsAnd(~SelectionKey.OP_READ); // until all is written
-            return;
-        }
-        int count = wire.read(connections.buffers().buffer());
-        drained += count;
-        if (count < 0 || drained > MAX_DRAINED_BYTES) {
-            close();
-        }
+        reader.resume();
     }
 
     /**
      * Ends the connection after an error in the server, including errors of the virtual machine, so
      * that the agent does not stay in the world.
      */
-    private void fail(Throwable error) {
+    void fail(Throwable error) {
         connections.log().error("serving a connection failed", error);
         if (hasEnded()) {
             closeSoon();
@@ -370,99 +248,18 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
         }
     }
 
-    private void take(ByteBuffer bytes) throws CloseReason {
-        if (session == null && isHttp(bytes)) {
-            throw CloseReason.cut(
-                    "no-http",
-                    "this is no web connections; a browser would let any page speak to it");
-        }
-        try {
-            handle(MessageReader.read(bytes, encoding));
-        } catch (BadMessage e) {
-            refuse(e);
-        }
+    /** Returns the client; null before its hello. */
+    @Nullable Client session() {
+        return session;
     }
 
-    /**
-     * Recognizes an HTTP request line. A web page can send arbitrary data to a local port, but only
-     * after such a line.
-     */
-    private static boolean isHttp(ByteBuffer line) {
-        return HTTP.matcher(StandardCharsets.ISO_8859_1.decode(line.duplicate())).find();
+    /** Returns whether all messages are written and the writing side is shut. */
+    boolean hasWrittenAll() {
+        return writer.isShut();
     }
 
-    private void refuse(BadMessage message) throws CloseReason {
-        counters.errors.increment();
-        send(message.error());
-        errors++;
-        if (errors >= limits.maxErrors()) {
-            throw CloseReason.cut("too-many-errors", errors + " messages were refused");
-        }
-    }
-
-    private void handle(ClientMessage message) throws BadMessage, CloseReason {
-        Client agent = session;
-        if (agent == null) {
-            greet(message);
-            messages.greeted(encoding);
-            return;
-        }
-        switch (message) {
-            case ClientMessage.Hello again ->
-                    throw new BadMessage(
-                            again.id(),
-                            "hello-again",
-                            "this connection is " + agent + " already",
-                            "open another connection for another agent");
-            case ClientMessage.Perceive perceive -> agent.perceive(perceive);
-            case ClientMessage.Look look -> agent.look(look);
-            case ClientMessage.Act act -> agent.request(act);
-            case ClientMessage.Control control -> hold(agent, control);
-            case ClientMessage.Ready ready -> agent.ready(ready);
-            case ClientMessage.Ping ping -> send(new ServerMessage.Pong(ping.id()));
-            case ClientMessage.Pong pong -> {}
-            case ClientMessage.Bye bye ->
-                    throw CloseReason.regular("goodbye", "the agent said bye");
-        }
-    }
-
-    /** Runs a long command on its own thread. Reading from the client is suspended meanwhile. */
-    private void hold(Client client, ClientMessage.Control control) {
-        pause();
-        Thread.ofVirtual()
-                .name("agent control")
-                .start(
-                        () -> {
-                            try {
-                                client.request(control);
-                                connections.loop().later(() -> release(null));
-                            } catch (BadMessage e) {
-                                connections.loop().later(() -> release(e));
-                            } catch (Throwable e) {
-                                fail(e);
-                            }
-                        });
-    }
-
-    private void release(@Nullable BadMessage refused) {
-        held = false;
-        if (!wire.isOpen()) {
-            return;
-        }
-        key.interestOpsOr(SelectionKey.OP_READ);
-        guard(
-                () -> {
-                    if (refused != null) {
-                        refuse(refused);
-                    }
-                    takeAll();
-                });
-        if (!held && wire.isOpen()) {
-            read(); // the wire may hold data that the selection key does not report
-        }
-    }
-
-    private synchronized void greet(ClientMessage message) throws BadMessage, CloseReason {
+    /** Takes the first message, which must be a hello. */
+    synchronized void greet(ClientMessage message) throws BadMessage, CloseReason {
         if (!(message instanceof ClientMessage.Hello hello)) {
             throw new BadMessage(
                     message.id(),

@@ -116,7 +116,8 @@ public final class PerceivedItem {
         if (known == null || known.from != before) {
             known = new Change(before, new Fragment(writer -> writeChange(writer, before)));
             change = known;
-            before.change = null; // otherwise each version would keep all versions before it in memory
+            before.change =
+                    null; // otherwise each version would keep all versions before it in memory
         }
         return known.told;
     }

@@ -224,7 +224,8 @@ public final class Publisher {
         }
         Optional<WorldSnapshot> latest = port.snapshots().acquireLatest();
         if (latest.isPresent() && latest.get().frame() > published) {
-            latest.get().close(); // its events are not available yet; the loop is woken when they are
+            latest.get()
+                    .close(); // its events are not available yet; the loop is woken when they are
             return Optional.empty();
         }
         return latest;
