@@ -183,7 +183,7 @@ void FillDistance(SceneReader& reader, const Scene& scene, AnyColumn& column) {
     const double a = endpoints->Get(2 * row), b = endpoints->Get(2 * row + 1);
     if (std::max(a, b) >= static_cast<double>(position->rows())) {
       reader.FailLast("'endpoints' of row " + std::to_string(row) +
-                      " name a body that is not there");
+                      " name a body that does not exist");
     }
     const Vec3<double> axis = position->GetVector(static_cast<uint64_t>(b)) -
                               position->GetVector(static_cast<uint64_t>(a));

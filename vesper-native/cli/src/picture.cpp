@@ -325,7 +325,7 @@ std::array<float, 3> PictureWriter::PositionOf(const AnyColumn& references, uint
   throw SceneError(scene_.places.at(property.name),
                    "row " + std::to_string(row) + " of '" + property.name + "' refers to row " +
                        std::to_string(at) + " of " + positions.descriptor().kind +
-                       ", which is not there");
+                       ", which does not exist");
 }
 
 }  // namespace vesper::cli

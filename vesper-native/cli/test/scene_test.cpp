@@ -376,7 +376,7 @@ TEST(SceneErrorTest, SinglePrecisionRefusesWhatItCannotHold) {
 TEST(SceneErrorTest, DistanceNeedsBodiesThatAreThere) {
   EXPECT_EQ(ErrorOf("scene 1\nrows body 2\nposition all (0 0 0)\nrows spring 1\nendpoints (0 2)\n"
                     "length distance\n"),
-            "s:6:8: 'endpoints' of row 0 name a body that is not there");
+            "s:6:8: 'endpoints' of row 0 name a body that does not exist");
 }
 
 TEST(SceneErrorTest, FirstPropertyNeedsRows) {

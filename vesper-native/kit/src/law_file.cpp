@@ -129,7 +129,7 @@ std::vector<std::string> LawFile::Imports() const {
     if (address == nullptr && symbol.weak) continue;
     const bool known = address != nullptr && dladdr(address, &info) != 0;
     const std::string provider =
-        known ? std::filesystem::path(info.dli_fname).filename().string() : "nobody";
+        known ? std::filesystem::path(info.dli_fname).filename().string() : "no library";
     imports.push_back(symbol.name + " (" + provider + ")");
   }
   return imports;

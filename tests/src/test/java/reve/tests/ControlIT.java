@@ -126,7 +126,7 @@ class ControlIT {
                 boss ->
                         assertThatExceptionOfType(AgentException.class)
                                 .isThrownBy(() -> boss.foresee(1))
-                                .withMessageContaining("more than is told at once")
+                                .withMessageContaining("more than is sent at once")
                                 .extracting(AgentException::code)
                                 .isEqualTo("fork-refused"));
     }

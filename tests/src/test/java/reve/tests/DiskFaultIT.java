@@ -319,7 +319,7 @@ class DiskFaultIT {
             server.port();
             Files.delete(store);
             assertThat(server.events().await("fault", event -> true).path("message").asString())
-                    .contains(store + " was removed; it has been made anew");
+                    .contains(store + " was removed; it was created again");
             end = server.events().await("end", event -> true);
             assertThat(server.exitCode()).isZero();
         }

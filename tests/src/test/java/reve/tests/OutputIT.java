@@ -116,6 +116,6 @@ class OutputIT {
         }
         assertThat(Files.readString(folder.resolve("server.err")))
                 .containsOnlyOnce(
-                        "reve: standard output cannot be written: Broken pipe; the worlds go on");
+                        "reve: standard output cannot be written: Broken pipe; the worlds continue");
     }
 }

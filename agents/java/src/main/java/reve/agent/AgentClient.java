@@ -247,7 +247,7 @@ public final class AgentClient implements AutoCloseable {
                 .orElseThrow(
                         () ->
                                 new IllegalStateException(
-                                        "nobody waits for this agent; join withLockStep"));
+                                        "this agent is not in lock-step; join withLockStep"));
     }
 
     /** Sends a ping and waits for the pong. */

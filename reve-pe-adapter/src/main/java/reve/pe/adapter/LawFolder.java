@@ -325,7 +325,7 @@ public final class LawFolder implements AutoCloseable {
                 throw new IllegalArgumentException(
                         "laws folder "
                                 + folder
-                                + " can be written by everybody, and what lies in it is run: chmod"
+                                + " can be written by every user, and its libraries are run: chmod"
                                 + " o-w it, or name another");
             }
         } catch (IOException e) {

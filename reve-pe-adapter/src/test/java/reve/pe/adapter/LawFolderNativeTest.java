@@ -355,7 +355,7 @@ class LawFolderNativeTest {
         Files.setPosixFilePermissions(open, PosixFilePermissions.fromString("rwxrwxrwx"));
         assertThatIllegalArgumentException()
                 .isThrownBy(() -> followAnother(open))
-                .withMessageContaining("can be written by everybody");
+                .withMessageContaining("can be written by every user");
     }
 
     @Test

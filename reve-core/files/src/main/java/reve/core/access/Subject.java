@@ -43,7 +43,7 @@ public record Subject(String name) {
                             () ->
                                     new ActionRefused(
                                             "no-actor",
-                                            "the action needs somebody who does it, with a body in"
+                                            "the action needs an actor with a body in"
                                                     + " the world"));
         }
         return named(call, name);

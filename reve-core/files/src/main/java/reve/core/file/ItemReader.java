@@ -474,11 +474,11 @@ final class ItemReader {
                             part.keyColumn(),
                             part.label()
                                     + ": actions, symbols and other values that are read for each"
-                                    + " item anew are more than "
+                                    + " item again are more than "
                                     + MAX_READ
-                                    + " in all items, which is the limit: give items what does not"
-                                    + " change by a prefab that they are `like`, in an aspect or an"
-                                    + " action that they say nothing of");
+                                    + " in all items, which is the limit: move values that do not"
+                                    + " change into a prefab that the items are `like`, in an aspect"
+                                    + " or an action that the items do not declare");
         }
     }
 

@@ -200,7 +200,7 @@ public final class WorldImageCodec {
             if (items.computeIfPresent(
                             id, (any, item) -> item.withDerived(Trees.values(entry.path(1))))
                     == null) {
-                throw new CorruptException("symbols of item " + id + ", which is not there");
+                throw new CorruptException("symbols of item " + id + ", which does not exist");
             }
         }
         for (Map.Entry<String, JsonNode> maker : tree.path("made").properties()) {
@@ -208,7 +208,7 @@ public final class WorldImageCodec {
                 var id = new ItemId(Trees.integer(entry));
                 if (items.computeIfPresent(id, (any, item) -> item.madeBy(maker.getKey()))
                         == null) {
-                    throw new CorruptException("the maker of item " + id + ", which is not there");
+                    throw new CorruptException("the maker of item " + id + ", which does not exist");
                 }
             }
         }

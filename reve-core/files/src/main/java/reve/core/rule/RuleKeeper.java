@@ -239,7 +239,7 @@ final class RuleKeeper {
                         + rule.symbol()
                         + ": "
                         + failed.getMessage()
-                        + " (told once; the same may hold for other items)");
+                        + " (reported once; other items may have the same problem)");
     }
 
     private void raise(long frame, String error, String message) {

@@ -134,7 +134,7 @@ final class EventPrinter implements ServerEvents, AutoCloseable {
                 err.println(
                         "reve: standard output cannot be written: "
                                 + out.watched().reason().orElseThrow()
-                                + "; the worlds go on, and events are lost until it can");
+                                + "; the worlds continue, and events are lost until it can");
             }
             failing = true;
         } else if (failing) {

@@ -58,7 +58,7 @@ public final class Main {
     private static final List<String> LAUNCHER =
             List.of(
                     "",
-                    "The launcher itself also knows:",
+                    "Commands of the launcher script:",
                     "  build      Builds what changed and stops.",
                     "  test       Builds, then runs the tests of the project, or of rooms of it.",
                     "  format     Formats the sources, or checks that they are formatted.",
@@ -70,7 +70,7 @@ public final class Main {
     private static final List<String> INSTALLED =
             List.of(
                     "",
-                    "The launcher itself also knows:",
+                    "Commands of the launcher script:",
                     "  doctor     Says which shared libraries of the system are missing.");
 
     private Main() {}

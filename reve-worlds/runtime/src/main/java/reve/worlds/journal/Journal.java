@@ -251,7 +251,7 @@ public final class Journal implements AutoCloseable {
                 problems.accept(
                         "the disk is too slow: frame "
                                 + (frame.frame() - 1)
-                                + " is not written yet, and the world goes on; a crash before it is"
+                                + " is not written yet, and the world continues; a crash before it is"
                                 + " loses more than one frame");
             }
         }
@@ -301,7 +301,7 @@ public final class Journal implements AutoCloseable {
             problems.accept(
                     "the disk is too slow: frames from "
                             + frame
-                            + " on are left out, up to the next image");
+                            + " on are omitted, up to the next image");
         }
     }
 

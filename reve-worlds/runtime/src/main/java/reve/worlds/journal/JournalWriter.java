@@ -346,7 +346,7 @@ final class JournalWriter {
                 toldStay = false;
                 problems.accept(
                         (place.isEmpty()
-                                        ? "the recording goes on with frame " + entry.frame
+                                        ? "the recording continues with frame " + entry.frame
                                         : "a new recording begins with frame "
                                                 + entry.frame
                                                 + " in "
@@ -452,7 +452,7 @@ final class JournalWriter {
             place.write(libraries, image);
         } catch (JournalSink.BegunAnewException e) {
             problems.accept(
-                    e.getMessage() + "; it goes on with the image of frame " + image.frame());
+                    e.getMessage() + "; it continues with the image of frame " + image.frame());
             place.write(libraries, image);
         }
     }

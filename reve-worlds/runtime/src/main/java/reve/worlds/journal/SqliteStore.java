@@ -170,7 +170,7 @@ public final class SqliteStore implements JournalSink {
         bytes = Files.size(file);
         if (!trouble.isEmpty()) {
             hasIdentity = false;
-            throw new BegunAnewException(file + " " + trouble + "; it has been made anew" + kept);
+            throw new BegunAnewException(file + " " + trouble + "; it was created again" + kept);
         }
     }
 

@@ -356,7 +356,7 @@ class SqliteStoreTest {
             JournalSink.Place place = store.place();
             assertThatExceptionOfType(IOException.class)
                     .isThrownBy(() -> place.write(List.of(), image(60)))
-                    .withMessage(file + " was removed; it has been made anew");
+                    .withMessage(file + " was removed; it was created again");
             store.write(new JournalRecord.Frame(61, new byte[10]));
             store.place().write(List.of(), image(61));
             store.write(new JournalRecord.Frame(62, new byte[10]));

@@ -381,7 +381,7 @@ class ReplayNativeTest {
             simulation.loop().run(50);
         }
         assertThat(problems)
-                .containsExactly("my.db was made anew; it goes on with the image of frame 40");
+                .containsExactly("my.db was created again; it continues with the image of frame 40");
         assertThat(
                         kept.stream()
                                 .flatMap(List::stream)
@@ -406,7 +406,7 @@ class ReplayNativeTest {
                 Place place = super.place();
                 return (libraries, image) -> {
                     if (++images == 3) {
-                        throw new BegunAnewException("my.db was made anew");
+                        throw new BegunAnewException("my.db was created again");
                     }
                     place.write(libraries, image);
                 };

@@ -96,7 +96,7 @@ class RewindLossNativeTest {
                 .containsExactly(
                         "the disk is too slow: frames from "
                                 + BACK
-                                + " on are left out, up to the next image");
+                                + " on are omitted, up to the next image");
         StoreContents left = StoreContents.read(folder.resolve(NAME));
         assertThat(left.isWhole()).as(left.problems().toString()).isTrue();
         assertThat(left.frame()).isEqualTo(END);

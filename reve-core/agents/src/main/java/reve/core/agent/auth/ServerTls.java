@@ -104,7 +104,7 @@ public final class ServerTls {
             } catch (IOException e) {
                 problem =
                         Optional.of(
-                                "connections go on with the certificate read before: "
+                                "connections still use the certificate read before: "
                                         + e.getMessage());
             }
         }

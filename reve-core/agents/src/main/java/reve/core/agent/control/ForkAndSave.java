@@ -89,9 +89,9 @@ final class ForkAndSave {
                     if (!requester.answer(fork, line.get())) {
                         throw new ActionRefused(
                                 "fork-refused",
-                                "what would be perceived takes "
+                                "the perception has "
                                         + line.get().length
-                                        + " bytes, which is more than is told at once");
+                                        + " bytes, which is more than is sent at once");
                     }
                 });
     }

@@ -69,7 +69,7 @@ public final class RateLimitedLog {
         long now = System.nanoTime();
         if (now - secondBegan >= SECOND_NANOS) {
             if (leftOut > 0) {
-                LOG.warn("{} more lines about {} were left out", leftOut, who);
+                LOG.warn("{} more lines about {} were suppressed", leftOut, who);
             }
             secondBegan = now;
             lines = 0;

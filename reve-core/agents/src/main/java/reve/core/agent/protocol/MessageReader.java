@@ -258,7 +258,7 @@ public final class MessageReader {
                                 id,
                                 "mode",
                                 "is \"lock-step\"",
-                                "expected \"real-time\" for who is no agent");
+                                "expected \"real-time\" for this role");
                     }
                     yield Optional.of(
                             new ClientMessage.LockStep(

@@ -239,7 +239,7 @@ public final class Publisher {
         int lost = lostEventFrames.getAndSet(0);
         if (lost > 0) {
             log.warn(
-                    "agents will never hear the events of "
+                    "agents will not be sent the events of "
                             + lost
                             + " frames: too many were waiting");
         }
