@@ -29,7 +29,9 @@ public class AgentException extends RuntimeException {
 
     static AgentException unexpected(ServerMessage message) {
         return new AgentException(
-                "protocol", "the server sent a message that was not requested: " + message, Optional.empty());
+                "protocol",
+                "the server sent a message that was not requested: " + message,
+                Optional.empty());
     }
 
     static AgentException noAnswer(Duration waited) {

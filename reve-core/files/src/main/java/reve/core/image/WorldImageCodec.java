@@ -208,7 +208,8 @@ public final class WorldImageCodec {
                 var id = new ItemId(Trees.integer(entry));
                 if (items.computeIfPresent(id, (any, item) -> item.madeBy(maker.getKey()))
                         == null) {
-                    throw new CorruptException("the maker of item " + id + ", which does not exist");
+                    throw new CorruptException(
+                            "the maker of item " + id + ", which does not exist");
                 }
             }
         }

@@ -381,7 +381,8 @@ class ReplayNativeTest {
             simulation.loop().run(50);
         }
         assertThat(problems)
-                .containsExactly("my.db was created again; it continues with the image of frame 40");
+                .containsExactly(
+                        "my.db was created again; it continues with the image of frame 40");
         assertThat(
                         kept.stream()
                                 .flatMap(List::stream)
