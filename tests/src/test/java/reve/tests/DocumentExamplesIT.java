@@ -129,7 +129,7 @@ class DocumentExamplesIT {
         var shell = new Shell(folder);
         shell.run(
                 bin
-                        + "javac -proc:none -cp \"$REVE/build/stage/lib/reve-core.jar\" -d . "
+                        + "javac -proc:none -cp \"$REVE/build/stage/lib/reve-core-files.jar\" -d . "
                         + "example/Levitate.java\n"
                         + bin
                         + "jar --create --file levitate.jar example META-INF\n"

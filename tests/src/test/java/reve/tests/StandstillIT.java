@@ -60,7 +60,7 @@ class StandstillIT {
         shell.run(
                 System.getProperty("java.home")
                         + "/bin/javac -proc:none -cp"
-                        + " \"$REVE/build/stage/lib/reve-core.jar\" -d jar Hang.java Hoard.java");
+                        + " \"$REVE/build/stage/lib/reve-core-files.jar\" -d jar Hang.java Hoard.java");
     }
 
     /** A server whose actions in Java are those of this test. */
