@@ -4,13 +4,21 @@ package reve.tests;
 import static com.tngtech.archunit.lang.syntax.ArchRuleDefinition.noClasses;
 import static com.tngtech.archunit.library.dependencies.SlicesRuleDefinition.slices;
 
+import static org.assertj.core.api.Assertions.assertThat;
+
 import com.tngtech.archunit.core.domain.JavaClasses;
 import com.tngtech.archunit.core.importer.ClassFileImporter;
 import com.tngtech.archunit.core.importer.ImportOption;
 
 import org.junit.jupiter.api.Test;
 
-/** The arrows of ARCHITECTURE.md, held by the class files. */
+import java.io.IOException;
+import java.nio.file.Files;
+import java.util.HashMap;
+import java.util.Map;
+import java.util.regex.Pattern;
+
+/** The arrows of ARCHITECTURE.md, held by the class files and jars. */
 class DependencyRulesTest {
     /** All classes of the project but tests. */
     static final JavaClasses CLASSES =
@@ -133,6 +141,43 @@ class DependencyRulesTest {
                         "reve.core.agent.control..",
                         "reve.core.agent.session..")
                 .check(CLASSES);
+    }
+
+    @Test
+    void theWorldStoreAndTheAdapterBringNoReaderOfAFormat() throws IOException {
+        Pattern readers =
+                Pattern.compile("(jackson|snakeyaml|msgpack|json-schema|jgltf|cel|icu4j)-.*");
+        for (String name : new String[] {"reve-core-world", "reve-pe-adapter"}) {
+            assertThat(Jars.broughtBy(name))
+                    .as(name)
+                    .anyMatch(jar -> jar.startsWith("pcollections"))
+                    .noneMatch(readers.asMatchPredicate());
+        }
+        assertThat(Jars.broughtBy("reve-core-files"))
+                .anyMatch(readers.asMatchPredicate())
+                .noneMatch(jar -> jar.startsWith("msgpack"));
+    }
+
+    @Test
+    void noPackageIsInTwoProjects() throws IOException {
+        Map<String, String> owners = new HashMap<>();
+        for (String name : Jars.NAMES) {
+            for (String packaged : Jars.packages(name)) {
+                String other = owners.put(packaged, name);
+                assertThat(other).as("%s is in %s too", packaged, name).isNull();
+            }
+        }
+        assertThat(owners).containsEntry("reve/core/world", "reve-core-world");
+    }
+
+    @Test
+    void eachJarNamesFilesBesideItAndIsDescribed() throws IOException {
+        String page = Files.readString(Project.ROOT.resolve("docs/java.md"));
+        for (String name : Jars.NAMES) {
+            assertThat(page).contains("| `" + name + ".jar` |");
+            assertThat(Jars.broughtBy(name))
+                    .allSatisfy(jar -> assertThat(Jars.FOLDER.resolve(jar)).exists());
+        }
     }
 
     @Test
