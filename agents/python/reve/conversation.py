@@ -261,7 +261,9 @@ class Conversation:
     def _require_lock_step(self) -> None:
         if self.welcome.time is None:
             raise ReveError(
-                "not-lock-step", "this agent is not in lock-step", "connect with time=reve.LockStep()"
+                "not-lock-step",
+                "this agent is not in lock-step",
+                "connect with time=reve.LockStep()",
             )
 
     # ---- received messages ----

@@ -44,6 +44,7 @@ final class Changes {
     private final List<ItemDefinition> created = new ArrayList<>();
     private final Set<Item> removed = new LinkedHashSet<>();
     private long eventBytes;
+    private int forces;
     private final List<Runnable> all = new ArrayList<>();
     private final List<Runnable> last = new ArrayList<>();
 
@@ -99,6 +100,7 @@ final class Changes {
         call.quota().require(call.world(), changes.created.size(), changes.removed);
         attempt("cannot-create", () -> call.world().requireAddable(changes.created));
         call.events().require(call.quota().agent(), call.frame(), changes.eventBytes);
+        call.forces().require(call.quota().agent(), call.frame(), changes.forces);
         return changes;
     }
 
@@ -159,7 +161,13 @@ final class Changes {
                         item.id(),
                         List.of(force[0], force[1], force[2]),
                         forces.frames(effect.seconds()));
-        return suspect(item, () -> forces.add(added));
+        this.forces++;
+        return suspect(
+                item,
+                () -> {
+                    call.forces().take(call.quota().agent(), call.frame(), added.frames());
+                    forces.add(added);
+                });
     }
 
     private Runnable property(Item item, Effect.SetProperty effect) throws ActionRefused {
@@ -221,12 +229,21 @@ final class Changes {
     private Runnable create(Effect.Create effect) throws ActionRefused {
         long id = call.world().lastId() + created.size() + 1;
         ItemDefinition.Builder item =
-                effect.definition().copy(effect.definition().name() + "-" + id);
+                effect.definition().copy(freeName(effect.definition().name() + "-" + id));
         for (Map.Entry<String, Operand> given : effect.with().entrySet()) {
             give(item, effect.definition().kind(), given.getKey(), given.getValue());
         }
         created.add(item.build());
         return () -> {};
+    }
+
+    /** Returns the name, followed by a number if an item or an agent's body has it already. */
+    private String freeName(String wanted) {
+        String name = wanted;
+        for (int number = 2; call.world().find(name).isPresent(); number++) {
+            name = wanted + "-" + number;
+        }
+        return name;
     }
 
     private void give(ItemDefinition.Builder item, String kind, String name, Operand value)

@@ -21,8 +21,13 @@ import reve.core.world.Action;
 import reve.core.world.ActionCall;
 import reve.core.world.ActionRefused;
 import reve.core.world.Arguments;
+import reve.core.world.EventBudget;
+import reve.core.world.ForceBudget;
 import reve.core.world.FrameControl;
 import reve.core.world.Item;
+import reve.core.world.ItemDefinition;
+import reve.core.world.ItemId;
+import reve.core.world.ItemQuota;
 import reve.core.world.OffHeapArena;
 import reve.core.world.World;
 
@@ -266,6 +271,50 @@ class ActionsTest {
         var refused = refusal("cook", "cup", "serve", Map.of());
         assertThat(refused.code()).isEqualTo("cannot-create");
         assertThat(refused).hasMessageContaining("tray");
+    }
+
+    /** Another agent cannot prevent a creation by a name that it takes in advance. */
+    @Test
+    void createdItemsHaveANameThatIsFree() throws Exception {
+        long id = world.lastId() + 2;
+        world.add(ItemDefinition.named("crumb-" + (id + 1)).build());
+        world.add(ItemDefinition.named("crumb-" + (id + 1) + "-2").build());
+
+        act("cook", "pot", "crumble", Map.of());
+
+        assertThat(world.item(new ItemId(id + 1)).name()).isEqualTo("crumb-" + (id + 1) + "-3");
+        assertThat(world.item(new ItemId(id + 2)).name()).isEqualTo("crumb-" + (id + 2));
+    }
+
+    @Test
+    void forcesBeyondTheBudgetAreRefused() throws Exception {
+        var budget = new ForceBudget();
+        for (int i = 0; i < ForceBudget.OF_AGENT; i++) {
+            blow(budget, "ann", 1);
+        }
+        var refused = catchThrowableOfType(ActionRefused.class, () -> blow(budget, "ann", 1));
+        assertThat(refused.code()).isEqualTo("too-many-forces");
+        assertThat(refused)
+                .hasMessageContaining("1 force")
+                .hasMessageContaining("1000 of at most 1000");
+        assertThat(world.forces().active()).hasSize(ForceBudget.OF_AGENT);
+        blow(budget, "bob", 1);
+        blow(budget, "ann", 2); // they last for a frame
+    }
+
+    private void blow(ForceBudget budget, String agent, long frame) throws ActionRefused {
+        Action blow = item("pot").access().find("blow").orElseThrow();
+        new ActionCall(
+                        world,
+                        frame,
+                        item("pot"),
+                        Optional.empty(),
+                        Arguments.check(blow, Map.of("f", List.of(1, 2, 3))),
+                        List.of(),
+                        new ItemQuota(agent, 1, 1),
+                        EventBudget.unlimited(),
+                        budget)
+                .perform(blow);
     }
 
     @Test

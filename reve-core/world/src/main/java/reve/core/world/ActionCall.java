@@ -14,6 +14,7 @@ import java.util.Optional;
  * @param capabilities capabilities of the actor that it may use now
  * @param quota limit on created items
  * @param events limit on the size of raised events
+ * @param forces limit on the number of lasting forces
  */
 public record ActionCall(
         World world,
@@ -23,7 +24,8 @@ public record ActionCall(
         Arguments arguments,
         List<String> capabilities,
         ItemQuota quota,
-        EventBudget events) {
+        EventBudget events,
+        ForceBudget forces) {
 
     /** Creates a call with all capabilities of the actor, and without limits. */
     public ActionCall(
@@ -36,7 +38,8 @@ public record ActionCall(
                 arguments,
                 actor.map(item -> item.access().capabilities()).orElse(List.of()),
                 ItemQuota.NONE,
-                EventBudget.unlimited());
+                EventBudget.unlimited(),
+                ForceBudget.unlimited());
     }
 
     /**

@@ -149,6 +149,7 @@ public final class SqliteStore implements JournalSink {
             }
             connection.setAutoCommit(false);
         } catch (SQLException e) {
+            StoreDatabase.closeAfter(connection, e);
             throw FileTrouble.of(file, "written", e);
         }
     }
@@ -270,11 +271,17 @@ public final class SqliteStore implements JournalSink {
         }
     }
 
+    /**
+     * Undoes what a failed write has changed. If SQLite has undone it already, as it does when the
+     * disk is full, the connection has lost track of its transaction; it is closed, and the next
+     * write opens another.
+     */
     private void rollback(SQLException after) {
         try {
             connection.rollback();
         } catch (SQLException e) {
             after.addSuppressed(e);
+            StoreDatabase.closeAfter(connection, after);
         }
     }
 }

@@ -142,9 +142,14 @@ final class StoreDatabase {
         List<String> damage = new ArrayList<>();
         List<Identity> identity = new ArrayList<>();
         var isIdentified = new AtomicBoolean();
+        var isBlank = new AtomicBoolean();
         reading(
                 file,
                 statement -> {
+                    if (isBlank(statement)) {
+                        isBlank.set(true);
+                        return;
+                    }
                     isIdentified.set(check(file, statement, damage));
                     attempt(
                             file,
@@ -155,6 +160,9 @@ final class StoreDatabase {
                         attempt(file, damage, () -> readIdentity(statement, identity));
                     }
                 });
+        if (isBlank.get()) {
+            return Rows.NONE;
+        }
         return new Rows(
                 isIdentified.get(),
                 identity.stream().findFirst(),
@@ -183,7 +191,6 @@ final class StoreDatabase {
 
     /** Opens a connection for writing; creates the tables of an empty database. */
     static Connection open(Path file) throws IOException {
-        boolean isNew = !Files.exists(file) || Files.size(file) == 0;
         SQLiteConfig config = new SQLiteConfig();
         config.setLockingMode(SQLiteConfig.LockingMode.EXCLUSIVE);
         config.setBusyTimeout(0);
@@ -198,6 +205,8 @@ final class StoreDatabase {
             // after the exclusive lock, WAL needs no -shm file
             statement.execute("PRAGMA journal_mode = WAL");
             statement.execute("PRAGMA synchronous = FULL");
+            opened.setAutoCommit(false); // all or nothing, even if the process is killed
+            boolean isNew = isBlank(statement);
             if (isNew) {
                 statement.executeUpdate("PRAGMA application_id = " + APPLICATION_ID);
                 for (String table : List.of(LIBRARY, IMAGE, IDENTITY_IF_ABSENT)) {
@@ -206,12 +215,19 @@ final class StoreDatabase {
             }
             long version = isNew ? VERSION : number(statement, "PRAGMA user_version");
             statement.executeUpdate("PRAGMA user_version = " + version); // locks the file
-            opened.setAutoCommit(false);
+            opened.commit();
             return opened;
         } catch (SQLException e) {
             closeAfter(opened, e);
             throw FileTrouble.of(file, "opened", e);
         }
+    }
+
+    /** Returns whether a database has no content, because its creation was interrupted. */
+    private static boolean isBlank(Statement statement) throws SQLException {
+        return number(statement, "SELECT count(*) FROM sqlite_schema") == 0
+                && number(statement, "PRAGMA application_id") == 0
+                && number(statement, "PRAGMA user_version") == 0;
     }
 
     static void closeAfter(Connection connection, Exception failure) {

@@ -14,6 +14,7 @@ import reve.core.world.ActionRefused;
 import reve.core.world.Arguments;
 import reve.core.world.Departure;
 import reve.core.world.EventBudget;
+import reve.core.world.ForceBudget;
 import reve.core.world.Item;
 import reve.core.world.ItemDefinition;
 import reve.core.world.ItemId;
@@ -72,6 +73,7 @@ public final class Embodiment {
     private final Set<String> lent = new HashSet<>();
     private final SensedWorld sensed = new SensedWorld();
     private final EventBudget events;
+    private final ForceBudget forces = new ForceBudget();
     private final StepBudget steps = new StepBudget();
 
     /**
@@ -344,7 +346,8 @@ public final class Embodiment {
                         arguments,
                         actor.map(body::capabilities).orElse(List.of()),
                         new ItemQuota(act.agent(), policy.items(), policy.worldItems()),
-                        events));
+                        events,
+                        forces));
     }
 
     /** Performs an action. Hides the refusal's details from agents with limited sensors. */

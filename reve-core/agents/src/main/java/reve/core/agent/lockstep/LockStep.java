@@ -163,9 +163,8 @@ public final class LockStep implements FrameGate {
             dueSinceNanos = nowNanoseconds;
             allowances.due(nowNanoseconds);
         }
-        held =
-                frame; // set before the check: an agent that becomes ready from now on wakes the
-                       // loop
+        held = frame; // set before the check: an agent that becomes ready from now on wakes the
+        // loop
         boolean somebodyComes = coming.get() > 0;
         Turn[] all = turns;
         for (Turn turn : all) {

@@ -34,7 +34,7 @@ public interface Client {
      * Handles the end of a connection. If it was this client's current connection, the session
      * waits for a new one or ends. Any thread.
      */
-    void disconnected(Connection ended, CloseReason why);
+    void disconnected(Outbox outbox, CloseReason why);
 
     /** Returns the encoder for the perceptions of the client's world. */
     PerceptionEncoder encoder();

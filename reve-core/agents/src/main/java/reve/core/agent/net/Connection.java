@@ -133,7 +133,7 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
         ending = why;
         Client client = session;
         if (client != null) {
-            client.disconnected(this, why);
+            client.disconnected(outbox, why);
         }
         if (why.isCut()) {
             counters.cut.increment();

@@ -11,6 +11,7 @@ import reve.core.agent.lockstep.Turn;
 import reve.core.agent.net.Client;
 import reve.core.agent.net.Connection;
 import reve.core.agent.net.Counters;
+import reve.core.agent.net.Outbox;
 import reve.core.agent.perception.EventSubjects;
 import reve.core.agent.perception.HeardEvent;
 import reve.core.agent.perception.Observatory;
@@ -426,9 +427,9 @@ public final class Session implements Client, Perceiver {
 
     /** A connection has ended; if it was this session's, the session breaks or ends. */
     @Override
-    public void disconnected(Connection ended, CloseReason why) {
+    public void disconnected(Outbox outbox, CloseReason why) {
         synchronized (this) {
-            if (left || !output.isOver(ended)) {
+            if (left || !output.isSentBy(outbox)) {
                 return;
             }
             output.breakOff();

@@ -4,6 +4,7 @@ package reve.core.agent.session;
 import org.jspecify.annotations.Nullable;
 
 import reve.core.agent.net.Connection;
+import reve.core.agent.net.Outbox;
 import reve.core.agent.perception.HeardEvent;
 import reve.core.agent.protocol.CloseReason;
 import reve.core.agent.protocol.Encoding;
@@ -62,8 +63,10 @@ final class SessionOutput {
         perceptions.notBefore(frame);
     }
 
-    synchronized boolean isOver(Connection other) {
-        return connection == other;
+    /** Returns whether the current connection has this queue. */
+    synchronized boolean isSentBy(Outbox outbox) {
+        Connection now = connection;
+        return now != null && now.outbox() == outbox;
     }
 
     boolean isBroken() {
