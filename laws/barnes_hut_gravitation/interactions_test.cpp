@@ -136,9 +136,9 @@ TYPED_TEST(InteractionsTest, EveryInstructionSetGivesTheSameBits) {
 
 TYPED_TEST(InteractionsTest, ABodyOnTopOfATargetPullsWithNothing) {
   Targets<TypeParam> targets{};
-  const Source<TypeParam> here{{}, 1};
+  const Source<TypeParam> source{{}, 1};
   const Run run{0, 1};
-  AvailableInteractions<TypeParam>().front().add_bodies(targets, &here, &run, 1,
+  AvailableInteractions<TypeParam>().front().add_bodies(targets, &source, &run, 1,
                                                         kLeastSoftening2<TypeParam>);
   for (uint32_t i = 0; i < kGroup; ++i) EXPECT_EQ(Length(this->Sum(targets, i)), 0);
 }

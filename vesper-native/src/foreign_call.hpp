@@ -11,31 +11,31 @@
 namespace vesper {
 
 /// Returns LAW_FAILED with the message that the library gave for its status.
-inline Failure ForeignFailure(const std::string& who, vesper_status status, vesper_error error) {
+inline Failure ForeignFailure(const std::string& caller, vesper_status status, vesper_error error) {
   if (error.message[0] == '\0') {
-    return Failure(VESPER_LAW_FAILED, "%s: returned status %d (%s)", who.c_str(), status,
+    return Failure(VESPER_LAW_FAILED, "%s: returned status %d (%s)", caller.c_str(), status,
                    StatusName(status));
   }
   Sanitize(error);
   error.status = VESPER_LAW_FAILED;
-  return Failure(error).Within(who);
+  return Failure(error).Within(caller);
 }
 
-/// Runs `call(vesper_error*)` under default floating-point modes. Throws LAW_FAILED, naming `who`,
-/// if the call returns another status than VESPER_OK or throws.
+/// Runs `call(vesper_error*)` under default floating-point modes. Throws LAW_FAILED, naming
+/// `caller`, if the call returns another status than VESPER_OK or throws.
 template <class Call>
-void CallForeign(const std::string& who, Call&& call) {
+void CallForeign(const std::string& caller, Call&& call) {
   vesper_error error = BlankError();
   vesper_status status;
   try {
     const FloatingPointGuard guard;
     status = call(&error);
   } catch (const std::exception& exception) {
-    throw Failure(VESPER_LAW_FAILED, "%s: threw: %s", who.c_str(), exception.what());
+    throw Failure(VESPER_LAW_FAILED, "%s: threw: %s", caller.c_str(), exception.what());
   } catch (...) {
-    throw Failure(VESPER_LAW_FAILED, "%s: threw an exception of unknown type", who.c_str());
+    throw Failure(VESPER_LAW_FAILED, "%s: threw an exception of unknown type", caller.c_str());
   }
-  if (status != VESPER_OK) throw ForeignFailure(who, status, error);
+  if (status != VESPER_OK) throw ForeignFailure(caller, status, error);
 }
 
 /// Runs a call that returns no status, likewise; discards its exceptions.

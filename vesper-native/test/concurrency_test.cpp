@@ -38,13 +38,13 @@ class ConcurrencyTest : public BothModes {
     Bodies bodies(3);
     TestEngine engine = MakeEngine(2);
     engine.AddBodies(bodies);
-    const Pipe here, there;
-    engine.Load(
-        library,
-        {{"first.tell", there.in()}, {"first.hear", here.out()}, {"first.patience", patience}});
-    engine.Load(
-        other,
-        {{"first.tell", here.in()}, {"first.hear", there.out()}, {"first.patience", patience}});
+    const Pipe first_pipe, second_pipe;
+    engine.Load(library, {{"first.tell", second_pipe.in()},
+                          {"first.hear", first_pipe.out()},
+                          {"first.patience", patience}});
+    engine.Load(other, {{"first.tell", first_pipe.in()},
+                        {"first.hear", second_pipe.out()},
+                        {"first.patience", patience}});
     return engine.Advance(0.1, 1);
   }
 };
@@ -67,12 +67,12 @@ TEST_P(ConcurrencyTest, LawsOfOneLibraryNeverMeet) {
   Bodies bodies(3);
   TestEngine engine = MakeEngine(2);
   engine.AddBodies(bodies);
-  const Pipe here, there;
-  engine.Load("meeting_reader", {{"first.tell", there.in()},
-                                 {"first.hear", here.out()},
+  const Pipe first_pipe, second_pipe;
+  engine.Load("meeting_reader", {{"first.tell", second_pipe.in()},
+                                 {"first.hear", first_pipe.out()},
                                  {"first.patience", kShort},
-                                 {"second.tell", here.in()},
-                                 {"second.hear", there.out()},
+                                 {"second.tell", first_pipe.in()},
+                                 {"second.hear", second_pipe.out()},
                                  {"second.patience", kShort}});
   const vesper_error error = engine.Advance(0.1, 1);
   EXPECT_REFUSED(LAW_FAILED, "law first: nobody came", error);

@@ -112,12 +112,12 @@ class Curious:
             self.lose_interest(perception.time)
         elif perception.time - self.chosen_at > _PATIENCE:
             self.lose_interest(perception.time)
-        here = me.location if me is not None and me.location is not None else (0.0, 0.0, 0.0)
+        position = me.location if me is not None and me.location is not None else (0.0, 0.0, 0.0)
         if me is not None and "force" in me.actions.get("roll", {}):
-            self.do(me, "roll", force=along(here, item.location, self.options.force))
+            self.do(me, "roll", force=along(position, item.location, self.options.force))
         if "impulse" in item.actions.get("push", {}) and perception.time >= self.next_push:
             self.next_push = perception.time + self.options.push_every
-            if self.do(item, "push", impulse=along(here, item.location, self.options.strength)):
+            if self.do(item, "push", impulse=along(position, item.location, self.options.strength)):
                 self.pushes += 1
 
     def most_interesting(self, perception: reve.Perception) -> Optional[reve.Item]:

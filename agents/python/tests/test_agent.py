@@ -337,10 +337,10 @@ class AgentTest(unittest.TestCase):
                     agent.step() if lock_step else agent.perceive()
                     eye.perceive()
                     self.assertGreater(way.cuts, 0)
-                    for who in (agent, eye):
+                    for client in (agent, eye):
                         acted = [
                             event
-                            for event in who.events()
+                            for event in client.events()
                             if event.type == "acted" and event.fields["agent"] == name
                         ]
                         self.assertEqual(len(acted), 30)

@@ -43,8 +43,8 @@ if HAS_GYM:
 
         def observe(self, perception):
             red, me = perception.find("red"), perception.find(self.body)
-            here = numpy.array(me.location)
-            return numpy.zeros(3) if red is None else numpy.array(red.location) - here
+            position = numpy.array(me.location)
+            return numpy.zeros(3) if red is None else numpy.array(red.location) - position
 
         def act(self, action):
             force = [100 * float(action[0]), 0.0, 100 * float(action[1])]

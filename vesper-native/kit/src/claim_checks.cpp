@@ -62,12 +62,12 @@ std::string CheckTranslation(const Subject& of) {
   const LawsUnderTest subject(of);
   subject.RequireClaim(VESPER_CLAIM_TRANSLATION);
   const Vec3<double> by{8, -4, 16};
-  World here = subject.MakeWorld(kRows), there = subject.MakeWorld(kRows);
-  there.Translate(by);
-  Run(subject, here);
-  Run(subject, there);
-  here.Translate(by);
-  subject.ExpectSameResults(here, there, 10);
+  World original = subject.MakeWorld(kRows), translated = subject.MakeWorld(kRows);
+  translated.Translate(by);
+  Run(subject, original);
+  Run(subject, translated);
+  original.Translate(by);
+  subject.ExpectSameResults(original, translated, 10);
   return "";
 }
 

@@ -43,8 +43,8 @@ class ClassCirclesTest {
         return arrows;
     }
 
-    private static String outermost(JavaClass some) {
-        String name = some.getName();
+    private static String outermost(JavaClass type) {
+        String name = type.getName();
         int nested = name.indexOf('$');
         return nested < 0 ? name : name.substring(0, nested);
     }

@@ -156,7 +156,7 @@ class SecurityIT {
     @Test
     void aTokenIsNeverWrittenOverAFileNorLeftBehind() throws Exception {
         Path tokens = folder.resolve("tokens.json");
-        Path there = Files.writeString(folder.resolve("there"), "mine");
+        Path existing = Files.writeString(folder.resolve("there"), "mine");
         Outcome over =
                 Reve.run(
                         "token",
@@ -165,10 +165,10 @@ class SecurityIT {
                         "--file",
                         tokens.toString(),
                         "--out",
-                        there.toString());
+                        existing.toString());
         assertThat(over.code()).isEqualTo(1);
-        assertThat(over.err()).contains("--out " + there + " is there already");
-        assertThat(there).hasContent("mine");
+        assertThat(over.err()).contains("--out " + existing + " is there already");
+        assertThat(existing).hasContent("mine");
         assertThat(tokens).doesNotExist();
         Path next = folder.resolve("next");
         assertThat(

@@ -195,11 +195,11 @@ class WorldsIT {
         }
         for (JsonNode position : sample.all("positions")) {
             double[] at = after.position(position.get("item").asString());
-            double[] there = new double[3];
+            double[] expectedPlace = new double[3];
             for (int axis = 0; axis < 3; axis++) {
-                there[axis] = position.get("at").get(axis).asDouble();
+                expectedPlace[axis] = position.get("at").get(axis).asDouble();
             }
-            assertThat(Mechanics.norm(Mechanics.subtract(at, there)))
+            assertThat(Mechanics.norm(Mechanics.subtract(at, expectedPlace)))
                     .as("%s is at %s", position.get("item"), List.of(at[0], at[1], at[2]))
                     .isLessThanOrEqualTo(position.get("within").asDouble());
         }

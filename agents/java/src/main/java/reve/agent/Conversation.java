@@ -49,7 +49,7 @@ final class Conversation {
     private @Nullable Perception latest;
 
     /** Acts of the round, in lock-step. */
-    private List<Long> doing = List.of();
+    private List<Long> roundActs = List.of();
 
     private long readyFrame = NO_FRAME;
     private long observedFrame = NO_FRAME;
@@ -160,7 +160,7 @@ final class Conversation {
     /** Performs acts and ends the round. */
     byte[] ready(Act... acts) {
         OptionalLong seen = known == null ? OptionalLong.empty() : OptionalLong.of(known.frame());
-        doing.forEach(this::drop);
+        roundActs.forEach(this::drop);
         readyFrame = seen.orElse(NO_FRAME);
         var lines = new ByteArrayOutputStream();
         var ids = new ArrayList<Long>();
@@ -178,7 +178,7 @@ final class Conversation {
             ids.add(question.id());
             lines.writeBytes(question.line());
         }
-        doing = ids;
+        roundActs = ids;
         if (acts.length == 0) {
             lines.writeBytes(encode(Protocol.ready(seen)));
         }
@@ -199,8 +199,8 @@ final class Conversation {
     Perception observation() {
         Perception seen = Objects.requireNonNull(known);
         observedFrame = seen.frame();
-        List<Long> ids = doing;
-        doing = List.of();
+        List<Long> ids = roundActs;
+        roundActs = List.of();
         try {
             return seen.with(ids.stream().map(id -> answer(id, ActResult.class)).toList());
         } finally {
@@ -222,7 +222,7 @@ final class Conversation {
     }
 
     private boolean isAllDone() {
-        return doing.stream().allMatch(this::hasAnswer);
+        return roundActs.stream().allMatch(this::hasAnswer);
     }
 
     long missedEvents() {

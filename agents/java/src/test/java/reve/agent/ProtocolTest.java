@@ -82,10 +82,11 @@ class ProtocolTest {
         if (vector.get("from").stringValue().equals("server")) {
             assertSame(written(Protocol.read(packed)), understood(vector.get("message")));
         } else {
-            byte[] mine = Packed.write(said(vector.get("message")));
-            assertThat(ByteBuffer.wrap(mine).getInt()).isEqualTo(mine.length - Packed.LENGTH_BYTES);
+            byte[] encoded = Packed.write(said(vector.get("message")));
+            assertThat(ByteBuffer.wrap(encoded).getInt())
+                    .isEqualTo(encoded.length - Packed.LENGTH_BYTES);
             assertSame(
-                    Packed.read(Arrays.copyOfRange(mine, Packed.LENGTH_BYTES, mine.length)),
+                    Packed.read(Arrays.copyOfRange(encoded, Packed.LENGTH_BYTES, encoded.length)),
                     vector.get("message"));
         }
     }

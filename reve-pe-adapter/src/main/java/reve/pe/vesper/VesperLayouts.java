@@ -218,7 +218,7 @@ final class VesperLayouts {
     }
 
     private static void expect(List<Row> library, Row expected) {
-        String thing =
+        String name =
                 expected.field.isEmpty() ? expected.struct : expected.struct + "." + expected.field;
         Row found =
                 library.stream()
@@ -227,11 +227,10 @@ final class VesperLayouts {
                                         row.struct.equals(expected.struct)
                                                 && row.field.equals(expected.field))
                         .findFirst()
-                        .orElseThrow(
-                                () -> mismatch(thing + " is missing from the library's table"));
+                        .orElseThrow(() -> mismatch(name + " is missing from the library's table"));
         if (!found.equals(expected)) {
             throw mismatch(
-                    thing
+                    name
                             + " is at offset "
                             + found.offset
                             + " with "

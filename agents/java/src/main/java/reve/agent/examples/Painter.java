@@ -139,10 +139,10 @@ public final class Painter {
         double passed = perception.time() - timeBefore;
         boolean paint = !before.isEmpty() && perception.time() - lastPainted >= PAINT_EVERY_SECONDS;
         for (Item item : perception.items()) {
-            Location here = item.location().orElse(null);
-            Location there = here == null ? null : before.put(item.name(), here);
-            if (there != null) {
-                double speed = distance(here, there) / passed;
+            Location location = item.location().orElse(null);
+            Location previous = location == null ? null : before.put(item.name(), location);
+            if (previous != null) {
+                double speed = distance(location, previous) / passed;
                 fastest = Math.max(fastest, speed);
                 if (paint && item.actions().getOrDefault("paint", Map.of()).containsKey("colour")) {
                     paint(item.name(), speed);

@@ -381,10 +381,10 @@ class AgentAbuseTest {
     private static double goodAgents(AgentRoom room, String name) throws Exception {
         List<Future<long[]>> agents = new ArrayList<>();
         for (int i = 0; i < GOOD; i++) {
-            String mine = name + i;
-            var agent = new FutureTask<long[]>(() -> roundTrips(room.server.address(), mine));
+            String client = name + i;
+            var agent = new FutureTask<long[]>(() -> roundTrips(room.server.address(), client));
             agents.add(agent);
-            Thread.ofPlatform().name(mine).start(agent);
+            Thread.ofPlatform().name(client).start(agent);
         }
         room.stepUntil("good agents are done", PATIENCE, () -> areDone(agents));
         long[] all = new long[0];

@@ -610,11 +610,11 @@ class AgentServerTest {
     @Test
     void closingSaysByeToEverybody() throws IOException {
         try (TestClient ada = room.join("ada");
-                TestClient nobody = room.connect()) {
-            nobody.say("{'t':'ping'}").expect("error"); // it has been accepted
+                TestClient stranger = room.connect()) {
+            stranger.say("{'t':'ping'}").expect("error"); // it has been accepted
             room.server.close();
             ada.expectBye("closing");
-            nobody.expectBye("closing");
+            stranger.expectBye("closing");
             room.server.close();
         }
         assertThat(room.server.stats().open()).isZero();

@@ -165,13 +165,13 @@ class CameraFuzzTest {
     void everyLookIsAnsweredOnceByACameraOfItsOwnWhateverHappensMeanwhile() throws IOException {
         ItemDefinition body =
                 ItemDefinition.named("body").shape(Shape.sphere(0.5)).sensor(EYE).build();
-        try (AgentRoom its =
+        try (AgentRoom agentRoom =
                         new AgentRoom(
                                 AgentRoom.CONFIG,
                                 new AgentPolicy(List.of(), Optional.of(body)),
                                 256);
-                TestClient boss = its.connect()) {
-            room = its;
+                TestClient boss = agentRoom.connect()) {
+            room = agentRoom;
             room.cameras =
                     (item, camera, answer) -> {
                         synchronized (orders) {

@@ -187,13 +187,13 @@ class RightsModelTest {
             if (thing == null || !senses(thing)) {
                 return "no-such-item";
             }
-            Thing mine = body.orElseThrow();
-            boolean blind = mine.sensing && !mine.sensesActions && !item.equals(mine.name);
+            Thing own = body.orElseThrow();
+            boolean blind = own.sensing && !own.sensesActions && !item.equals(own.name);
             if (blind || !thing.needs.containsKey(action)) {
                 return "no-such-action";
             }
             if (action.equals("throw")
-                    && mine.sensing
+                    && own.sensing
                     && (!BY_NAME.containsKey(other) || !senses(BY_NAME.get(other)))) {
                 return "no-such-item";
             }
@@ -377,7 +377,7 @@ class RightsModelTest {
             return "";
         }
         Set<String> taken = new TreeSet<>();
-        clients.values().forEach(other -> other.body.ifPresent(its -> taken.add(its.name)));
+        clients.values().forEach(other -> other.body.ifPresent(owned -> taken.add(owned.name)));
         if (body.isPresent()) {
             String wanted = body.get();
             if (!opens(rights.bodies(), wanted)) {

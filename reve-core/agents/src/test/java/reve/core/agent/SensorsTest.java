@@ -247,7 +247,7 @@ class SensorsTest {
 
     @Test
     void anItemThatIsNotSensedCannotBeNamedInAnArgument() throws IOException {
-        Parameter whom = Parameter.item("whom", "Whom to greet.");
+        Parameter guest = Parameter.item("whom", "Whom to greet.");
         ItemDefinition hand =
                 ItemDefinition.named("hand")
                         .at(1, 0, 0)
@@ -255,7 +255,7 @@ class SensorsTest {
                                 new DeclaredAction(
                                         "greet",
                                         "Waves.",
-                                        List.of(whom),
+                                        List.of(guest),
                                         List.of(new Effect.Raise("greeted", "greet"))))
                         .build();
         try (AgentRoom room = room(body(Sensor.sight("eyes", 2)).build(), hand, AgentRoom.duck());
@@ -572,11 +572,11 @@ class SensorsTest {
         double[] low = item.physical().boundsMin();
         double[] high = item.physical().boundsMax();
         if (sensor.touch()) {
-            double[] mine = body.physical().boundsMin();
-            double[] mineHigh = body.physical().boundsMax();
+            double[] own = body.physical().boundsMin();
+            double[] ownHigh = body.physical().boundsMax();
             double square = 0;
             for (int i = 0; i < 3; i++) {
-                double gap = Math.max(0, Math.max(mine[i] - high[i], low[i] - mineHigh[i]));
+                double gap = Math.max(0, Math.max(own[i] - high[i], low[i] - ownHigh[i]));
                 square += gap * gap;
             }
             return Math.sqrt(square) <= sensor.range();

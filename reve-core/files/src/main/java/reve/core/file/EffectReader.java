@@ -143,24 +143,24 @@ final class EffectReader {
         return true;
     }
 
-    private Optional<Effect> read(Node node, Node what, Subject of, Owner whose)
+    private Optional<Effect> read(Node node, Node what, Subject subject, Owner itemOwner)
             throws WorldFileException {
         return switch (what.key()) {
             case "impulse" ->
-                    vector(what, whose, Effect.Impulse.UNIT)
-                            .map(impulse -> new Effect.Impulse(of, impulse));
-            case "force" -> force(node, what, of, whose);
-            case "set" -> set(what, node.get("to").orElseThrow(), of, whose);
-            case "symbol" -> symbol(what, node.get("to").orElseThrow(), of, whose);
+                    vector(what, itemOwner, Effect.Impulse.UNIT)
+                            .map(impulse -> new Effect.Impulse(subject, impulse));
+            case "force" -> force(node, what, subject, itemOwner);
+            case "set" -> set(what, node.get("to").orElseThrow(), subject, itemOwner);
+            case "symbol" -> symbol(what, node.get("to").orElseThrow(), subject, itemOwner);
             case "attach" ->
-                    requireBody(what, whose)
-                            ? subject(what).map(to -> new Effect.Attach(of, to))
+                    requireBody(what, itemOwner)
+                            ? subject(what).map(to -> new Effect.Attach(subject, to))
                             : Optional.empty();
             case "detach" ->
-                    requireBody(what, whose)
-                            ? Optional.of(new Effect.Detach(of))
+                    requireBody(what, itemOwner)
+                            ? Optional.of(new Effect.Detach(subject))
                             : Optional.empty();
-            case "remove" -> Optional.of(new Effect.Remove(of));
+            case "remove" -> Optional.of(new Effect.Remove(subject));
             case "create" -> create(node, what);
             default -> raise(node, what);
         };
@@ -186,21 +186,21 @@ final class EffectReader {
         return parameter.map(Subject::argument);
     }
 
-    private Optional<Operand> vector(Node node, Owner whose, Unit unit) {
-        if (!whose.kind().equals(WorldPrototype.BODY)) {
+    private Optional<Operand> vector(Node node, Owner itemOwner, Unit unit) {
+        if (!itemOwner.kind().equals(WorldPrototype.BODY)) {
             String article = node.key().equals("impulse") ? "an " : "a ";
             problems.addAtKey(
                     node,
-                    "only bodies take " + article + node.key() + ", this is a " + whose.kind());
+                    "only bodies take " + article + node.key() + ", this is a " + itemOwner.kind());
             return Optional.empty();
         }
-        return requirePhysics(node, whose)
+        return requirePhysics(node, itemOwner)
                 ? operands.numbers(node, 3, unit, ScalarType.F64)
                 : Optional.empty();
     }
 
-    private Optional<Effect> force(Node node, Node what, Subject of, Owner whose) {
-        Optional<Operand> force = vector(what, whose, Effect.Force.UNIT);
+    private Optional<Effect> force(Node node, Node what, Subject subject, Owner itemOwner) {
+        Optional<Operand> force = vector(what, itemOwner, Effect.Force.UNIT);
         double seconds = 0;
         if (node.get("for").isPresent()) {
             Node time = node.get("for").get();
@@ -215,31 +215,34 @@ final class EffectReader {
             }
         }
         double lasting = seconds;
-        return force.map(newtons -> new Effect.Force(of, newtons, lasting));
+        return force.map(newtons -> new Effect.Force(subject, newtons, lasting));
     }
 
-    private Optional<Effect> set(Node what, Node to, Subject of, Owner whose) {
+    private Optional<Effect> set(Node what, Node to, Subject subject, Owner itemOwner) {
         String target = what.text().orElse("");
-        boolean body = whose.kind().equals(WorldPrototype.BODY);
+        boolean body = itemOwner.kind().equals(WorldPrototype.BODY);
         if (target.startsWith(PHYSICS)) {
-            return property(what, target.substring(PHYSICS.length()), whose)
-                    .filter(property -> requirePhysics(what, whose))
+            return property(what, target.substring(PHYSICS.length()), itemOwner)
+                    .filter(property -> requirePhysics(what, itemOwner))
                     .flatMap(
                             property ->
                                     numbers(to, property)
                                             .map(
                                                     operand ->
                                                             new Effect.SetProperty(
-                                                                    of, property.name(), operand)));
+                                                                    subject,
+                                                                    property.name(),
+                                                                    operand)));
         }
         return switch (body ? target : "") {
-            case COLOUR -> operands.colour(to).map(operand -> new Effect.SetColour(of, operand));
+            case COLOUR ->
+                    operands.colour(to).map(operand -> new Effect.SetColour(subject, operand));
             case LOCATION ->
                     operands.numbers(to, 3, Effect.SetLocation.UNIT, real())
-                            .map(operand -> new Effect.SetLocation(of, operand));
+                            .map(operand -> new Effect.SetLocation(subject, operand));
             case ORIENTATION ->
                     operands.numbers(to, 4, Unit.ONE, real())
-                            .map(operand -> new Effect.SetOrientation(of, operand));
+                            .map(operand -> new Effect.SetOrientation(subject, operand));
             default -> {
                 problems.add(
                         what,
@@ -262,8 +265,8 @@ final class EffectReader {
     }
 
     /** Returns a numeric property by name. */
-    private Optional<PropertyDescriptor> property(Node where, String name, Owner whose) {
-        return physics.find(where, name, whose.kind())
+    private Optional<PropertyDescriptor> property(Node where, String name, Owner itemOwner) {
+        return physics.find(where, name, itemOwner.kind())
                 .filter(
                         property -> {
                             if (property.type() == ScalarType.REF) {
@@ -283,29 +286,29 @@ final class EffectReader {
         return operands.numbers(node, property);
     }
 
-    private boolean requirePhysics(Node node, Owner whose) {
-        if (!whose.hasPhysics()) {
+    private boolean requirePhysics(Node node, Owner itemOwner) {
+        if (!itemOwner.hasPhysics()) {
             problems.addAtKey(node, "the item has no `physics`, so this action could never work");
         }
-        return whose.hasPhysics();
+        return itemOwner.hasPhysics();
     }
 
-    private boolean requireBody(Node node, Owner whose) {
-        boolean body = whose.kind().equals(WorldPrototype.BODY);
+    private boolean requireBody(Node node, Owner itemOwner) {
+        boolean body = itemOwner.kind().equals(WorldPrototype.BODY);
         if (!body) {
             problems.addAtKey(
-                    node, "only bodies are attached to each other, this is a " + whose.kind());
+                    node, "only bodies are attached to each other, this is a " + itemOwner.kind());
         }
         return body;
     }
 
-    private Optional<Effect> symbol(Node what, Node to, Subject of, Owner whose) {
+    private Optional<Effect> symbol(Node what, Node to, Subject subject, Owner itemOwner) {
         Optional<String> name = what.text();
         if (name.isEmpty() || !isSettable(what, name.get())) {
             return Optional.empty();
         }
-        return operands.symbol(to, whose.name(), name.get())
-                .map(operand -> new Effect.SetSymbol(of, name.get(), operand));
+        return operands.symbol(to, itemOwner.name(), name.get())
+                .map(operand -> new Effect.SetSymbol(subject, name.get(), operand));
     }
 
     private boolean isSettable(Node node, String symbol) {
@@ -331,10 +334,10 @@ final class EffectReader {
 
     /** Reads a value of a created item that differs from its definition. */
     private Optional<Operand> part(Node value, ItemDefinition item) {
-        var whose = new Owner(item.name(), item.kind(), true);
+        var itemOwner = new Owner(item.name(), item.kind(), true);
         String name = value.key();
         if (name.startsWith(PHYSICS)) {
-            return property(value, name.substring(PHYSICS.length()), whose)
+            return property(value, name.substring(PHYSICS.length()), itemOwner)
                     .flatMap(property -> numbers(value, property));
         }
         if (name.startsWith(SEMANTIC)) {

@@ -133,11 +133,11 @@ final class Formula {
         }
 
         private boolean skip(String symbol) {
-            boolean there = next.equals(symbol);
-            if (there) {
+            boolean matches = next.equals(symbol);
+            if (matches) {
                 advance();
             }
-            return there;
+            return matches;
         }
 
         private void expect(String symbol) {
@@ -201,7 +201,7 @@ final class Formula {
         }
 
         private Term single() {
-            String here = next;
+            String symbol = next;
             if (skip("(")) {
                 Term term = sum();
                 expect(")");
@@ -212,11 +212,11 @@ final class Formula {
             }
             if (nextIsNumber) {
                 advance();
-                return constant(Double.parseDouble(here));
+                return constant(Double.parseDouble(symbol));
             }
             if (nextIsName) {
                 advance();
-                return skip("(") ? call(here, listed(")")) : named(here);
+                return skip("(") ? call(symbol, listed(")")) : named(symbol);
             }
             throw unexpected("a number, a name or a bracket");
         }

@@ -102,12 +102,12 @@ final class PrefabCheck {
 
     /** Returns the declared kind, or the kind that has most of the properties. */
     private String kind(Node prefab) {
-        Optional<String> said = prefab.get("kind").flatMap(Node::text);
-        if (said.isPresent()
+        Optional<String> declaredKind = prefab.get("kind").flatMap(Node::text);
+        if (declaredKind.isPresent()
                 || prefab.get("physical").isPresent()
                 || prefab.get("sensors").isPresent()
                 || prefab.get("physics").isEmpty()) {
-            return said.orElse(WorldPrototype.BODY);
+            return declaredKind.orElse(WorldPrototype.BODY);
         }
         Map<String, Integer> known = new HashMap<>();
         for (Node value : prefab.get("physics").orElseThrow().children()) {

@@ -75,8 +75,8 @@ final class Problems {
     /**
      * Returns the position of another node for messages: {@code on line 5}, or {@code in f.yaml:5}.
      */
-    static String place(Node other, Node here) {
-        return other.file().equals(here.file())
+    static String place(Node other, Node from) {
+        return other.file().equals(from.file())
                 ? "on line " + other.line()
                 : "in " + other.file() + ":" + other.line();
     }

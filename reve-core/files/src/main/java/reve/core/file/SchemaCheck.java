@@ -300,11 +300,11 @@ final class SchemaCheck {
     private static Node resolve(Node base, NodePath path) {
         Node node = base;
         for (int i = 0; i < path.getNameCount(); i++) {
-            Node here = node;
+            Node current = node;
             node =
                     (path.getElement(i) instanceof Integer index
-                                    ? here.get(index)
-                                    : here.get(path.getName(i)))
+                                    ? current.get(index)
+                                    : current.get(path.getName(i)))
                             .orElseThrow();
         }
         return node;

@@ -63,13 +63,13 @@ final class Budget {
         require(path, pixels, MAX_PIXELS, "textures", "pixels");
     }
 
-    private void require(String path, long taken, long most, String whose, String what)
+    private void require(String path, long taken, long most, String assets, String what)
             throws AssetException {
         if (taken > most) {
             throw new AssetException(
                     path
                             + ": the "
-                            + whose
+                            + assets
                             + " of this world have more than "
                             + most
                             + " "

@@ -116,16 +116,16 @@ final class GltfReader {
                             + " has a skin, which is not supported; export "
                             + "the mesh as it stands, without its armature");
         }
-        Placement here = parent.times(placement(node));
+        Placement placed = parent.times(placement(node));
         if (node.getMesh() != null) {
             List<MeshPrimitive> primitives =
                     orEmpty(element(gltf.getMeshes(), node.getMesh(), "mesh").getPrimitives());
             for (int i = 0; i < primitives.size(); i++) {
-                add(element(primitives, i, "primitive"), here);
+                add(element(primitives, i, "primitive"), placed);
             }
         }
         for (Integer child : orEmpty(node.getChildren())) {
-            place(child, here, depth + 1);
+            place(child, placed, depth + 1);
         }
     }
 

@@ -44,7 +44,7 @@ public final class WorldFolder {
      */
     public Path find(String path) throws AssetException {
         requireWithin(path);
-        Path here =
+        Path existing =
                 folder.orElseThrow(
                         () ->
                                 new AssetException(
@@ -52,7 +52,7 @@ public final class WorldFolder {
                                                 + ": a world that is not read from a file has no"
                                                 + " folder to find it in"));
         try {
-            Path root = here.toRealPath();
+            Path root = existing.toRealPath();
             Path real = root.resolve(path).toRealPath();
             if (!real.startsWith(root)) {
                 throw new AssetException(path + ": a link that leads out of the world's folder");
@@ -80,8 +80,9 @@ public final class WorldFolder {
                     .toRealPath()
                     .resolve(path.substring(0, path.lastIndexOf('/') + 1))
                     .toRealPath();
-        } catch (IOException gone) {
-            throw new AssetException(path + ": cannot be opened: " + Reason.ofSystem(gone), gone);
+        } catch (IOException failure) {
+            throw new AssetException(
+                    path + ": cannot be opened: " + Reason.ofSystem(failure), failure);
         }
     }
 

@@ -233,14 +233,14 @@ class RulesTest {
 
     @Test
     void itemsThatARuleReadsAboutAreFoundWhereTheyAre() throws Exception {
-        Item here = world.add(ItemDefinition.named("here").at(1, 0, 0).build());
+        Item neighbour = world.add(ItemDefinition.named("here").at(1, 0, 0).build());
         Rules rules = rules("east", "semantic.location[0] > 0 && item.kind == 'body'");
 
         rules.update(1);
-        assertThat(of(here, "east")).isEqualTo(true);
-        here.physical().setLocation(-1, 0, 0);
+        assertThat(of(neighbour, "east")).isEqualTo(true);
+        neighbour.physical().setLocation(-1, 0, 0);
         rules.update(2);
-        assertThat(of(here, "east")).isEqualTo(false);
+        assertThat(of(neighbour, "east")).isEqualTo(false);
     }
 
     @Test

@@ -66,9 +66,9 @@ final class RankedOrder {
             }
             int before = 0;
             for (int digit = 0; digit < DIGITS; digit++) {
-                int here = counts[digit];
+                int ofDigit = counts[digit];
                 counts[digit] = before;
-                before += here;
+                before += ofDigit;
             }
             for (int i = 0; i < count; i++) {
                 int index = order[i];

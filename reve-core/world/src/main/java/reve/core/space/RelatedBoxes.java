@@ -281,15 +281,15 @@ public final class RelatedBoxes {
 
     private void add(int relation, double gap, int other) {
         int[] others = boxes[relation];
-        double[] theirs = distances[relation];
+        double[] ranked = distances[relation];
         int at = Math.min(found[relation], MOST - 1);
         found[relation] = at + 1;
-        while (at > 0 && isBefore(gap, other, theirs[at - 1], others[at - 1])) {
-            theirs[at] = theirs[at - 1];
+        while (at > 0 && isBefore(gap, other, ranked[at - 1], others[at - 1])) {
+            ranked[at] = ranked[at - 1];
             others[at] = others[at - 1];
             at--;
         }
-        theirs[at] = gap;
+        ranked[at] = gap;
         others[at] = other;
     }
 

@@ -33,16 +33,16 @@ public final class Activity {
     /**
      * Ends the current activity and counts its steps. World's thread.
      *
-     * @param its number of steps, the same on every machine
+     * @param count number of steps, the same on every machine
      */
-    public void end(long its) {
-        steps += its;
+    public void end(long count) {
+        steps += count;
         end();
     }
 
     /** Counts steps outside an evaluation. World's thread. */
-    void spend(long its) {
-        steps += its;
+    void spend(long count) {
+        steps += count;
     }
 
     /** Returns the steps of all ended activities. World's thread. */

@@ -73,7 +73,7 @@ public final class EventBudget {
         }
     }
 
-    private void require(long bytes, long already, int limit, String whose, long frame)
+    private void require(long bytes, long already, int limit, String spenders, long frame)
             throws ActionRefused {
         if (already + bytes <= limit) {
             return;
@@ -82,7 +82,7 @@ public final class EventBudget {
                 "the action raises events of "
                         + bytes
                         + " bytes, and "
-                        + whose
+                        + spenders
                         + " have raised "
                         + already
                         + " of at most "

@@ -82,8 +82,8 @@ final class ItemIndex<K> {
     /** Returns the slot of a key, or the empty slot for it. */
     private int slotOf(K key) {
         int slot = start(key);
-        Item there;
-        while ((there = slots[slot]) != null && !keyOf.apply(there).equals(key)) {
+        Item present;
+        while ((present = slots[slot]) != null && !keyOf.apply(present).equals(key)) {
             slot = after(slot);
         }
         return slot;

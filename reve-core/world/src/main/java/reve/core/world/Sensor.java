@@ -208,9 +208,9 @@ public record Sensor(
     }
 
     /** Returns a copy that perceives these aspects. */
-    public Sensor withAspects(Set<Aspect> some) {
+    public Sensor withAspects(Set<Aspect> newAspects) {
         return new Sensor(
-                name, touch, range, fieldOfView, lineOfSight, every, symbols, some, camera);
+                name, touch, range, fieldOfView, lineOfSight, every, symbols, newAspects, camera);
     }
 
     /** Returns whether it is a camera, which senses no items. */

@@ -54,10 +54,11 @@ public final class WorldGuard {
      * Runs code that must not change the world: meanwhile every change is refused with an
      * IllegalStateException that names the code.
      */
-    public <T, E extends Exception> T inspect(String who, Inspection<T, E> inspection) throws E {
+    public <T, E extends Exception> T inspect(String inspector, Inspection<T, E> inspection)
+            throws E {
         checkOwner();
         String outer = inspectedBy;
-        inspectedBy = who;
+        inspectedBy = inspector;
         try {
             return inspection.look();
         } finally {

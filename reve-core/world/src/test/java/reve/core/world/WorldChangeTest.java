@@ -52,14 +52,14 @@ class WorldChangeTest {
         world.attach(lamp.id(), ball.id());
         world.attach(lamp.id(), ball.id(), new Pose(1, 0, 0, 0, 0, 0, 1));
         world.detach(lamp.id());
-        var here = new Attachment(ball.id(), Pose.ORIGIN);
-        var there = new Attachment(ball.id(), new Pose(1, 0, 0, 0, 0, 0, 1));
+        var before = new Attachment(ball.id(), Pose.ORIGIN);
+        var after = new Attachment(ball.id(), new Pose(1, 0, 0, 0, 0, 0, 1));
         assertThat(world.changes())
                 .containsExactly(
                         new WorldChange.Renamed(lamp.id(), "lamp", "torch"),
-                        new WorldChange.Attached(lamp.id(), null, here),
-                        new WorldChange.Attached(lamp.id(), here, there),
-                        new WorldChange.Detached(lamp.id(), there));
+                        new WorldChange.Attached(lamp.id(), null, before),
+                        new WorldChange.Attached(lamp.id(), before, after),
+                        new WorldChange.Detached(lamp.id(), after));
     }
 
     @Test

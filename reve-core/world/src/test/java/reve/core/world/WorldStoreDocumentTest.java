@@ -52,7 +52,7 @@ class WorldStoreDocumentTest {
                 Pattern.compile("```" + language + "\n(.*?)```", Pattern.DOTALL)
                         .matcher(Files.readString(page))
                         .results()
-                        .map((MatchResult it) -> it.group(1))
+                        .map((MatchResult match) -> match.group(1))
                         .toList();
         return String.join("", blocks);
     }

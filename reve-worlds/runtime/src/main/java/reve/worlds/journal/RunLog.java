@@ -240,7 +240,7 @@ public final class RunLog {
          */
         String trouble() {
             long bytes = written;
-            String what = place.map(there -> there.trouble(bytes)).orElse("");
+            String what = place.map(existing -> existing.trouble(bytes)).orElse("");
             return what.isEmpty() ? "" : file + " " + what;
         }
 

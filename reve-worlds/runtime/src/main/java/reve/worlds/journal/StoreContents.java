@@ -92,7 +92,7 @@ public final class StoreContents {
         damage.addAll(rows.damage());
         claim = readClaim();
         id =
-                claim.filter(said -> rows.identity().isEmpty() || isOf(said))
+                claim.filter(claimed -> rows.identity().isEmpty() || isOf(claimed))
                         .map(Manifest.Claim::store)
                         .or(() -> rows.identity().map(StoreDatabase.Identity::id))
                         .orElseGet(UUID::randomUUID);
@@ -267,13 +267,13 @@ public final class StoreContents {
     }
 
     /** Returns whether a manifest names exactly the image in the database. */
-    private boolean isOf(Manifest.Claim said) {
+    private boolean isOf(Manifest.Claim claimed) {
         return rows.images().stream()
                 .anyMatch(
                         row ->
                                 row.isGood()
-                                        && row.framesFile() == said.image()
-                                        && row.sum() == said.imageSum());
+                                        && row.framesFile() == claimed.image()
+                                        && row.sum() == claimed.imageSum());
     }
 
     private void requireImageBeforeFrames() throws IOException {
@@ -292,33 +292,35 @@ public final class StoreContents {
         if (claim.isEmpty()) {
             return;
         }
-        Manifest.Claim said = claim.get();
-        known = said.frame();
+        Manifest.Claim claimed = claim.get();
+        known = claimed.frame();
         Path manifest = Manifest.path(file);
-        if (rows.identity().isPresent() && !rows.identity().get().id().equals(said.store())) {
+        if (rows.identity().isPresent() && !rows.identity().get().id().equals(claimed.store())) {
             damage.add(
-                    isOf(said)
+                    isOf(claimed)
                             ? file + " has another identity than " + manifest
                             : manifest + " belongs to another store than " + file);
-            known = id.equals(said.store()) ? known : 0;
-        } else if (said.image() > 0 && rows.identity().isEmpty()) {
+            known = id.equals(claimed.store()) ? known : 0;
+        } else if (claimed.image() > 0 && rows.identity().isEmpty()) {
             damage.add(file + " is an older copy, from before " + manifest);
         }
         boolean has = false;
         for (StoreDatabase.ImageRow row : rows.images()) {
-            has |= row.framesFile() >= said.image();
-            if (row.isGood() && row.framesFile() == said.image() && row.sum() != said.imageSum()) {
+            has |= row.framesFile() >= claimed.image();
+            if (row.isGood()
+                    && row.framesFile() == claimed.image()
+                    && row.sum() != claimed.imageSum()) {
                 damage.add(file + " belongs to another copy of the store than " + manifest);
             }
         }
-        if (rows.images().stream().anyMatch(row -> row.framesFile() > said.file())) {
+        if (rows.images().stream().anyMatch(row -> row.framesFile() > claimed.file())) {
             damage.add(older(file));
         }
-        if (said.image() > 0 && !has) {
+        if (claimed.image() > 0 && !has) {
             harmless.add(
                     file
                             + " lacks the image of frame "
-                            + said.imageFrame()
+                            + claimed.imageFrame()
                             + ": it is an "
                             + "older copy, or "
                             + file
@@ -355,15 +357,15 @@ public final class StoreContents {
      */
     private void compareFramesWithManifest() {
         claim.ifPresent(
-                said ->
-                        read.tailMap(said.file() + 1).values().stream()
+                claimed ->
+                        read.tailMap(claimed.file() + 1).values().stream()
                                 .filter(
                                         each ->
                                                 !each.records().isEmpty()
                                                         || each.damage().isPresent())
                                 .forEach(
                                         each ->
-                                                (said.isOfAnotherBoot() ? harmless : damage)
+                                                (claimed.isOfAnotherBoot() ? harmless : damage)
                                                         .add(older(each.file()))));
     }
 
@@ -515,15 +517,15 @@ public final class StoreContents {
             return;
         }
         claim.filter(
-                        said ->
-                                from.row().framesFile() < said.image()
-                                        && from.frame() <= said.imageFrame())
+                        claimed ->
+                                from.row().framesFile() < claimed.image()
+                                        && from.frame() <= claimed.imageFrame())
                 .ifPresent(
-                        said ->
+                        claimed ->
                                 damage.add(
                                         file
                                                 + ": the last image, of frame "
-                                                + said.imageFrame()
+                                                + claimed.imageFrame()
                                                 + ", cannot be used; it may "
                                                 + "hold edits that were made after that frame"));
         boolean damaged =

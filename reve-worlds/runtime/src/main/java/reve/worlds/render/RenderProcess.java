@@ -56,8 +56,8 @@ final class RenderProcess {
                             ? "ended with exit code " + process.exitValue()
                             : "stopped answering";
             errorReader.join(LAST_WORDS);
-            String said = errors.toString().strip();
-            return said.isEmpty() ? end : end + " and said: " + said;
+            String output = errors.toString().strip();
+            return output.isEmpty() ? end : end + " and said: " + output;
         } catch (InterruptedException interrupted) {
             Thread.currentThread().interrupt();
             return "ended";

@@ -285,7 +285,7 @@ public record LawPath(Path shipped, Optional<Path> folder, Optional<Path> world,
         try {
             return Files.size(file) == library.length
                     && Arrays.equals(Files.readAllBytes(file), library);
-        } catch (IOException | UncheckedIOException gone) {
+        } catch (IOException | UncheckedIOException failure) {
             return false;
         }
     }

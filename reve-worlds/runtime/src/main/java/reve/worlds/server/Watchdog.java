@@ -108,7 +108,7 @@ final class Watchdog implements AutoCloseable {
                     Optional.ofNullable(subject.loop.phase())
                             .map(Enum::name)
                             .orElse("between phases");
-            String doing =
+            String activity =
                     Optional.ofNullable(subject.loop.activity().current())
                             .map(Object::toString)
                             .orElse("");
@@ -117,8 +117,8 @@ final class Watchdog implements AutoCloseable {
             fields.put("frame", frame + 1);
             fields.put("seconds", seconds());
             fields.put("phase", phase);
-            if (!doing.isEmpty()) {
-                fields.put("activity", doing);
+            if (!activity.isEmpty()) {
+                fields.put("activity", activity);
             }
             fields.put("stack", stack);
             subject.events.happened("stalled", fields);

@@ -128,12 +128,12 @@ public final class AuditLog implements Closeable {
 
     /** Returns where the line begins that contains the byte before {@code place}. */
     private static long lineBefore(FileChannel in, long place) throws IOException {
-        ByteBuffer some = ByteBuffer.allocate(READ_BYTES);
-        for (long end = place; end > 0; end -= some.capacity()) {
-            long from = Math.max(0, end - some.capacity());
-            int count = in.read(some.clear().limit((int) (end - from)), from);
+        ByteBuffer buffer = ByteBuffer.allocate(READ_BYTES);
+        for (long end = place; end > 0; end -= buffer.capacity()) {
+            long from = Math.max(0, end - buffer.capacity());
+            int count = in.read(buffer.clear().limit((int) (end - from)), from);
             for (int i = count - 1; i >= 0; i--) {
-                if (some.get(i) == '\n') {
+                if (buffer.get(i) == '\n') {
                     return from + i + 1;
                 }
             }
@@ -143,15 +143,15 @@ public final class AuditLog implements Closeable {
 
     /** Returns whether the line begins like a record, or like an incomplete one. */
     private static boolean isRecord(FileChannel in, long start) throws IOException {
-        ByteBuffer some = ByteBuffer.allocate(HEAD_BYTES);
-        in.read(some, start);
+        ByteBuffer buffer = ByteBuffer.allocate(HEAD_BYTES);
+        in.read(buffer, start);
         String line =
-                new String(some.array(), 0, some.position(), StandardCharsets.UTF_8)
+                new String(buffer.array(), 0, buffer.position(), StandardCharsets.UTF_8)
                         .lines()
                         .findFirst()
                         .orElse("");
         Matcher head = HEAD.matcher(line);
-        return some.position() == 0 || !line.isEmpty() && (head.lookingAt() || head.hitEnd());
+        return buffer.position() == 0 || !line.isEmpty() && (head.lookingAt() || head.hitEnd());
     }
 
     /**

@@ -184,12 +184,12 @@ public final class Embodiment {
      * to it, or gets the body that was created for it in its former state, or a new one if there
      * was none. Bodies of agents that have left since are removed.
      *
-     * @param then the result of {@link #bodies} at the restored frame
+     * @param former the result of {@link #bodies} at the restored frame
      * @return Joined for each agent in the world, or Refused for each agent that can no longer have
      *     a body and has left
      */
-    public Map<String, Outcome> rewound(World world, long frame, Map<String, ItemId> then) {
-        then.forEach(
+    public Map<String, Outcome> rewound(World world, long frame, Map<String, ItemId> former) {
+        former.forEach(
                 (agent, id) -> {
                     Body now = bodies.get(agent);
                     if ((now == null || !now.made()) && isMade(world, id)) {
@@ -199,15 +199,16 @@ public final class Embodiment {
                 });
         var outcomes = new TreeMap<String, Outcome>();
         for (String agent : List.copyOf(new TreeMap<>(bodies).keySet())) {
-            outcomes.put(agent, rewound(world, frame, agent, Optional.ofNullable(then.get(agent))));
+            outcomes.put(
+                    agent, rewound(world, frame, agent, Optional.ofNullable(former.get(agent))));
         }
         return outcomes;
     }
 
-    private Outcome rewound(World world, long frame, String agent, Optional<ItemId> then) {
+    private Outcome rewound(World world, long frame, String agent, Optional<ItemId> former) {
         Body before = bodies.get(agent);
         try {
-            Body now = before.made() ? embody(world, agent, then, before) : before;
+            Body now = before.made() ? embody(world, agent, former, before) : before;
             bodies.put(agent, now);
             if (!now.id().equals(before.id())) {
                 raiseJoined(world, frame, agent, now);
@@ -220,9 +221,9 @@ public final class Embodiment {
         }
     }
 
-    private Body embody(World world, String agent, Optional<ItemId> then, Body before)
+    private Body embody(World world, String agent, Optional<ItemId> former, Body before)
             throws CloseReason {
-        Optional<Item> own = then.filter(id -> isMade(world, id)).flatMap(world::find);
+        Optional<Item> own = former.filter(id -> isMade(world, id)).flatMap(world::find);
         if (own.isPresent()) {
             return new Body(
                     own.get().id(),
@@ -380,7 +381,7 @@ public final class Embodiment {
                             new ActionRefused(
                                     "no-such-item", "the world has no item " + Text.quote(name)));
         }
-        return item.filter(there -> senses(world, body, body.sensors, there.id()))
+        return item.filter(found -> senses(world, body, body.sensors, found.id()))
                 .orElseThrow(
                         () ->
                                 new ActionRefused(

@@ -41,7 +41,7 @@ public final class Turn {
     private final AtomicLong done = new AtomicLong();
 
     /** Number of messages that ended a round, counted before they take effect. */
-    private final AtomicLong said = new AtomicLong();
+    private final AtomicLong readyMessages = new AtomicLong();
 
     private final AtomicReference<Presence> presence = new AtomicReference<>(Presence.HERE);
 
@@ -59,10 +59,13 @@ public final class Turn {
     private boolean missedUnawaited;
     private int lateInRow;
 
-    /** Number of rounds known to be finished or missed, and the value of {@link #said} then. */
+    /**
+     * Number of rounds known to be finished or missed, and the value of {@link #readyMessages}
+     * then.
+     */
     private long judged;
 
-    private long saidWhenJudged;
+    private long messagesWhenJudged;
 
     /** True if other agents were sent the event that it is away. */
     private boolean away;
@@ -117,7 +120,7 @@ public final class Turn {
     }
 
     private void speak() {
-        said.incrementAndGet();
+        readyMessages.incrementAndGet();
         presence.compareAndSet(Presence.AWAY, Presence.RETURNING);
     }
 
@@ -249,7 +252,7 @@ public final class Turn {
             return false;
         }
         judged = rounds;
-        saidWhenJudged = said.get();
+        messagesWhenJudged = readyMessages.get();
         boolean late = done.get() < rounds && done.getAndAccumulate(rounds, Math::max) < rounds;
         lateInRow = late ? lateInRow + 1 : 0;
         return late;
@@ -268,7 +271,8 @@ public final class Turn {
                         && presence.compareAndSet(Presence.HERE, Presence.AWAY);
         away |= goes;
         missedUnawaited = presence.get() != Presence.HERE;
-        if (goes && said.get() != saidWhenJudged) { // the agent became ready at this moment
+        if (goes
+                && readyMessages.get() != messagesWhenJudged) { // the agent became ready at this moment
             presence.compareAndSet(Presence.AWAY, Presence.RETURNING);
         }
         return new AgentInput.Late(agent, missed, wanted.fallback(), told, goes);

@@ -17,17 +17,17 @@ public final class RateLimitedLog {
     private static final long SECOND_NANOS = TimeUnit.SECONDS.toNanos(1);
 
     private final int linesPerSecond;
-    private final String who;
+    private final String subject;
     private long secondBegan = System.nanoTime();
     private int lines;
     private int leftOut;
 
     /**
-     * @param who the subject of the lines, as in "7 more lines about WHO"
+     * @param subject the subject of the lines, as in "7 more lines about WHO"
      */
-    public RateLimitedLog(int linesPerSecond, String who) {
+    public RateLimitedLog(int linesPerSecond, String subject) {
         this.linesPerSecond = linesPerSecond;
-        this.who = who;
+        this.subject = subject;
     }
 
     /** Logs a line at level info. */
@@ -69,7 +69,7 @@ public final class RateLimitedLog {
         long now = System.nanoTime();
         if (now - secondBegan >= SECOND_NANOS) {
             if (leftOut > 0) {
-                LOG.warn("{} more lines about {} were suppressed", leftOut, who);
+                LOG.warn("{} more lines about {} were suppressed", leftOut, subject);
             }
             secondBegan = now;
             lines = 0;

@@ -264,10 +264,10 @@ final class TlsWire implements Wire {
     }
 
     private void interest(int operation, boolean wanted) {
-        SelectionKey mine = Objects.requireNonNull(key);
-        if (mine.isValid()) {
-            mine.interestOps(
-                    wanted ? mine.interestOps() | operation : mine.interestOps() & ~operation);
+        SelectionKey ownKey = Objects.requireNonNull(key);
+        if (ownKey.isValid()) {
+            ownKey.interestOps(
+                    wanted ? ownKey.interestOps() | operation : ownKey.interestOps() & ~operation);
         }
     }
 

@@ -167,23 +167,23 @@ final class FrameRelations {
     }
 
     private List<PerceivedItem> relate(View view) {
-        int[] theirs = new int[view.items().size()];
+        int[] boxes = new int[view.items().size()];
         var perceived = new BitSet();
-        for (int i = 0; i < theirs.length; i++) {
+        for (int i = 0; i < boxes.length; i++) {
             int place = Arrays.binarySearch(ids, view.items().get(i).id().value());
-            theirs[i] = place < 0 ? NO_BOX : boxOf[place];
-            if (theirs[i] != NO_BOX) {
-                perceived.set(theirs[i]);
+            boxes[i] = place < 0 ? NO_BOX : boxOf[place];
+            if (boxes[i] != NO_BOX) {
+                perceived.set(boxes[i]);
             }
         }
         boolean all = perceived.cardinality() == names.length;
-        var items = new ArrayList<PerceivedItem>(theirs.length);
+        var items = new ArrayList<PerceivedItem>(boxes.length);
         int before = 0;
-        for (int i = 0; i < theirs.length; i++) {
+        for (int i = 0; i < boxes.length; i++) {
             PerceivedItem seen = view.items().get(i);
             PerceivedItem now =
-                    theirs[i] != NO_BOX && seen.shown().has(Sensor.Aspect.SEMANTIC)
-                            ? seen.with(relationsOf(theirs[i], seen.shown(), perceived, all))
+                    boxes[i] != NO_BOX && seen.shown().has(Sensor.Aspect.SEMANTIC)
+                            ? seen.with(relationsOf(boxes[i], seen.shown(), perceived, all))
                             : seen;
             while (before < related.size() && related.get(before).id().compareTo(seen.id()) < 0) {
                 before++;

@@ -65,13 +65,13 @@ class AllowancesTest {
         }
 
         private void come() {
-            var its = allowances.of(token, ByteBuffer.wrap(new byte[] {(byte) home}), now);
+            var allowance = allowances.of(token, ByteBuffer.wrap(new byte[] {(byte) home}), now);
             turn =
                     new Turn(
                             "agent " + players.size(),
                             new ClientMessage.LockStep(1, false, 1, Optional.empty()),
                             DEADLINE,
-                            its);
+                            allowance);
             turn.begin(frame);
             gate.add(turn);
             think();

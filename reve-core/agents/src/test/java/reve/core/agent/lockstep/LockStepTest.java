@@ -71,7 +71,7 @@ class LockStepTest {
         private long late;
         private long judged;
         private int lateInRow;
-        private boolean here = true;
+        private boolean present = true;
         private boolean broken;
         private boolean away;
         private boolean returning;
@@ -100,7 +100,7 @@ class LockStepTest {
         }
 
         boolean isMissing(long frame) {
-            return here && done < roundsBegun(frame);
+            return present && done < roundsBegun(frame);
         }
     }
 
@@ -153,8 +153,8 @@ class LockStepTest {
         player.lateInRow++;
         assertThat(late.away())
                 .as("%s after %d late rounds in a row", late.agent(), player.lateInRow)
-                .isEqualTo(player.here && player.lateInRow >= 3);
-        if (player.here) {
+                .isEqualTo(player.present && player.lateInRow >= 3);
+        if (player.present) {
             assertThat(late.told()).isTrue();
             assertThat(clock.now - dueSince)
                     .as("time that %s got", late.agent())
@@ -162,7 +162,7 @@ class LockStepTest {
         }
         if (late.away()) {
             player.away = true;
-            player.here = false;
+            player.present = false;
         }
         player.done = Math.max(player.done, player.roundsBegun(loop.frame()));
     }
@@ -209,7 +209,7 @@ class LockStepTest {
             if (player.returning) {
                 assertThat(player.away).as("whether the others were told").isFalse();
                 player.returning = false;
-                player.here = true;
+                player.present = true;
                 player.origin = frame;
                 player.done = 0;
                 player.judged = 0;
@@ -219,20 +219,20 @@ class LockStepTest {
     }
 
     private void move(Player player) {
-        switch (random.nextInt(player.here ? 10 : 30)) {
+        switch (random.nextInt(player.present ? 10 : 30)) {
             case 0 -> {
                 players.remove(player);
                 lockStep.remove(player.turn, clock.now);
             }
             case 1 -> {
-                player.here = false;
+                player.present = false;
                 player.returning = false;
                 player.broken = true;
                 player.turn.breakOff(0);
                 lockStep.changed();
             }
             case 2 -> {
-                player.here = false;
+                player.present = false;
                 player.broken = false;
                 player.returning = true;
                 player.turn.comeBack();
@@ -245,7 +245,7 @@ class LockStepTest {
 
     private void ready(Player player, boolean saysFrame) {
         boolean isAway = player.away && !player.broken && !player.returning;
-        if (!player.here && !isAway) {
+        if (!player.present && !isAway) {
             return;
         }
         player.returning |= isAway;

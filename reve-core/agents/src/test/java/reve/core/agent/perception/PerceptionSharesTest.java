@@ -34,9 +34,9 @@ class PerceptionSharesTest {
     }
 
     /** It perceives and is written to, in so much time. */
-    private void serve(Perceiver who, long nanos) {
-        shares.serve(who.perceptionCost(), nanos / 2);
-        who.perceptionCost().wrote(nanos - nanos / 2);
+    private void serve(Perceiver client, long nanos) {
+        shares.serve(client.perceptionCost(), nanos / 2);
+        client.perceptionCost().wrote(nanos - nanos / 2);
     }
 
     private void pass(long nanos) {

@@ -41,7 +41,7 @@ class RelatedViewsTest {
     private final Perceiver ada = new Perceiver(false);
     private final Perceiver bob = new Perceiver(false);
     private final Perceiver robot = new Perceiver(true);
-    private final Set<Perceiver> there = new HashSet<>(Set.of(ada, bob, robot));
+    private final Set<Perceiver> members = new HashSet<>(Set.of(ada, bob, robot));
 
     private long now;
     private final RelatedViews<Perceiver> views = new RelatedViews<>(() -> now += 4_000_000);
@@ -109,11 +109,12 @@ class RelatedViewsTest {
             assertThat(observatory.read(snapshot)).isTrue();
             var all = new HashMap<String, Map<String, List<String>>>();
             for (Item item : items) {
-                var its = new HashMap<String, List<String>>();
+                var relations = new HashMap<String, List<String>>();
                 for (String relation : Relations.NAMES) {
-                    its.put(relation, snapshot.relations().of(item.id(), relation).orElseThrow());
+                    relations.put(
+                            relation, snapshot.relations().of(item.id(), relation).orElseThrow());
                 }
-                all.put(item.name(), its);
+                all.put(item.name(), relations);
             }
             all.put("point", Map.of());
             expected.put(frame, all);
@@ -126,7 +127,7 @@ class RelatedViewsTest {
 
     private View askInSlices(Perceiver perceiver) {
         for (int slices = 1; ; slices++) {
-            views.begin(there::contains);
+            views.begin(members::contains);
             Optional<View> view = ask(perceiver);
             if (view.isPresent()) {
                 assertThat(slices).as("slices").isGreaterThan(1);
@@ -146,7 +147,7 @@ class RelatedViewsTest {
     @Test
     void relationsFoundInSlicesAreThoseOfTheFrameThatWasAskedIn() {
         next(1);
-        views.begin(there::contains);
+        views.begin(members::contains);
         assertThat(ask(ada)).isEmpty();
         next(2);
         assertThat(ask(bob)).as("while ada waits for frame 1").isEmpty();
@@ -159,7 +160,7 @@ class RelatedViewsTest {
     @Test
     void whoIsInLockStepGetsThemAtOnceAndTheOthersBeginAnew() {
         next(1);
-        views.begin(there::contains);
+        views.begin(members::contains);
         assertThat(ask(ada)).isEmpty();
         next(2);
         assertRelationsOf(2, ask(robot).orElseThrow());
@@ -169,15 +170,15 @@ class RelatedViewsTest {
     @Test
     void whoLeavesOrAsksForSomethingElseKeepsNobodyWaiting() {
         next(1);
-        views.begin(there::contains);
+        views.begin(members::contains);
         assertThat(ask(ada)).isEmpty();
         next(2);
-        there.remove(ada);
+        members.remove(ada);
         assertRelationsOf(2, askInSlices(bob));
 
-        there.add(ada);
+        members.add(ada);
         next(3);
-        views.begin(there::contains);
+        views.begin(members::contains);
         assertThat(ask(ada)).isEmpty();
         next(4);
         ada.asksFrom = 4;

@@ -22,11 +22,11 @@ class RopeTest {
             assertThat(rope.size()).isEqualTo(expected.length);
             assertThat(rope.flat()).isEqualTo(expected);
             int offset = random.nextInt(expected.length + 1);
-            var some = ByteBuffer.allocate(random.nextInt(2 * Rope.LEAST_BYTES));
-            rope.get(offset, some);
-            int count = Math.min(some.capacity(), expected.length - offset);
-            assertThat(some.position()).isEqualTo(count);
-            assertThat(Arrays.copyOf(some.array(), count))
+            var buffer = ByteBuffer.allocate(random.nextInt(2 * Rope.LEAST_BYTES));
+            rope.get(offset, buffer);
+            int count = Math.min(buffer.capacity(), expected.length - offset);
+            assertThat(buffer.position()).isEqualTo(count);
+            assertThat(Arrays.copyOf(buffer.array(), count))
                     .isEqualTo(Arrays.copyOfRange(expected, offset, offset + count));
         }
     }
