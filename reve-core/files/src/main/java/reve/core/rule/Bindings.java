@@ -8,11 +8,11 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * What the names of an expression stand for while it is evaluated: the aspects of an item, and
- * whatever else its {@link Scope} knows. Numbers are in SI units. World's thread.
+ * The values of the names in an expression during an evaluation: the aspects of an item, and the
+ * other names of the {@link Scope}. Numbers are in SI units. World's thread.
  */
 public final class Bindings {
-    /** Most characters of one value in a message. */
+    /** Maximum length of a value in a message [characters]. */
     private static final int MAX_DESCRIPTION = 100;
 
     private final Scope scope;
@@ -25,19 +25,22 @@ public final class Bindings {
         this.item = new ItemNames(scope.own(), this::count);
     }
 
-    /** From now on {@code physics}, {@code physical}, {@code semantic} and {@code item} are its. */
+    /**
+     * Sets the item that {@code physics}, {@code physical}, {@code semantic} and {@code item} refer
+     * to.
+     */
     public Bindings of(Item newItem) {
         item.of(newItem);
         return this;
     }
 
-    /** A value by name: a Double, String, Boolean, or a List of such. */
+    /** Sets a value by name: a Double, String, Boolean, or a List of these. */
     public Bindings with(String name, Object value) {
         others.put(name, value);
         return this;
     }
 
-    /** Another item by name: {@code actor.physics.mass}. */
+    /** Sets another item by name, as for {@code actor.physics.mass}. */
     public Bindings withItem(String name, Item other) {
         ItemNames names = new ItemNames(scope.other(), this::count);
         names.of(other);
@@ -46,8 +49,8 @@ public final class Bindings {
     }
 
     /**
-     * Steps of all evaluations with these values, also of those that failed, and of finding the
-     * relations that they read.
+     * Returns the steps of all evaluations with these values, including failed ones, and of
+     * computing the relations that they read.
      */
     public long steps() {
         return steps;
@@ -57,14 +60,16 @@ public final class Bindings {
         steps += more;
     }
 
-    /** For messages, what a name in full stands for now: {@code actor.physics.mass}. */
+    /**
+     * Returns the present value of a full name, such as {@code actor.physics.mass}, for messages.
+     */
     public String described(String nameInFull) {
         return value(nameInFull)
                 .map(value -> shortened(value.toString(), MAX_DESCRIPTION))
                 .orElse("missing");
     }
 
-    /** The beginning of a text that may be long. */
+    /** Returns the beginning of a text that may be long. */
     static String shortened(String text, int most) {
         return text.length() <= most ? text : text.substring(0, most) + "…";
     }

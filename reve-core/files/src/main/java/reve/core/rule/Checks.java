@@ -17,7 +17,10 @@ import java.util.Map;
 import java.util.OptionalLong;
 import java.util.Set;
 
-/** Refuses expressions of fitting types that could never be evaluated, or not at a bounded cost. */
+/**
+ * Check of expressions with valid types: refuses those that cannot be evaluated, or whose cost is
+ * not bounded.
+ */
 final class Checks {
     private static final int UNKNOWN = -1;
 
@@ -25,7 +28,7 @@ final class Checks {
     private final CelAbstractSyntaxTree ast;
     private final Map<String, Integer> components;
 
-    /** Names of loops, which may hide others. */
+    /** Names of loop variables, which may hide other names. */
     private final Set<String> loops = new HashSet<>();
 
     private Checks(String text, CelAbstractSyntaxTree ast, Map<String, Integer> components) {
@@ -35,8 +38,8 @@ final class Checks {
     }
 
     /**
-     * Refuses maps with computed keys, whose types may grow twofold with each operator. To be
-     * called before types are worked out.
+     * Refuses maps with computed keys, because their types may double in size with each operator.
+     * Called before the types are computed.
      */
     static void parsed(String text, CelAbstractSyntaxTree ast) throws ExpressionException {
         List<CelExpr> computed =
@@ -58,7 +61,7 @@ final class Checks {
     }
 
     /**
-     * @param components how many numbers a name has: {@code physics.velocity}
+     * @param components number of components by name, as for {@code physics.velocity}
      */
     static void typed(String text, CelAbstractSyntaxTree ast, Map<String, Integer> components)
             throws ExpressionException {
@@ -137,7 +140,7 @@ final class Checks {
         };
     }
 
-    /** How many elements a list has, if that is known before it is evaluated. */
+    /** Returns the number of elements of a list, if it is known before the evaluation. */
     private int length(CelExpr expr) {
         return switch (expr.getKind()) {
             case LIST -> expr.list().elements().size();

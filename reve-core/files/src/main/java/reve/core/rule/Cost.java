@@ -8,21 +8,21 @@ import java.util.ArrayList;
 import java.util.List;
 
 /**
- * The parts of one expression as a {@link Meter} needs to know them: which part comes after which,
- * and what happens to the value of each. Immutable.
+ * The structure of one expression for a {@link Meter}: the order of its parts, and the use of each
+ * part's value. Immutable.
  */
 final class Cost {
-    /** What happens to the value of a part. */
+    /** The use of a part's value. */
     enum Role {
         /** The whole value may be read. */
         READ,
-        /** One element is picked. */
+        /** One element is selected. */
         PICKED,
-        /** Something is looked for among its elements. */
+        /** Its elements are compared with a value. */
         MEMBERS,
-        /** A loop walks through it; its owner fails if that is impossible. */
+        /** A loop iterates over it; the enclosing part fails if that is impossible. */
         RANGE,
-        /** Its owner fails unless it is true or false. */
+        /** The enclosing part fails unless it is true or false. */
         TRUTH,
         /** A pattern is searched in it. */
         MATCHED,
@@ -35,8 +35,9 @@ final class Cost {
     /**
      * One part.
      *
-     * @param next the part that is evaluated next unless this one's owner fails; 0 if that depends
-     * @param depth number of parts around this one
+     * @param next the part that is evaluated next unless the enclosing part fails; 0 if that
+     *     depends on values
+     * @param depth number of enclosing parts
      * @param detail of a MATCHED, the size of the pattern; of a HAYSTACK and its NEEDLE, their
      *     number
      */
@@ -57,7 +58,7 @@ final class Cost {
         return id < parts.size() ? parts.get((int) id) : UNKNOWN;
     }
 
-    /** How many texts are searched for other texts. */
+    /** Returns the number of texts that are searched for other texts. */
     int haystacks() {
         return haystacks;
     }
@@ -132,12 +133,12 @@ final class Cost {
         }
     }
 
-    /** Whether a selection is one name with dots in it. */
+    /** Returns whether a selection is one name that contains dots. */
     private boolean isName(CelExpr select) {
         return ast.getReference(select.id()).isPresent();
     }
 
-    /** The part of an expression that is evaluated first. */
+    /** Returns the part of an expression that is evaluated first. */
     private int first(CelExpr expr) {
         List<CelExpr> inside =
                 switch (expr.getKind()) {
@@ -163,7 +164,7 @@ final class Cost {
         return all;
     }
 
-    /** What a function is called with, its target first. */
+    /** Returns the operands of a call, with its target first. */
     static List<CelExpr> operands(CelExpr call) {
         List<CelExpr> operands = new ArrayList<>();
         call.call().target().ifPresent(operands::add);

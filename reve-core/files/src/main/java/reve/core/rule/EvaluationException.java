@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.rule;
 
-/** An expression gave no value this time; the message quotes it and says why. */
+/**
+ * The evaluation of an expression failed; the message quotes the expression and gives the reason.
+ */
 public final class EvaluationException extends Exception {
     private static final long serialVersionUID = 1L;
 

@@ -21,13 +21,13 @@ import java.util.TreeSet;
 import java.util.regex.Pattern;
 
 /**
- * An expression that was understood. Immutable; evaluated on the world's thread, because what it
- * reads lives there. Its cost is bounded: a {@link Meter} ends an evaluation of too many steps.
+ * A compiled expression. Immutable; evaluated on the world's thread, which owns the data. Its cost
+ * is bounded: a {@link Meter} ends an evaluation with too many steps.
  */
 public final class Expression {
     private static final Pattern PLACE = Pattern.compile("evaluation error( at <input>:\\d+)?: ");
 
-    /** Most characters of why there is no value; it may quote values. */
+    /** Maximum length of the reason for a failure, which may quote values [characters]. */
     private static final int MAX_REASON = 300;
 
     private final String text;
@@ -52,44 +52,47 @@ public final class Expression {
         this.cost = cost;
     }
 
-    /** As it was written. */
+    /** Returns the source text. */
     public String text() {
         return text;
     }
 
-    /** The type of what it gives. */
+    /** Returns the type of the result. */
     public ExpressionType type() {
         return type;
     }
 
-    /** What it reads, in alphabetical order: {@code actor.physics.mass}, {@code semantic.lit}. */
+    /**
+     * Returns the full names that it reads, in alphabetical order: {@code actor.physics.mass},
+     * {@code semantic.lit}.
+     */
     public Set<String> uses() {
         return uses;
     }
 
-    /** The first parts of what it reads, such as {@code actor}. */
+    /** Returns the first parts of the names that it reads, such as {@code actor}. */
     public Set<String> roots() {
         Set<String> roots = new TreeSet<>();
         uses.forEach(name -> roots.add(name.split("\\.", 2)[0]));
         return roots;
     }
 
-    /** The parameters of the action that it belongs to, by name. */
+    /** Returns the parameters of its action, by name. */
     public Map<String, Parameter> parameters() {
         return scope.parameters();
     }
 
-    /** Room for the values of the names that it reads. */
+    /** Returns empty bindings for its names. */
     public Bindings bindings() {
         return scope.bindings();
     }
 
     /**
-     * Its value: a Boolean, a finite Double, a String, or a List of such.
+     * Evaluates the expression to a Boolean, a finite Double, a String, or a List of these.
      *
-     * @throws EvaluationException if it has none: a name stands for nothing (a missing symbol, the
-     *     physics of scenery), an operator does not go with the values, a number is not finite, or
-     *     it takes too long
+     * @throws EvaluationException if a name has no value (a missing symbol, the physics of
+     *     scenery), an operator does not accept the values, a number is not finite, or the
+     *     evaluation takes too many steps
      */
     public Object evaluate(Bindings bindings) throws EvaluationException {
         var meter = new Meter(cost);
@@ -109,7 +112,9 @@ public final class Expression {
         }
     }
 
-    /** The value of a condition; throws as {@link #evaluate}, and if it is not true or false. */
+    /**
+     * Evaluates a condition; throws like {@link #evaluate}, and if the result is not true or false.
+     */
     public boolean truth(Bindings bindings) throws EvaluationException {
         if (evaluate(bindings) instanceof Boolean truth) {
             return truth;
@@ -117,7 +122,10 @@ public final class Expression {
         throw failed("is neither true nor false");
     }
 
-    /** One or several numbers in SI units; throws as {@link #evaluate}, and if it gives others. */
+    /**
+     * Evaluates to one or several numbers in SI units; throws like {@link #evaluate}, and if the
+     * result is different.
+     */
     public double[] numbers(Bindings bindings, int count) throws EvaluationException {
         Object value = evaluate(bindings);
         List<?> list = value instanceof List<?> several ? several : List.of(value);

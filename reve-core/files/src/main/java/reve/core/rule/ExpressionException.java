@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.rule;
 
-/** An expression cannot be understood; the message says why. */
+/** An expression is invalid; the message gives the reason. */
 public final class ExpressionException extends Exception {
     private static final long serialVersionUID = 1L;
 
-    /** Characters before the mistake. */
+    /** Number of characters before the error. */
     private final int offset;
 
     ExpressionException(int offset, String message) {
@@ -13,7 +13,7 @@ public final class ExpressionException extends Exception {
         this.offset = offset;
     }
 
-    /** Where in the text, in characters from its beginning. */
+    /** Returns the position of the error in the text, in characters from its beginning. */
     public int offset() {
         return offset;
     }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.rule;
 
-/** What an expression gives. */
+/** The type of an expression's result. */
 public enum ExpressionType {
     /** True or false. */
     TRUTH("true or false"),
@@ -9,9 +9,9 @@ public enum ExpressionType {
     NUMBER("a number"),
     /** A text. */
     TEXT("a text"),
-    /** Several values, such as the three numbers of a vector. */
+    /** Several values, such as the components of a vector. */
     LIST("a list"),
-    /** One of these, which only its evaluation shows. */
+    /** One of these; only the evaluation decides which. */
     ANY("a value");
 
     private final String words;
@@ -20,12 +20,12 @@ public enum ExpressionType {
         this.words = words;
     }
 
-    /** In words, for messages: {@code a number}. */
+    /** Returns the type in words, for messages: {@code a number}. */
     public String words() {
         return words;
     }
 
-    /** Whether an expression of this type may stand where another type is asked for. */
+    /** Returns whether an expression of this type is allowed where another type is required. */
     public boolean suits(ExpressionType asked) {
         return this == asked || this == ANY || asked == ANY;
     }

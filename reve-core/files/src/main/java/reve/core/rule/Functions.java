@@ -13,8 +13,8 @@ import java.util.List;
 import java.util.function.DoubleBinaryOperator;
 
 /**
- * What expressions can do besides CEL's own: whole numbers mixed with reals, and vectors, which are
- * lists of numbers. Sums run from the first component to the last.
+ * Functions of expressions in addition to those of CEL: integers mixed with reals, and vectors,
+ * which are lists of numbers. Sums run from the first component to the last.
  */
 final class Functions {
     private static final CelType VECTOR = ListType.create(SimpleType.DYN);
@@ -208,7 +208,7 @@ final class Functions {
         return result;
     }
 
-    /** The vector turned by a unit quaternion xyzw: v + 2 w (q x v) + 2 q x (q x v). */
+    /** Returns the vector rotated by a unit quaternion xyzw: v + 2 w (q x v) + 2 q x (q x v). */
     private static double[] rotated(double[] q, double[] v) {
         if (q.length != 4 || v.length != 3) {
             throw new IllegalArgumentException(

@@ -19,7 +19,7 @@ import java.util.function.Function;
 import java.util.function.LongConsumer;
 import java.util.function.Supplier;
 
-/** An item as expressions see it: maps that read its aspects when they are asked. */
+/** The names of an item in expressions: maps that read its aspects on access. */
 final class ItemNames {
     private static final String SYMBOL = KindNames.SEMANTIC + ".";
 
@@ -31,11 +31,11 @@ final class ItemNames {
     private final Map<String, Object> semantic;
     private final Map<String, Object> self;
 
-    /** The relations of the item that were worked out: a loop may ask for one in every round. */
+    /** Cache of the item's relations, because a loop may read one in every iteration. */
     private final Map<String, Optional<Object>> relations = new HashMap<>();
 
     /**
-     * @param steps receives the steps that finding relations takes
+     * @param steps receives the steps of computing relations
      */
     ItemNames(KindNames kind, LongConsumer steps) {
         this.kind = kind;
@@ -51,7 +51,7 @@ final class ItemNames {
         relations.clear();
     }
 
-    /** An aspect, {@code item}, or a declared symbol in full; else null. */
+    /** Returns an aspect, {@code item}, or a declared symbol by full name; otherwise null. */
     @Nullable Object find(String name) {
         if (name.startsWith(SYMBOL)) {
             return semantic(name.substring(SYMBOL.length()));
@@ -65,7 +65,7 @@ final class ItemNames {
         };
     }
 
-    /** All aspects under their names, and what else {@code item} has. */
+    /** Returns all aspects by name, and the other names of {@code item}. */
     Map<String, Object> asMap() {
         Map<String, Object> map = new LinkedHashMap<>();
         map.put(KindNames.PHYSICS, physics);
@@ -122,7 +122,7 @@ final class ItemNames {
         return value instanceof Double number ? kind.toSi(name, number) : value;
     }
 
-    /** Takes a step for each body that is compared and one for each name. */
+    /** Computes a relation; takes a step for each compared body and for each name. */
     private Optional<Object> related(Item present, String relation) {
         Relations all = present.semantic().relations();
         long before = all.compared();
@@ -147,7 +147,7 @@ final class ItemNames {
         return list;
     }
 
-    /** Asked by the language for one name at a time; walked through only by its macros. */
+    /** A map that CEL reads one name at a time; only its macros iterate over it. */
     static final class View extends AbstractMap<String, Object> {
         private final Supplier<Set<String>> names;
         private final Function<String, @Nullable Object> values;

@@ -13,17 +13,17 @@ import java.util.List;
 import java.util.Map;
 import java.util.Set;
 
-/** Which names the aspects of items of one kind have. Immutable. */
+/** The names in the aspects of items of one kind. Immutable. */
 final class KindNames {
     static final String PHYSICS = "physics";
     static final String PHYSICAL = "physical";
     static final String SEMANTIC = "semantic";
     static final String SELF = "item";
 
-    /** What {@code item} has besides its aspects. */
+    /** Names of {@code item} besides its aspects. */
     static final Set<String> ITEM_NAMES = Set.copyOf(List.of("name", "kind"));
 
-    /** Of the physical aspect, with the number of components; 0 for a text. */
+    /** Names of the physical aspect, with the number of components; 0 for a text. */
     private static final Map<String, Integer> PHYSICAL_NAMES =
             Map.of("location", 3, "orientation", 4, "size", 3, "colour", 0);
 
@@ -53,17 +53,17 @@ final class KindNames {
         return properties.get(name);
     }
 
-    /** Empty for kinds without a place. */
+    /** Returns the names of the physical aspect; empty for kinds without a place. */
     Map<String, Integer> physicalNames() {
         return kind.equals(WorldPrototype.BODY) ? PHYSICAL_NAMES : Map.of();
     }
 
-    /** Symbols whose type the designer declared. */
+    /** Returns the symbols with a declared type. */
     Map<String, SymbolDescriptor> symbols() {
         return symbols;
     }
 
-    /** A symbol's number in SI units, whatever the unit it is kept in. */
+    /** Converts a symbol's number from its declared unit into SI units. */
     double toSi(String symbol, double number) {
         SymbolDescriptor declared = symbols.get(symbol);
         return declared == null ? number : declared.unit().toSi(number);

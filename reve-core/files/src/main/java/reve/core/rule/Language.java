@@ -40,15 +40,15 @@ import java.util.TreeSet;
 import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 
-/** CEL with the names of one {@link Scope}. Time and bytes, which no world has, are left out. */
+/** CEL with the names of one {@link Scope}, without time and bytes, which worlds do not have. */
 final class Language {
-    /** Longest expression [characters]. */
+    /** Maximum length of an expression [characters]. */
     static final int MAX_LENGTH = 1000;
 
-    /** Most operators, names and constants in one expression. */
+    /** Maximum number of operators, names and constants in one expression. */
     static final int MAX_PARTS = 250;
 
-    /** Most rounds of {@code map}, {@code all}, … in one evaluation. */
+    /** Maximum number of iterations of {@code map}, {@code all}, … in one evaluation. */
     static final int MAX_ROUNDS = 1000;
 
     private static final CelOptions OPTIONS =
@@ -82,7 +82,7 @@ final class Language {
                     "(?:mismatched|extraneous) input '(.*?)' expecting.*"
                             + "|token recognition error at: '(.*)'");
 
-    /** What CEL says of {@code has(semantic.note)} where note is declared. */
+    /** Message of CEL for {@code has(semantic.note)} with a declared note. */
     private static final String NO_FIELD = "expression does not select a field";
 
     private static final Pattern NO_OVERLOAD =
@@ -94,7 +94,7 @@ final class Language {
     private final Set<String> names = new TreeSet<>();
     private final Map<String, StructType> structs = new LinkedHashMap<>();
 
-    /** How many numbers a list has: of {@code physics.velocity}, 3. */
+    /** Number of components by name, for example 3 for {@code physics.velocity}. */
     private final Map<String, Integer> components = new HashMap<>();
 
     private String fieldsOfLastStruct = "";
@@ -156,7 +156,7 @@ final class Language {
         return result.getAst();
     }
 
-    /** The issue's line and column as characters from the beginning. */
+    /** Returns the position of an issue in characters from the beginning of the text. */
     private static int offset(String text, CelIssue issue) {
         int begin = 0;
         for (int line = 1; line < issue.getSourceLocation().getLine(); line++) {
@@ -197,7 +197,10 @@ final class Language {
                 : issue;
     }
 
-    /** Types in the words that the documents use: of {@code list(double)}, list of numbers. */
+    /**
+     * Translates names of types into the words of the documentation: {@code list(double)} into list
+     * of numbers.
+     */
     private static String words(String types) {
         return types.replaceAll("\\b(int|uint|double)\\b", "number")
                 .replace("string", "text")
@@ -293,7 +296,7 @@ final class Language {
         };
     }
 
-    /** Lets the checker look our types up. */
+    /** Provides the types of names to the CEL checker. */
     private final class Structs implements CelTypeProvider {
         @Override
         public ImmutableCollection<CelType> types() {

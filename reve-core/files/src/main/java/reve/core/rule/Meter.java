@@ -13,26 +13,26 @@ import java.util.List;
 import java.util.Map;
 
 /**
- * Counts the steps of one evaluation and ends it when there are too many. Nothing is counted but
- * what the evaluation does, so that it is the same number on every machine.
+ * Counts the steps of one evaluation and ends it at a limit. Counts only operations of the
+ * evaluation, so that the number is the same on every machine.
  */
-@SuppressWarnings("Immutable") // one evaluation on one thread
+@SuppressWarnings("Immutable") // used by one evaluation on one thread
 final class Meter implements CelEvaluationListener {
-    /** Most steps of one evaluation, of about 0.1 microseconds. */
+    /** Maximum steps of one evaluation; a step takes about 0.1 microseconds. */
     static final int MAX_STEPS = 20_000;
 
-    /** Characters that are read, compared or copied in a step. */
+    /** Number of characters that are read, compared or copied per step. */
     private static final int CHARACTERS_PER_STEP = 32;
 
-    /** Steps of a pattern in one character of a text that cost as much as a step here. */
+    /** Number of pattern steps per character that cost one step. */
     private static final int PATTERN_STEPS_PER_STEP = 8;
 
-    /** Steps for a part that fails, which others may make good: {@code 1 / 0 > 1 || true}. */
+    /** Steps for a failing part, which another part may compensate: {@code 1 / 0 > 1 || true}. */
     private static final int STEPS_OF_FAILURE = 100;
 
     private static final int STEPS_OF_FAILURE_PER_DEPTH = 10;
 
-    /** Steps for each name of an item whose names are all looked up. */
+    /** Steps for each name when all names of an item are read. */
     private static final int STEPS_PER_NAME = 4;
 
     private static final int[] NONE = {};
@@ -43,7 +43,7 @@ final class Meter implements CelEvaluationListener {
     private long left = MAX_STEPS;
     private int next;
 
-    /** Ends an evaluation; no exception, because those are values for the language. */
+    /** Ends an evaluation. Not an exception, because exceptions are values in CEL. */
     static final class Exceeded extends Error {
         private static final long serialVersionUID = 1L;
 
@@ -57,7 +57,7 @@ final class Meter implements CelEvaluationListener {
         haystacks = cost.haystacks() == 0 ? NONE : new int[cost.haystacks()];
     }
 
-    /** Called when a part has a value, after the parts that it consists of. */
+    /** Called with the value of a part, after its own parts. */
     @Override
     public void callback(CelExpr expr, Object value) {
         Part part = cost.part(expr.id());
@@ -112,17 +112,17 @@ final class Meter implements CelEvaluationListener {
         spend(STEPS_OF_FAILURE + STEPS_OF_FAILURE_PER_DEPTH * depth);
     }
 
-    /** Steps until now; not more than one evaluation may take. */
+    /** Returns the steps so far, at most the limit of one evaluation. */
     long steps() {
         return MAX_STEPS - Math.max(0, left);
     }
 
-    /** A step for each value in it, however often it is in there. */
+    /** Takes a step for each value inside, counting repeated values each time. */
     private void weigh(@Nullable Object value) {
         switch (value) {
             case null -> {}
             case String text -> spend(text.length() / CHARACTERS_PER_STEP);
-            case ConcatenatedListView<?> growing -> {} // a loop's result: paid when it is complete
+            case ConcatenatedListView<?> growing -> {} // the result of a loop, which is counted when it is complete
             case List<?> list -> {
                 for (Object element : list) {
                     spend(1);

@@ -11,11 +11,11 @@ import java.util.ArrayDeque;
 import java.util.Deque;
 import java.util.regex.Matcher;
 
-/** The patterns of {@code matches}, which are constants of a bounded size. */
+/** The patterns of {@code matches}: constants of limited size. */
 final class Patterns {
     static final String FUNCTION = "matches";
 
-    /** Most steps of a pattern: about one for each character, repetitions written out. */
+    /** Maximum number of steps of a pattern: about one per character, with repetitions expanded. */
     static final int MAX_SIZE = 1000;
 
     private static final java.util.regex.Pattern REPETITION =
@@ -30,10 +30,10 @@ final class Patterns {
     private Patterns() {}
 
     /**
-     * Returns how many steps the pattern of a call has.
+     * Returns the number of steps of a call's pattern.
      *
      * @param pattern the last argument of the call
-     * @throws IllegalArgumentException saying what is wrong with it
+     * @throws IllegalArgumentException with the reason if the pattern is invalid
      */
     static int size(CelExpr pattern) {
         if (pattern.getKind() != CelExpr.ExprKind.Kind.CONSTANT
@@ -74,12 +74,15 @@ final class Patterns {
         return (int) size;
     }
 
-    /** For some characters, the library looks for their other cases without end. */
+    /**
+     * Returns whether the pattern ignores case for characters beyond ASCII, for some of which the
+     * library does not terminate.
+     */
     static boolean foldsBeyondAscii(String pattern) {
         return FOLDING.matcher(pattern).find() && BEYOND_ASCII.matcher(pattern).find();
     }
 
-    /** Returns at least the number of steps of a pattern, without writing repetitions out. */
+    /** Returns a lower bound of the number of steps, without expanding repetitions. */
     static long estimate(String pattern) {
         Deque<Long> outside = new ArrayDeque<>();
         Matcher repetition = REPETITION.matcher(pattern);
@@ -125,7 +128,10 @@ final class Patterns {
                         most == null || most.isEmpty() ? 0 : Long.parseLong(most)));
     }
 
-    /** The end of what begins there and is one thing: an escape, a class, flags, a character. */
+    /**
+     * Returns the end of the element that begins at {@code at}: an escape, a class, flags or a
+     * character.
+     */
     private static int end(String pattern, int at) {
         return switch (pattern.charAt(at)) {
             case '\\' -> escape(pattern, at);
@@ -135,7 +141,7 @@ final class Patterns {
         };
     }
 
-    /** The end of {@code \\d}, {@code \\p{Greek}}, {@code \\x{1F}} or {@code \\Q…\\E}. */
+    /** Returns the end of {@code \\d}, {@code \\p{Greek}}, {@code \\x{1F}} or {@code \\Q…\\E}. */
     private static int escape(String pattern, int at) {
         char kind = at + 1 < pattern.length() ? pattern.charAt(at + 1) : 0;
         String until =
@@ -149,7 +155,7 @@ final class Patterns {
         return end < 0 ? pattern.length() : end + until.length();
     }
 
-    /** The end of {@code [a-z]}. */
+    /** Returns the end of {@code [a-z]}. */
     private static int characterClass(String pattern, int at) {
         int i = at + 1;
         if (pattern.startsWith("^", i)) {
@@ -176,7 +182,7 @@ final class Patterns {
         return pattern.charAt(at) == '\\' ? at + 2 : at + 1;
     }
 
-    /** The end of {@code (?i)}; of the bracket alone if a group begins. */
+    /** Returns the end of {@code (?i)}; of the bracket alone if a group begins. */
     private static int flags(String pattern, int at) {
         Matcher flags = FLAGS.matcher(pattern).region(at, pattern.length());
         return flags.lookingAt() ? flags.end() : at + 1;

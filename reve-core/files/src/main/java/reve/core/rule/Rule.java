@@ -8,16 +8,16 @@ import reve.core.world.StandardSymbols;
 import java.util.Optional;
 
 /**
- * A semantic symbol that an expression gives to items. Immutable.
+ * A rule: a semantic symbol whose value an expression computes. Immutable.
  *
- * @param kind of the items that get it
- * @param itemClass which of them: those of that class; empty for all
+ * @param kind of the items with the symbol
+ * @param itemClass class of the items with the symbol; empty for all classes
  */
 public record Rule(
         String symbol, String kind, Optional<String> itemClass, Expression expression, String doc) {
 
     /**
-     * @throws IllegalArgumentException if the world derives that symbol in another way
+     * @throws IllegalArgumentException if the world derives that symbol itself
      */
     public Rule {
         if (StandardSymbols.DERIVED.contains(symbol) || symbol.equals("class")) {
@@ -26,12 +26,12 @@ public record Rule(
         }
     }
 
-    /** Whether items without physics can never get it: it reads what only physics has. */
+    /** Returns whether the rule reads properties that only items with physics have. */
     boolean needsPhysics() {
         return expression.uses().stream().anyMatch(name -> name.startsWith("physics."));
     }
 
-    /** The name of the symbol that is read, if it is one. */
+    /** Returns the symbol that a name reads, or null if it reads none. */
     static @Nullable String symbolRead(String name) {
         return name.startsWith("semantic.") ? name.substring("semantic.".length()) : null;
     }

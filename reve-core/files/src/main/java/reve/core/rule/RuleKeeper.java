@@ -22,8 +22,8 @@ import java.util.Objects;
 import java.util.function.BooleanSupplier;
 
 /**
- * Keeps the symbol of one rule current. For each row it remembers what the rule read there last:
- * the same in, the same out.
+ * Keeps the symbol of one rule up to date. For each row it stores the inputs of the last
+ * evaluation; equal inputs need no evaluation.
  */
 final class RuleKeeper {
     /** Returned by {@link #update} when no item is left. */
@@ -39,7 +39,7 @@ final class RuleKeeper {
     private final Bindings bindings;
     private final Unit unit;
 
-    /** What the rule reads; if that cannot be listed, it is evaluated every time. */
+    /** Columns that the rule reads; if the inputs cannot be listed, it is evaluated every time. */
     private final List<Column> columns = new ArrayList<>();
 
     private final List<String> symbols = new ArrayList<>();
@@ -51,7 +51,7 @@ final class RuleKeeper {
     private boolean told;
     private long steps;
 
-    /** The item that the rule was evaluated for last. */
+    /** The item of the present evaluation. */
     private @Nullable Item current;
 
     RuleKeeper(World world, Rule rule) {
@@ -73,7 +73,7 @@ final class RuleKeeper {
         numbersPerRow = columns.stream().mapToInt(Column::components).sum();
     }
 
-    /** Adds what a name reads to the lists; false if it reads more than can be compared. */
+    /** Adds the inputs of a name to the lists; returns false if they cannot be compared. */
     private boolean list(String name) {
         String symbol = Rule.symbolRead(name);
         if (name.startsWith(PHYSICS)) {
@@ -95,7 +95,7 @@ final class RuleKeeper {
         return true;
     }
 
-    /** Everything counts as changed; no item has the id 0. */
+    /** Makes all items count as changed; no item has the id 0. */
     void forget() {
         Arrays.fill(ids, 0);
     }
@@ -132,7 +132,7 @@ final class RuleKeeper {
         raise(frame, "TooManySteps", "rule " + rule.symbol() + " " + why);
     }
 
-    /** The rule and the item that it is evaluated for; safe on any thread. */
+    /** Returns the rule and the item of its evaluation; safe on any thread. */
     @Override
     public String toString() {
         Item item = current;
@@ -157,7 +157,7 @@ final class RuleKeeper {
             }
         }
         for (int row = rows; row < table.rowCount(); row++) {
-            give(itemAt(row), null, frame); // scenery that had physics
+            give(itemAt(row), null, frame); // scenery that had physics before
         }
         return COMPLETE;
     }
@@ -175,7 +175,7 @@ final class RuleKeeper {
         }
     }
 
-    /** Compares what the rule reads of the item with what it read in that row, and remembers it. */
+    /** Compares the rule's inputs for an item with the stored ones of the row, and stores them. */
     private boolean hasChanged(int row, Item item) {
         boolean changed = ids[row] != item.id().value();
         ids[row] = item.id().value();

@@ -12,12 +12,12 @@ import java.util.Locale;
 import java.util.function.BooleanSupplier;
 
 /**
- * Keeps the symbols that rules give to items current. Rules are evaluated in their order, so that
- * one may read what those before it gave in the same frame, and only for items of which something
- * that they read has changed. One that gives no value for an item leaves it without the symbol,
- * which is reported once per rule. World's thread.
+ * Keeps the symbols of rules up to date. Rules are evaluated in their order, so that a rule may
+ * read the results of earlier rules in the same frame, and only for items with changed inputs. If a
+ * rule has no value for an item, the item does not have the symbol; this is reported once per rule.
+ * World's thread.
  *
- * <p>All rules share the steps of a frame. If they need more, the items that are left keep their
+ * <p>All rules share the steps of a frame. If they need more, the remaining items keep their
  * symbols and are evaluated in the next frames, so that rules never delay a frame for long. The
  * first update, and the first after {@link #forget}, may take more, so that a large world begins
  * complete. Steps are counted, never time: the same items are evaluated in the same frames on every
@@ -38,7 +38,7 @@ public final class Rules {
     private boolean first = true;
     private boolean reported;
 
-    /** Where the next update begins: the rule and the row. */
+    /** Start of the next update: the rule and the row. */
     private int nextKeeper;
 
     private int nextRow;
@@ -59,17 +59,17 @@ public final class Rules {
     }
 
     /**
-     * Evaluates in DERIVE of every frame, after what subscribed before.
+     * Evaluates rules in DERIVE of every frame, after earlier subscribers.
      *
-     * @param stopped whether the world makes no more frames: then the evaluation ends early
+     * @param stopped returns whether the world makes no more frames: then the evaluation ends early
      */
     public void subscribeTo(FrameBus bus, BooleanSupplier stopped) {
         bus.subscribe(FramePhase.DERIVE, "rules", event -> update(event.frame(), stopped));
     }
 
     /**
-     * The world was restored: what its items have may be other than what they were given here.
-     * Everything is evaluated again, so that what follows depends on the world alone.
+     * Evaluates all rules again, because the world was restored and stored inputs no longer match
+     * its items. Results then depend on the world alone.
      */
     public void forget() {
         first = true;
@@ -79,7 +79,7 @@ public final class Rules {
         keepers.forEach(RuleKeeper::forget);
     }
 
-    /** Evaluates now, as part of that frame. */
+    /** Evaluates rules now, as part of that frame. */
     public void update(long frame) {
         update(frame, () -> false);
     }
@@ -108,7 +108,7 @@ public final class Rules {
         nextKeeper = 0;
     }
 
-    /** Reports once that symbols may be old from now on, and names the costliest rule. */
+    /** Reports once that symbols may be outdated from now on, and names the costliest rule. */
     private void report(long frame, List<RuleKeeper> evaluated, long most, long steps) {
         if (reported) {
             return;

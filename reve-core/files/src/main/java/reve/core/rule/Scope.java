@@ -12,12 +12,12 @@ import java.util.Map;
 import java.util.Objects;
 
 /**
- * Which names expressions may use, and of which type: {@code physics}, {@code physical}, {@code
- * semantic} and {@code item} of an item of one kind; in actions, also {@code actor} and the
- * action's parameters. Understands each text once. One thread.
+ * The names that expressions may use, with their types: {@code physics}, {@code physical}, {@code
+ * semantic} and {@code item} of an item of one kind; in actions also {@code actor} and the action's
+ * parameters. Compiles each text once. For one thread.
  */
 public final class Scope {
-    /** The body that acts, in the scope of actions. */
+    /** The acting body, in the scope of actions. */
     public static final String ACTOR = "actor";
 
     private final KindNames own;
@@ -38,12 +38,15 @@ public final class Scope {
         this.withActor = withActor;
     }
 
-    /** Names of an item of that kind, for rules. */
+    /** Returns the names for rules of items of that kind. */
     public static Scope ofItem(WorldPrototype prototype, String kind) {
         return new Scope(prototype, kind, Map.of(), false);
     }
 
-    /** Names of an item of that kind, of the body that acts, and the action's parameters. */
+    /**
+     * Returns the names for actions of items of that kind: of the item, of the acting body, and of
+     * the parameters.
+     */
     public static Scope ofAction(
             WorldPrototype prototype, String kind, Iterable<Parameter> parameters) {
         var byName = new LinkedHashMap<String, Parameter>();
@@ -52,10 +55,10 @@ public final class Scope {
     }
 
     /**
-     * Understands an expression.
+     * Compiles an expression.
      *
-     * @throws ExpressionException if it is too long, no expression, uses names that are not there,
-     *     or its types do not fit
+     * @throws ExpressionException if the text is too long or not an expression, uses unknown names,
+     *     or its types do not match
      */
     public Expression compile(String text) throws ExpressionException {
         Expression expression = known.get(text);
@@ -69,12 +72,12 @@ public final class Scope {
         return expression;
     }
 
-    /** Whether this text was understood before, and costs nothing to understand. */
+    /** Returns whether the text was compiled before, so that compiling it again costs nothing. */
     public boolean knows(String text) {
         return known.containsKey(text);
     }
 
-    /** Room for the values of these names. */
+    /** Returns empty bindings for these names. */
     public Bindings bindings() {
         return new Bindings(this);
     }
@@ -83,7 +86,7 @@ public final class Scope {
         return own;
     }
 
-    /** What actors and items that are given as arguments have; they are bodies. */
+    /** Returns the names of actors and of items that are arguments, which are bodies. */
     KindNames other() {
         return other;
     }

@@ -10,11 +10,14 @@ import dev.cel.common.navigation.CelNavigableExpr;
 import java.util.Set;
 import java.util.TreeSet;
 
-/** Finds out what an expression reads. */
+/** Finds the names that an expression reads. */
 final class Uses {
     private Uses() {}
 
-    /** Names in full, in alphabetical order: {@code actor.physics.mass}, {@code semantic.lit}. */
+    /**
+     * Returns the full names in alphabetical order: {@code actor.physics.mass}, {@code
+     * semantic.lit}.
+     */
     static Set<String> of(CelAbstractSyntaxTree ast, Set<String> roots) {
         Set<String> uses = new TreeSet<>();
         CelNavigableAst.fromAst(ast)
@@ -34,7 +37,7 @@ final class Uses {
         return uses;
     }
 
-    /** Climbs from {@code semantic} over {@code .lit} or {@code ["lit"]}. */
+    /** Follows selections upwards from {@code semantic}, over {@code .lit} or {@code ["lit"]}. */
     private static String inFull(CelNavigableExpr node, String name) {
         CelNavigableExpr parent = node.parent().orElse(null);
         if (parent == null) {

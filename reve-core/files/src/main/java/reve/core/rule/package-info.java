@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /**
- * Expressions in world files, and the symbols that worlds derive by them. The language is CEL, the
- * Common Expression Language (cel.dev): typed, without side effects, loops without end, clock or
- * chance, so that the same world gives the same result on every machine.
+ * Expressions in world files, and symbols that are computed by them. The language is CEL, the
+ * Common Expression Language (cel.dev): typed, without side effects, unbounded loops, clock or
+ * random numbers, so that the same world has the same result on every machine.
  */
 @NullMarked
 package reve.core.rule;

@@ -18,7 +18,8 @@ import java.util.Optional;
 import java.util.stream.Collectors;
 
 /**
- * Decides by its hello whether a client may come in, and to which world. The event loop's thread.
+ * Decides whether a client is admitted, and to which world, from its hello. The event loop's
+ * thread.
  */
 public final class Admission implements Door {
 
@@ -29,9 +30,9 @@ public final class Admission implements Door {
     private final Attempts attempts = new Attempts();
 
     /**
-     * @param maxClients most clients of all worlds, with those whose connection broke
-     * @param tokens that open the server; without, it asks for none
-     * @param audit where all that clients are sent has to be recorded
+     * @param maxClients maximum number of clients of all worlds, including disconnected ones
+     * @param tokens valid tokens; if empty, clients need none
+     * @param audit the audit record, if required
      */
     public Admission(
             List<ServedWorld> worlds,
@@ -56,7 +57,7 @@ public final class Admission implements Door {
         ServedWorld world = requireWorld(hello.world(), rights);
         requireOpen(hello, role, token, world);
         int clients = worlds.stream().mapToInt(ServedWorld::clients).sum();
-        if (clients >= maxClients) { // those that wait for their client count, too
+        if (clients >= maxClients) { // includes sessions that wait for a new connection
             throw CloseReason.serverFull(maxClients);
         }
         return world.greet(connection, role, hello, token);
@@ -90,7 +91,7 @@ public final class Admission implements Door {
         return found.get();
     }
 
-    /** The world that is named, or the only one that is open to the client. */
+    /** Returns the named world, or the only world that is open to the client. */
     private ServedWorld requireWorld(Optional<String> name, Rights rights) throws CloseReason {
         List<ServedWorld> open =
                 meant(Optional.empty()).stream()
@@ -110,7 +111,7 @@ public final class Admission implements Door {
         throw CloseReason.refused("no-such-world", problem, "say hello with \"world\": " + names);
     }
 
-    /** The worlds of that name, or all; not those that have ended. */
+    /** Returns the worlds of that name, or all; without worlds that have ended. */
     private List<ServedWorld> meant(Optional<String> name) {
         return worlds.stream()
                 .filter(world -> !world.hasEnded())
@@ -118,7 +119,7 @@ public final class Admission implements Door {
                 .toList();
     }
 
-    /** What the client's token says it may; nothing where the server asks for none. */
+    /** Returns the client's token; empty if the server uses no tokens. */
     private Optional<AgentToken> requireToken(Connection connection, ClientMessage.Hello hello)
             throws CloseReason {
         if (tokens.isEmpty()) {
@@ -135,7 +136,7 @@ public final class Admission implements Door {
         return token;
     }
 
-    /** Only what is wrong counts: a right token opens the server from any address. */
+    /** Counts a wrong secret. Right secrets are not counted and work from any address. */
     private void countWrong(Connection connection) throws CloseReason {
         if (!attempts.take(connection.address(), System.nanoTime())) {
             throw CloseReason.cut(

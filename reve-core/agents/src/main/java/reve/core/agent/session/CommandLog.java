@@ -8,12 +8,12 @@ import reve.core.agent.protocol.ServerMessage;
 import java.util.Arrays;
 
 /**
- * Which commands a client has given, by their ids, so that one sent twice is done once. Of the last
- * {@value #REMEMBERED} it knows the result; an id that could be older is not taken. Guarded by its
+ * The ids of a client's commands, so that a repeated command is executed once. Stores the results
+ * of the last {@value #REMEMBERED} commands and refuses ids that may be older. Guarded by its
  * session.
  *
- * <p>Results are kept for as long as a client plays, and most say the same: they are kept as
- * numbers, so that they cost little memory and collectors of garbage need not look at each.
+ * <p>Results are stored as numbers, because they are kept long and most are equal: that takes
+ * little memory, and the garbage collector need not visit each.
  */
 final class CommandLog {
 
@@ -24,11 +24,11 @@ final class CommandLog {
     private long[] pending = new long[FEW];
     private int pendingCount;
 
-    // Finished commands, by turns; room grows as it is needed.
+    // Finished commands in a ring buffer, which grows when needed.
     private long[] ids = new long[FEW];
     private long[] frames = new long[FEW];
 
-    /** What is more than accepted. */
+    /** Results other than accepted. */
     private @Nullable ServerMessage[] others = new ServerMessage[FEW];
 
     private int count;
@@ -37,18 +37,18 @@ final class CommandLog {
     private long highest = -1;
     private long highestForgotten = -1;
 
-    /** What is known of an id. */
+    /** The state of a command with an id. */
     sealed interface Known {
 
-        /** It has not been seen. */
+        /** The id is new. */
         record Fresh() implements Known {}
 
-        /** The result will come. */
+        /** The command has no result yet. */
         record Pending() implements Known {}
 
         record Done(ServerMessage result) implements Known {}
 
-        /** It may have been done; nobody remembers. */
+        /** The command may have been executed; its result is no longer stored. */
         record Forgotten() implements Known {}
     }
 
@@ -69,7 +69,7 @@ final class CommandLog {
         return id > highestForgotten ? new Known.Fresh() : new Known.Forgotten();
     }
 
-    /** The command was taken. */
+    /** Records that a command was accepted for execution. */
     void begin(long id) {
         if (pendingCount == pending.length) {
             pending = Arrays.copyOf(pending, 2 * pendingCount);
@@ -78,7 +78,7 @@ final class CommandLog {
         highest = Math.max(highest, id);
     }
 
-    /** The command was not taken after all, and may be sent again. */
+    /** Records that a command was not accepted after all; the client may send it again. */
     void cancel(long id) {
         int place = pendingPlace(id);
         if (place >= 0) {

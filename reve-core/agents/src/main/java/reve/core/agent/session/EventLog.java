@@ -12,12 +12,12 @@ import java.util.List;
 import java.util.OptionalLong;
 
 /**
- * The last events that a client was told, so that one whose connection broke gets those it missed.
- * Bounded in time and bytes. Guarded by its session.
+ * The last events sent to a client, so that a resumed session receives the events that it missed.
+ * Limited in time and size. Guarded by its session.
  */
 final class EventLog {
 
-    /** Most bytes that a client may have missed. */
+    /** Maximum size of missed events [bytes]. */
     static final int MAX_BYTES = 4 * 1024 * 1024;
 
     private final long maxNanos;
@@ -38,7 +38,7 @@ final class EventLog {
         this.maxBytes = maxBytes;
     }
 
-    /** Keeps an event as it was sent; its bytes are shared with all who were sent it. */
+    /** Adds an event that was sent; clients share its bytes. */
     void add(HeardEvent.Told event, long nowNanos) {
         kept.addLast(new Kept(event, nowNanos));
         bytes += event.bytes().length;
@@ -49,15 +49,15 @@ final class EventLog {
         }
     }
 
-    /** Of a frame, and of those before, not all is here. */
+    /** Records that events of this frame and earlier ones are incomplete. */
     void forget(long frame) {
         lastForgotten = Math.max(lastForgotten, frame);
     }
 
     /**
-     * What happened after a frame, in order; nothing is encoded or copied. If some of it is
-     * forgotten, an event {@code missed} is the first, and what is left of the forgotten frames is
-     * not among the others.
+     * Returns the events after a frame, in order, without encoding or copying. If some are missing,
+     * an event {@code missed} is the first, and further events of the incomplete frames are
+     * omitted.
      *
      * @param encoding of that event
      */

@@ -7,20 +7,24 @@ import reve.core.agent.net.RateLimitedLog;
 import java.util.HashSet;
 import java.util.Set;
 
-/** Sessions without a token that wait for their client to come back. Any thread. */
+/** Sessions without a token that wait for a new connection. Any thread. */
 public final class KeptSessions {
 
     private final int most;
     private final RateLimitedLog log;
     private final Set<Client> kept = new HashSet<>();
 
-    /** Keeps no session yet. */
+    /** Creates an empty collection. */
     public KeptSessions(int most, RateLimitedLog log) {
         this.most = most;
         this.log = log;
     }
 
-    /** Keeps a session without a token for its client. @return false if there are too many */
+    /**
+     * Adds a session without a token.
+     *
+     * @return false if the limit is reached
+     */
     boolean keep(Client session) {
         synchronized (kept) {
             if (kept.size() < most) {
@@ -37,7 +41,7 @@ public final class KeptSessions {
         return false;
     }
 
-    /** Its client is back, or its time is over. Does nothing if it was not kept. */
+    /** Removes a session that was resumed or has ended; does nothing if it is absent. */
     void keepNoLonger(Client session) {
         synchronized (kept) {
             kept.remove(session);

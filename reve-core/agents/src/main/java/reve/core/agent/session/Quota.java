@@ -2,13 +2,13 @@
 package reve.core.agent.session;
 
 /**
- * How many messages of a client may still be taken: at most as many as in a second, which come back
- * with time. A second is one of the clock, or of the frames that are counted if these go faster. It
- * begins with few, so that nobody gains by coming anew. The event loop's thread.
+ * The number of messages that a client may still send: at most the rate of one second, refilled
+ * over time. A second is a second of the clock, or of world time if that is faster. Begins with few
+ * messages, so that a client gains nothing by reconnecting. The event loop's thread.
  */
 public final class Quota {
 
-    /** What it begins with. */
+    /** Initial number of messages. */
     static final int FIRST = 64;
 
     private final int messagesPerSecond;
@@ -25,7 +25,7 @@ public final class Quota {
         this.frame = frame;
     }
 
-    /** True if one more message may be taken. */
+    /** Returns whether one more message is allowed. */
     boolean hasLeft(long nowNanos, long nowFrame) {
         double seconds =
                 Math.max((nowNanos - nanos) * 1e-9, (double) (nowFrame - frame) / framesPerSecond);
@@ -35,7 +35,7 @@ public final class Quota {
         return left >= 1;
     }
 
-    /** One that {@link #hasLeft} let through is taken. */
+    /** Subtracts a message that {@link #hasLeft} allowed. */
     void take() {
         left--;
     }

@@ -2,8 +2,8 @@
 package reve.core.agent.session;
 
 /**
- * Bounds how often a session may be resumed: some times at once, then {@value #PER_SECOND} times a
- * second. Guarded by its session.
+ * Limit on resumes of a session: a burst, then {@value #PER_SECOND} per second. Guarded by its
+ * session.
  */
 public final class Resumes {
 
@@ -14,7 +14,7 @@ public final class Resumes {
     private long countedNanos;
 
     /**
-     * @param most that may be at once
+     * @param most size of the burst
      */
     Resumes(int most, long nowNanos) {
         this.most = most;
@@ -22,7 +22,11 @@ public final class Resumes {
         this.countedNanos = nowNanos;
     }
 
-    /** Counts a resume. @return false if there were too many */
+    /**
+     * Counts a resume.
+     *
+     * @return false if the limit is exceeded
+     */
     boolean take(long nowNanos) {
         left = Math.min(most, left + (nowNanos - countedNanos) * PER_SECOND / 1e9);
         countedNanos = nowNanos;

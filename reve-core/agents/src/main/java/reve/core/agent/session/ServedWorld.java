@@ -38,10 +38,10 @@ import java.util.Optional;
 import java.util.Set;
 import java.util.concurrent.ConcurrentHashMap;
 
-/** One of the worlds of a server: who is in it, and how they are told and obeyed. */
+/** One hosted world: its sessions, its publisher and its command queue. */
 public final class ServedWorld implements AutoCloseable {
 
-    /** Agents named in one line of the log. */
+    /** Maximum number of agents in one line of the log. */
     private static final int MOST_NAMED = 8;
 
     private final SessionServices services;
@@ -55,7 +55,7 @@ public final class ServedWorld implements AutoCloseable {
     private volatile boolean ended;
 
     /**
-     * @param waiting how its frame loop waits for agents in lock-step
+     * @param waiting the wait of its frame loop for agents in lock-step
      */
     public ServedWorld(SessionServices services, WorldPort port, LockStep.Waiting waiting) {
         this.services = services;
@@ -86,7 +86,7 @@ public final class ServedWorld implements AutoCloseable {
         return services;
     }
 
-    /** Returns what sends its frames to clients. */
+    /** Returns the publisher of its frames. */
     public Publisher publisher() {
         return publisher;
     }
@@ -103,12 +103,12 @@ public final class ServedWorld implements AutoCloseable {
         return port.cameras();
     }
 
-    /** True if nobody can come in any more. */
+    /** Returns whether the world admits no more clients. */
     public boolean hasEnded() {
         return ended;
     }
 
-    /** No more frames are made: says bye to everybody who is there. */
+    /** Ends the world: sends {@code bye} to all its clients. */
     public void end() {
         ended = true;
         sessions.values()
@@ -120,31 +120,31 @@ public final class ServedWorld implements AutoCloseable {
                                                 "the world " + Text.quote(name()) + " ends")));
     }
 
-    /** Hears of no more frames. */
+    /** Unsubscribes from frames. */
     @Override
     public void close() {
         port.loop().setGate(FrameGate.OPEN);
         subscription.close();
     }
 
-    /** Ends sessions whose clients did not come back in time. Called every now and then. */
+    /** Ends sessions whose clients did not reconnect in time. Called periodically. */
     public void checkGrace(long nowNanos) {
         sessions.values().forEach(session -> session.checkGrace(nowNanos));
     }
 
     /**
-     * @param current the tokens that open the server now
+     * @param current the tokens that are valid now
      */
     public void checkTokens(Set<AgentToken> current) {
         sessions.values().forEach(session -> session.checkToken(current));
     }
 
-    /** How many there are, with those whose connection broke and may come back. */
+    /** Returns the number of clients, including disconnected ones that may reconnect. */
     public int clients() {
         return sessions.size();
     }
 
-    /** An allowance is spent, or counts again. Loop's thread; once in a while. */
+    /** Sends events after an allowance has become exhausted, or restored. Loop's thread; rare. */
     private void tellWaiting(Allowance allowance) {
         boolean spent = allowance.isSpent();
         publisher.later(
@@ -180,7 +180,10 @@ public final class ServedWorld implements AutoCloseable {
                 });
     }
 
-    /** Tells an agent in lock-step whose allowance is spent how long the world waits for it. */
+    /**
+     * Returns the event that informs an agent in lock-step with an exhausted allowance how long the
+     * world waits for it.
+     */
     Optional<ServerMessage.Event> hurry(@Nullable Turn turn, long frame) {
         return Optional.ofNullable(turn)
                 .filter(late -> late.allowance().isSpent())
@@ -194,14 +197,12 @@ public final class ServedWorld implements AutoCloseable {
                 Map.of("longest", lockStep.allowances().longestWaitNanos(turn) / 1e9));
     }
 
-    // ---- coming and going ----
-
     /**
-     * Lets a client in.
+     * Admits a client.
      *
-     * @param token that opened the server for it, if the server takes tokens
-     * @return its session; the welcome comes when the world has taken it
-     * @throws CloseReason if it cannot come in
+     * @param token of the client, if the server uses tokens
+     * @return its session; its welcome is sent after the world has executed the join
+     * @throws CloseReason if the client is refused
      */
     public Session greet(
             Connection connection, Role role, ClientMessage.Hello hello, Optional<AgentToken> token)
@@ -227,7 +228,7 @@ public final class ServedWorld implements AutoCloseable {
         return session;
     }
 
-    /** Who is there by that name, or was a moment ago. */
+    /** Returns the session of that name, including one that has just ended. */
     public Optional<Session> find(String client) {
         return Optional.ofNullable(sessions.get(client));
     }
@@ -266,7 +267,7 @@ public final class ServedWorld implements AutoCloseable {
         return duration.toMillis() / 1000.0;
     }
 
-    /** Takes a client out of the world, in the next frame that has room for the command. */
+    /** Queues the leave of a client, for the next frame with room for the command. */
     synchronized void leave(Session session, String reason) {
         if (session.role() == Role.AGENT) {
             leaving.add(desk.command(new AgentInput.Leave(session.name(), reason), outcome -> {}));
@@ -276,7 +277,10 @@ public final class ServedWorld implements AutoCloseable {
         }
     }
 
-    /** Once queued, the name is free again: commands of one name keep their order. */
+    /**
+     * Queues waiting leaves. A name is free again once its leave is queued, because commands of one
+     * name keep their order.
+     */
     private synchronized void queueLeaving() {
         while (!leaving.isEmpty() && port.commands().offer(leaving.getFirst())) {
             sessions.remove(leaving.removeFirst().origin());

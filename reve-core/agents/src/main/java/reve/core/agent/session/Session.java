@@ -46,7 +46,7 @@ import java.util.Set;
  */
 public final class Session implements Client, Perceiver {
 
-    /** Reasons for which a connection ends that are nobody's fault. */
+    /** Reasons for the end of a connection after which the session may be resumed. */
     private static final Set<String> RESUMABLE = Set.of("lost", "idle", "too-slow");
 
     private final ServedWorld world;
@@ -64,7 +64,7 @@ public final class Session implements Client, Perceiver {
     private final SessionPace pace;
     private final SessionOutput output;
 
-    /** The event loop's thread. */
+    /** Belongs to the event loop's thread. */
     private final Quota quota;
 
     private final CameraRequests cameraRequests;
@@ -79,7 +79,7 @@ public final class Session implements Client, Perceiver {
     private long brokenNanos;
 
     /**
-     * @param token that opened the server for it, if the server takes tokens
+     * @param token of the client, if the server uses tokens
      */
     Session(
             ServedWorld world,
@@ -197,7 +197,7 @@ public final class Session implements Client, Perceiver {
         return world.name();
     }
 
-    /** Takes as long for any wrong one. */
+    /** Compares a secret in constant time. */
     public boolean hasSecret(String claimed) {
         return graceSeconds > 0
                 && MessageDigest.isEqual(
@@ -210,9 +210,7 @@ public final class Session implements Client, Perceiver {
         return role.wireName() + " " + name;
     }
 
-    /**
-     * The agent has joined or was refused: the client hears of it with the frame. World's thread.
-     */
+    /** Handles the outcome of the join: the client is sent it with the frame. World's thread. */
     void came(Outcome outcome) {
         if (outcome instanceof Outcome.Joined joined) {
             pace.begin(joined.frame());
@@ -221,7 +219,7 @@ public final class Session implements Client, Perceiver {
         world.publisher().withFrame(() -> joined(outcome));
     }
 
-    /** The agent has its body, or was refused one. The event loop's thread. */
+    /** Handles the outcome of the join on the event loop's thread. */
     private void joined(Outcome outcome) {
         embodied(outcome);
         if (outcome instanceof Outcome.Joined joined) {
@@ -229,7 +227,7 @@ public final class Session implements Client, Perceiver {
         }
     }
 
-    /** The agent has a body, possibly another one than before, or was refused one. */
+    /** Handles a new body, possibly another one than before, or its refusal. */
     @Override
     public void embodied(Outcome outcome) {
         switch (outcome) {
@@ -247,7 +245,9 @@ public final class Session implements Client, Perceiver {
         }
     }
 
-    /** The client is in the world from this frame on. The event loop's thread. */
+    /**
+     * Sends the welcome; the client is in the world from this frame on. The event loop's thread.
+     */
     synchronized void welcome(Optional<String> newBody, long frame) {
         if (left) {
             return;
@@ -269,7 +269,7 @@ public final class Session implements Client, Perceiver {
                                 + body.map(item -> " with body " + Text.quote(item)).orElse(""));
     }
 
-    /** Tells the agent how long the world waits for it, if this allowance decides that. */
+    /** Informs the agent how long the world waits for it, if this allowance decides that. */
     void tellWaiting(Allowance allowance) {
         Turn waitedFor = pace.turn();
         if (waitedFor == null || !uses(allowance)) {
@@ -277,7 +277,7 @@ public final class Session implements Client, Perceiver {
         }
         synchronized (this) {
             if (!welcomed || left) {
-                return; // the welcome says it
+                return; // the welcome contains it
             }
         }
         send(world.waiting(waitedFor, world.publisher().published()));
@@ -339,7 +339,10 @@ public final class Session implements Client, Perceiver {
         return quota.hasLeft(System.nanoTime(), framesOfQuota());
     }
 
-    /** An agent in lock-step sends more messages in a world that makes frames faster. */
+    /**
+     * Returns the frame number for the quota: agents in lock-step may send more messages in a world
+     * that makes frames faster.
+     */
     private long framesOfQuota() {
         return pace.isLockStep() ? world.publisher().published() : 0;
     }
@@ -425,7 +428,10 @@ public final class Session implements Client, Perceiver {
         services.log().info(this + " is back");
     }
 
-    /** A connection has ended; if it was this session's, the session breaks or ends. */
+    /**
+     * Handles the end of a connection. If it was this session's current one, the session waits for
+     * a new one or ends.
+     */
     @Override
     public void disconnected(Outbox outbox, CloseReason why) {
         synchronized (this) {
@@ -445,7 +451,7 @@ public final class Session implements Client, Perceiver {
         leave(why.code());
     }
 
-    /** Called every now and then; leaves when nobody came back in time. */
+    /** Ends the session if the client did not reconnect in time. Called periodically. */
     void checkGrace(long nowNanos) {
         synchronized (this) {
             if (left || !output.isBroken() || nowNanos - brokenNanos < graceSeconds * 1e9) {
@@ -455,7 +461,7 @@ public final class Session implements Client, Perceiver {
         leave("lost");
     }
 
-    /** Called every now and then; ends the session when its token opens nothing any more. */
+    /** Ends the session if its token is no longer valid. Called periodically. */
     void checkToken(Set<AgentToken> current) {
         if (token.isEmpty() || current.contains(token.get())) {
             return;
@@ -464,7 +470,7 @@ public final class Session implements Client, Perceiver {
                 CloseReason.cut(
                         "token-revoked", "your token was revoked or changed, or has expired");
         end(why);
-        leave(why.code()); // nothing new if it had a connection
+        leave(why.code()); // no effect if it has a connection
     }
 
     private void leave(String reason) {
@@ -479,7 +485,7 @@ public final class Session implements Client, Perceiver {
             services.kept().keepNoLonger(this);
         }
         pace.leave();
-        world.publisher().dismiss(this); // before others may have its name
+        world.publisher().dismiss(this); // before another client may take the name
         world.leave(this, reason);
     }
 
@@ -510,7 +516,7 @@ public final class Session implements Client, Perceiver {
         output.send(message);
     }
 
-    /** Ends its connection, if it has one. */
+    /** Ends the session's connection, if there is one. */
     void end(CloseReason why) {
         output.end(why);
     }

@@ -25,7 +25,7 @@ final class SessionCommands implements Requester {
     private final Counters counters;
     private final CommandLog log = new CommandLog();
 
-    /** Commands that wait for their result. */
+    /** Number of commands without a result. */
     private int inFlight;
 
     SessionCommands(Session session, ControlDesk desk, AgentLimits limits, Counters counters) {
@@ -70,9 +70,9 @@ final class SessionCommands implements Requester {
     }
 
     /**
-     * Has a command done, unless it was given before.
+     * Executes a command, unless one with the same id was received before.
      *
-     * @throws BadMessage if the client may not give it
+     * @throws BadMessage if the client has no right to it
      */
     void request(ClientMessage.Request request) throws BadMessage {
         Role needed = request instanceof ClientMessage.Act ? Role.AGENT : Role.CONTROL;

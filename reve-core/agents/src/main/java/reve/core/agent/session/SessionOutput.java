@@ -14,8 +14,9 @@ import reve.core.agent.publish.PerceptionRequests;
 import java.util.function.Function;
 
 /**
- * What a session sends: to its current connection, and later to one that resumes it. Any thread,
- * unless stated otherwise; it takes its own lock after that of the session, never before.
+ * The messages that a session sends: to its current connection, and later to one that resumes it.
+ * Any thread, unless stated otherwise; it acquires its own lock after that of the session, never
+ * before.
  */
 final class SessionOutput {
     private final Function<Connection, PerceptionRequests> requestsOver;
@@ -57,7 +58,7 @@ final class SessionOutput {
         return perceptions;
     }
 
-    /** The client receives what happens from this frame on. */
+    /** Records the first frame whose events the client receives. */
     void beginAt(long frame) {
         joinedInFrame = frame;
         perceptions.notBefore(frame);
@@ -103,7 +104,7 @@ final class SessionOutput {
     /**
      * Queues a message.
      *
-     * @return false if too much waits to be read
+     * @return false if too many messages are waiting
      */
     boolean offer(ServerMessage message) {
         return offer(message.in(encoding));
@@ -112,7 +113,7 @@ final class SessionOutput {
     /**
      * Queues an encoded message.
      *
-     * @return false if too much waits to be read
+     * @return false if too many messages are waiting
      */
     boolean offer(byte[] line) {
         Connection now = connection;
@@ -123,7 +124,7 @@ final class SessionOutput {
      * Queues the result of a command that took effect in a frame; later perceptions are not older
      * than that frame.
      *
-     * @return false if too much waits to be read
+     * @return false if too many messages are waiting
      */
     synchronized boolean offerResult(ServerMessage result, long frame) {
         lastResultFrame = Math.max(lastResultFrame, frame);
@@ -131,7 +132,7 @@ final class SessionOutput {
         return offer(result);
     }
 
-    /** Sends a message; ends the connection if too much waits to be read. */
+    /** Sends a message; ends the connection if too many messages are waiting. */
     void send(ServerMessage message) {
         Connection now = connection;
         if (now != null) {

@@ -23,7 +23,7 @@ final class SessionPace {
     /** Null for an agent in real time. */
     private final @Nullable Turn turn;
 
-    /** The agent has a body and waits for agents in lock-step. Guarded by this. */
+    /** True while the agent has a body and waits for agents in lock-step. Guarded by this. */
     private boolean inRealTime;
 
     /** Guarded by this. */
@@ -50,7 +50,7 @@ final class SessionPace {
         }
     }
 
-    /** The agent has a body from this frame on. World's thread. */
+    /** Records that the agent has a body from this frame on. World's thread. */
     synchronized void begin(long frame) {
         if (turn != null) {
             turn.begin(frame);
@@ -61,7 +61,7 @@ final class SessionPace {
         }
     }
 
-    /** The session ends. */
+    /** Ends the session's part in the rounds. */
     void leave() {
         synchronized (this) {
             left = true;
@@ -74,7 +74,7 @@ final class SessionPace {
         }
     }
 
-    /** The connection broke: the world no longer waits for the agent. */
+    /** Records that the connection broke: the world no longer waits for the agent. */
     void breakOff(long nowNanos) {
         if (turn != null) {
             turn.breakOff(nowNanos);
@@ -82,7 +82,7 @@ final class SessionPace {
         }
     }
 
-    /** Another connection continues the session. */
+    /** Records that another connection continues the session. */
     void comeBack() {
         if (turn != null) {
             turn.comeBack();
@@ -99,7 +99,7 @@ final class SessionPace {
             throw new BadMessage(
                     id,
                     "not-lock-step",
-                    "nobody waits for " + client,
+                    client + " is not in lock-step",
                     "say hello with \"time\":{\"mode\":\"lock-step\"} to be waited for");
         }
     }

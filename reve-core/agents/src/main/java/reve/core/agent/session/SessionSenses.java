@@ -22,7 +22,7 @@ import java.util.Optional;
 import java.util.Set;
 
 /**
- * What the client of a session perceives: everything, or what the sensors of its body sense. The
+ * The perceptions of a session's client: everything, or what the sensors of its body sense. The
  * event loop's thread.
  */
 final class SessionSenses {
@@ -35,7 +35,7 @@ final class SessionSenses {
         this.role = role;
     }
 
-    /** The agent has a body, possibly another one than before. */
+    /** Sets the body of the agent, possibly another one than before. */
     void embody(Outcome.Joined joined) {
         senses = joined.sensors().isEmpty() ? null : new Senses(joined.id(), joined.sensors());
     }

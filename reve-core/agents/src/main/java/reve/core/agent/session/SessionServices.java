@@ -7,11 +7,11 @@ import reve.core.agent.protocol.AgentLimits;
 import reve.core.agent.protocol.AgentTimeouts;
 
 /**
- * What the sessions of all worlds of a server share.
+ * Services that the sessions of all worlds of a server share.
  *
- * @param log about clients that have said hello
- * @param kept sessions without a token that wait for their client
- * @param wake makes the event loop look for work
+ * @param log about clients that have sent hello
+ * @param kept sessions without a token that wait for a new connection
+ * @param wake wakes the event loop
  */
 public record SessionServices(
         AgentLimits limits,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /**
- * Clients from their hello until they leave, across broken connections, and the worlds that they
- * are in.
+ * Sessions of clients, from the hello until they leave, across broken connections; and the hosted
+ * worlds.
  */
 @NullMarked
 package reve.core.agent.session;
