@@ -195,6 +195,6 @@ public final class Admission implements Door {
                                         "role-unsupported",
                                         "this server does not know the role "
                                                 + Text.quote(hello.role()),
-                                        "it knows " + Role.names()));
+                                        "expected " + Role.names()));
     }
 }

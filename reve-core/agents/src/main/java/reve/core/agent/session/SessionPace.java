@@ -100,7 +100,7 @@ final class SessionPace {
                     id,
                     "not-lock-step",
                     client + " is not in lock-step",
-                    "say hello with \"time\":{\"mode\":\"lock-step\"} to be waited for");
+                    "send hello with \"time\":{\"mode\":\"lock-step\"}");
         }
     }
 
