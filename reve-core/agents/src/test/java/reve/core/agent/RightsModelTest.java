@@ -198,7 +198,7 @@ class RightsModelTest {
                 return "no-such-item";
             }
             for (String need : thing.needs.get(action)) {
-                if (!mine.capabilities.contains(need)
+                if (!own.capabilities.contains(need)
                         || !opens(holder.rights.capabilities(), need)) {
                     return "not-capable";
                 }

@@ -128,7 +128,7 @@ final class Watchdog implements AutoCloseable {
                     frame + 1,
                     seconds(),
                     phase,
-                    doing.isEmpty() ? "thread " + thread.getState() : doing,
+                    activity.isEmpty() ? "thread " + thread.getState() : activity,
                     stack.isEmpty() ? "no Java method" : stack.getFirst());
             plan.onStall().ifPresent(Runnable::run);
         }
