@@ -272,7 +272,8 @@ public final class Turn {
         away |= goes;
         missedUnawaited = presence.get() != Presence.HERE;
         if (goes
-                && readyMessages.get() != messagesWhenJudged) { // the agent became ready at this moment
+                && readyMessages.get()
+                        != messagesWhenJudged) { // the agent became ready at this moment
             presence.compareAndSet(Presence.AWAY, Presence.RETURNING);
         }
         return new AgentInput.Late(agent, missed, wanted.fallback(), told, goes);
