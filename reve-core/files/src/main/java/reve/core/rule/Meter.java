@@ -122,9 +122,7 @@ final class Meter implements CelEvaluationListener {
         switch (value) {
             case null -> {}
             case String text -> spend(text.length() / CHARACTERS_PER_STEP);
-            case ConcatenatedListView<?>
-                            growing -> {} // the result of a loop, which is counted when it is
-                                          // complete
+            case ConcatenatedListView<?> growing -> {} // counted when its loop ends
             case List<?> list -> {
                 for (Object element : list) {
                     spend(1);

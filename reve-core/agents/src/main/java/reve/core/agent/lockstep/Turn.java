@@ -271,9 +271,7 @@ public final class Turn {
                         && presence.compareAndSet(Presence.HERE, Presence.AWAY);
         away |= goes;
         missedUnawaited = presence.get() != Presence.HERE;
-        if (goes
-                && readyMessages.get()
-                        != messagesWhenJudged) { // the agent became ready at this moment
+        if (goes && readyMessages.get() != messagesWhenJudged) { // ready at this moment
             presence.compareAndSet(Presence.AWAY, Presence.RETURNING);
         }
         return new AgentInput.Late(agent, missed, wanted.fallback(), told, goes);
