@@ -23,7 +23,8 @@ struct alignas(64) Forces {
   Real value[kBatch][4];
 };
 
-/// Springs of a part, in slots: a multiple of kBatch, at least one. SpringTiles describes the ends.
+/// The springs of one part of the work. The number of slots is rounded up to whole batches of
+/// kBatch, at least one batch. SpringTiles describes how the ends of springs are stored.
 template <class Real>
 struct TileSprings {
   uint64_t count;

@@ -201,8 +201,9 @@ VESPER_API vesper_provider* vesper_engine_property_provider(vesper_engine* engin
 
 /** Makes the engine query the client for arrays, instead of using registered ones. The engine
  *  queries every property of the prototype at the next load, advance, find or hash, and again
- *  when `version` changes. It copies the callbacks. Refused with ALREADY_EXISTS while registered
- *  arrays are bound; from then on add, rebind and remove are refused with ACCESS_CONFLICT.
+ *  when the callback `version` returns another number. It copies the callbacks. Refused with
+ *  ALREADY_EXISTS while arrays are registered; afterwards the functions that add, rebind and
+ *  remove arrays are refused with ACCESS_CONFLICT.
  *  `callbacks` null: unbinds all properties, and arrays can be registered again. */
 VESPER_API vesper_status vesper_engine_set_property_provider(
     vesper_engine* engine, const vesper_provider_callbacks* callbacks,

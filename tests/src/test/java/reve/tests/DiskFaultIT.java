@@ -296,6 +296,12 @@ class DiskFaultIT {
         Outcome alone = Reve.run("run", WORLD, "--seconds", "0.1", "--record", store.toString());
         assertThat(alone.code()).isEqualTo(1);
         assertThat(alone.err()).contains(store + " is there already and holds no recording");
+        Outcome saved = Reve.run("run", WORLD, "--seconds", "0.1", "--save", store.toString());
+        assertThat(saved.code()).isEqualTo(2);
+        assertThat(saved.err()).contains("--save " + store + ": exists and is not a world file");
+        Outcome drawn = Reve.run("snapshot", WORLD, "--out", store.toString());
+        assertThat(drawn.code()).isEqualTo(2);
+        assertThat(drawn.err()).contains("--out " + store + ": exists and is not a PNG picture");
         assertThat(Files.readAllBytes(store)).isEqualTo(before);
     }
 

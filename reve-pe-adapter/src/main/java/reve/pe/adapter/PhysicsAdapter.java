@@ -228,8 +228,8 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
     }
 
     /**
-     * Returns the kind whose rows the failure refers to; the state of a law for each row counts as
-     * a property.
+     * Returns the kind of the property at which a law failed, or of the rows for which the law
+     * stores the named value itself; empty if the failure names neither.
      */
     private Optional<String> kindOf(PhysicsException failure) {
         return laws.loaded().stream()

@@ -325,7 +325,7 @@ class TlsTest {
             assertThat(own.problems).hasSize(2);
             assertThat(own.problems.poll())
                     .startsWith(
-                            "tls: connections go on with the "
+                            "tls: connections still use the "
                                     + "certificate read before: "
                                     + files.certificate());
             assertThat(own.problems.poll())
@@ -402,5 +402,15 @@ class TlsTest {
         assertThat(rsa.tls()).isNotNull();
         assertThatThrownBy(() -> ServerTls.of(server.certificate(), rsa.key()))
                 .hasMessageContaining("(EC)");
+    }
+
+    /** The parser would take minutes. */
+    @Test
+    void filesOfMegabytesAreRefusedBeforeTheyAreRead(@TempDir Path folder) throws Exception {
+        Path large = Files.write(folder.resolve("large.pem"), new byte[1 << 20]);
+        assertThatThrownBy(() -> ServerTls.of(large, large))
+                .isInstanceOf(IOException.class)
+                .hasMessageContaining(large + " has 1048576 bytes, expected a file in PEM")
+                .hasMessageContaining("at most 65536");
     }
 }

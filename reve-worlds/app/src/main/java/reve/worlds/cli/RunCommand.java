@@ -83,7 +83,10 @@ public final class RunCommand implements Callable<Integer> {
      */
     private boolean isWhole(Interrupt interrupt) throws Exception {
         if (save.isPresent()) {
-            save = Optional.of(WritableFile.require(spec, "--save", save.get()));
+            save =
+                    Optional.of(
+                            WritableFile.require(
+                                    spec, "--save", save.get(), "reve:", "a world file"));
         }
         Optional<RecordingPlan> recording = record.plan();
         LawPath lawPath = laws.path(spec).forWorld(world.folder());

@@ -68,7 +68,7 @@ public final class SnapshotCommand implements Callable<Integer> {
 
     @Override
     public Integer call() throws Exception {
-        Path file = WritableFile.require(spec, "--out", out);
+        Path file = WritableFile.require(spec, "--out", out, "PNG\r\n", "a PNG picture");
         if (!out.toString().toLowerCase(Locale.ROOT).endsWith(".png")) {
             throw new ParameterException(
                     spec.commandLine(),

@@ -5,11 +5,15 @@ import picocli.CommandLine.Model.CommandSpec;
 import picocli.CommandLine.ParameterException;
 
 import java.io.IOException;
+import java.io.InputStream;
+import java.nio.charset.StandardCharsets;
 import java.nio.file.Files;
 import java.nio.file.Path;
 
 /** A check of a file that a command will write. */
 final class WritableFile {
+    private static final int MARK_BYTES = 65_536;
+
     private WritableFile() {}
 
     /**
@@ -41,6 +45,31 @@ final class WritableFile {
                     "the folder " + target.getParent() + " cannot be written to");
         }
         return target;
+    }
+
+    /**
+     * As {@link #require}. Also refuses a file that exists and is of another kind, such as a
+     * database or a file with secrets, which a slip would destroy.
+     *
+     * @param mark text in the first 64 KiB of a file of the right kind
+     * @param kind names it for a message
+     */
+    static Path require(CommandSpec spec, String option, Path given, String mark, String kind)
+            throws IOException {
+        Path file = require(spec, option, given);
+        if (Files.exists(file) && Files.size(file) > 0) {
+            try (InputStream in = Files.newInputStream(file)) {
+                String begin = new String(in.readNBytes(MARK_BYTES), StandardCharsets.ISO_8859_1);
+                if (!begin.contains(mark)) {
+                    throw refused(
+                            spec,
+                            option,
+                            given,
+                            "exists and is not " + kind + "; name another file, or remove it");
+                }
+            }
+        }
+        return file;
     }
 
     private static ParameterException refused(

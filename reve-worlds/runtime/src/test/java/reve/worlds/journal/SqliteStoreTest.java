@@ -14,6 +14,7 @@ import reve.core.image.CorruptException;
 import reve.worlds.journal.SqliteStore.Durability;
 
 import java.io.IOException;
+import java.lang.reflect.Field;
 import java.nio.ByteBuffer;
 import java.nio.channels.FileChannel;
 import java.nio.file.Files;
@@ -23,6 +24,7 @@ import java.nio.file.StandardOpenOption;
 import java.sql.Connection;
 import java.sql.DriverManager;
 import java.sql.SQLException;
+import java.sql.Statement;
 import java.util.ArrayList;
 import java.util.Arrays;
 import java.util.LinkedHashMap;
@@ -105,6 +107,44 @@ class SqliteStoreTest {
                 .isInstanceOf(IOException.class)
                 .hasMessageContaining("contains a question mark");
         assertThat(folder).isEmptyDirectory();
+    }
+
+    /** As a process leaves it that was killed while it created the store. */
+    @Test
+    void aDatabaseWithoutContentIsAnEmptyStore() throws Exception {
+        update("PRAGMA journal_mode = WAL");
+        assertThat(Files.size(file)).isPositive();
+
+        fill();
+
+        assertThat(read()).contains("image 22", "frame 24");
+        assertThat(query("PRAGMA user_version")).isEqualTo("" + StoreDatabase.VERSION);
+    }
+
+    /** SQLite undoes a write by itself when there is no room for it. */
+    @Test
+    void imagesAreWrittenAgainWhenThereIsRoomAgain() throws Exception {
+        try (SqliteStore store = open(file)) {
+            store.place().write(List.of(), image(1));
+            limit(store, 5);
+            var large = new JournalRecord.Image(2, new byte[1 << 20]);
+            assertThatThrownBy(() -> store.place().write(List.of(), large))
+                    .isInstanceOf(IOException.class)
+                    .hasMessageContaining("could not be written");
+            limit(store, 1 << 30);
+            store.place().write(List.of(), image(3));
+        }
+        assertThat(read()).containsExactly("image 3");
+    }
+
+    private static void limit(SqliteStore store, int pages) throws Exception {
+        Field connection = SqliteStore.class.getDeclaredField("connection");
+        connection.setAccessible(true);
+        try (Statement statement = ((Connection) connection.get(store)).createStatement()) {
+            statement.execute("PRAGMA max_page_count = " + pages);
+        } catch (SQLException closed) {
+            // the next write opens another connection, which has no limit
+        }
     }
 
     /** As a regular end writes it: it holds what was edited after the last frame. */

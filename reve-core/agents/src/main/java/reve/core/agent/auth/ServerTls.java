@@ -47,6 +47,9 @@ public final class ServerTls {
             Pattern.compile(
                     "-----BEGIN PRIVATE KEY-----([A-Za-z0-9+/=\\s]+)-----END PRIVATE KEY-----");
 
+    /** Maximum size of a certificate chain or a key; some twenty certificates. */
+    private static final int MOST_BYTES = 65_536;
+
     private final Path certificate;
     private final Path key;
     private final InstantSource clock;
@@ -186,6 +189,14 @@ public final class ServerTls {
         if (!Files.isRegularFile(file)) { // reading a pipe would block until a writer opens it
             throw new FileSystemException(
                     file + " is a pipe or a device, expected a file in PEM; " + "name that file");
+        }
+        if (Files.size(file) > MOST_BYTES) { // the parser takes minutes for megabytes
+            throw new FileSystemException(
+                    file
+                            + " has "
+                            + Files.size(file)
+                            + " bytes, expected a file in PEM of at most "
+                            + MOST_BYTES);
         }
     }
 

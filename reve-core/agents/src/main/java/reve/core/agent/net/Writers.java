@@ -11,9 +11,10 @@ import java.util.concurrent.atomic.AtomicInteger;
 import java.util.concurrent.locks.LockSupport;
 
 /**
- * Writes waiting messages to clients. Two threads write to long rows of clients: the event loop's
- * thread and a helper that otherwise sleeps, because writing is most of the work for many clients.
- * The event loop waits for the helper, so that two threads never use the same connection.
+ * Writes waiting messages to clients. With many clients, writing is most of the server's work.
+ * Therefore a helper thread and the event loop's thread both take clients from a long queue; for a
+ * short one the helper sleeps. The event loop then waits for the helper, so that it never uses a
+ * connection to which the helper still writes.
  */
 final class Writers {
 
