@@ -129,7 +129,7 @@ final class OperandReader {
                             .orElse(ExpressionType.ANY));
         }
         Optional<Object> constant = constant(node);
-        if (constant.isEmpty()) {
+        if (constant.isEmpty() && node.isList()) { // the schema refuses other kinds
             problems.add(
                     node,
                     node.label() + ": expected true or false, a number, a text or a list of these");

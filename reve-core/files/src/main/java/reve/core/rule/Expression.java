@@ -166,7 +166,9 @@ public final class Expression {
                             "gives "
                                     + (raw == null
                                             ? "nothing"
-                                            : "a " + raw.getClass().getSimpleName())
+                                            : raw instanceof Map
+                                                    ? "a map"
+                                                    : "another kind of value")
                                     + ", expected true or false, a number, a text or a list");
         };
     }

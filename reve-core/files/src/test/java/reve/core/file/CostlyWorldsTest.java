@@ -245,7 +245,9 @@ class CostlyWorldsTest {
                 .singleElement()
                 .asString()
                 .startsWith("w:3:")
-                .contains("more than 2000000 in all items", "by a prefab that they are `like`");
+                .contains(
+                        "more than 2000000 in all items",
+                        "into a prefab that the items are `like`");
     }
 
     @Test

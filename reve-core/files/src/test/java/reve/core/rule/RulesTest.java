@@ -223,6 +223,16 @@ class RulesTest {
     }
 
     @Test
+    void aListInAListIsRefusedInWordsOfTheWorldFile() throws Exception {
+        body("pot", 1);
+        rules("nested", "[1, 2].map(x, [x, x])").update(1);
+
+        assertThat(world.events().getFirst().fields().get("message").toString())
+                .contains(
+                        "nested", "is a list in a list, expected text, truth, a number or a list");
+    }
+
+    @Test
     void numberIsKeptInTheUnitThatIsDeclaredForItsSymbol() throws Exception {
         Item car = world.add(ItemDefinition.named("car").physics("velocity", 10, 0, 0).build());
 

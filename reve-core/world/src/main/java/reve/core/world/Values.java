@@ -3,6 +3,7 @@ package reve.core.world;
 
 import java.util.Arrays;
 import java.util.List;
+import java.util.Map;
 
 /** Checks of numbers and symbol values before they enter a world. */
 final class Values {
@@ -164,9 +165,17 @@ final class Values {
             default ->
                     throw new IllegalArgumentException(
                             at(item, symbol)
-                                    + "is a "
-                                    + value.getClass().getSimpleName()
+                                    + "is "
+                                    + kindOf(value)
                                     + ", expected text, truth, a number or a list of these");
+        };
+    }
+
+    private static String kindOf(Object value) {
+        return switch (value) {
+            case List<?> list -> "a list in a list";
+            case Map<?, ?> map -> "a map";
+            default -> "another kind of value";
         };
     }
 

@@ -95,7 +95,7 @@ class EventPrinterTest {
         assertThat(messages.toString().lines())
                 .containsExactly(
                         "reve: standard output cannot be written: No space left on device; the"
-                                + " worlds go on, and events are lost until it can");
+                                + " worlds continue, and events are lost until it can");
         assertThat(out.codeAfter(ExitCode.OK, err)).isEqualTo(ExitCode.FAILURE);
         assertThat(messages.toString()).contains("results are lost");
     }
