@@ -136,7 +136,7 @@ class ReconnectIT {
             told.addAll(numbers(ada.events()));
             eye.perceive();
             assertThat(way.cuts()).isPositive();
-            assertThat(told).isEqualTo(all());
+            assertThat(told).as("%d events missed", ada.missedEvents()).isEqualTo(all());
             assertThat(numbers(eye.events())).isEqualTo(all());
         }
     }
