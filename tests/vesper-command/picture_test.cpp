@@ -206,8 +206,8 @@ TEST(PictureErrorTest, ReferenceOutOfRangeIsRefusedAtItsLine) {
   const Outcome outcome = RunScene(scene, {"--png", folder / "%d.png"});
   EXPECT_EQ(outcome.exit_code, 3);
   EXPECT_EQ(outcome.errors, "vesper: " + scene +
-                                ":9:1: row 0 of 'endpoints' refers to row 7 of body, which is not "
-                                "there\n");
+                                ":9:1: row 0 of 'endpoints' refers to row 7 of body, which does "
+                                "not exist\n");
 }
 
 TEST(PictureErrorTest, SceneWithNothingToDrawEndsWith3) {
