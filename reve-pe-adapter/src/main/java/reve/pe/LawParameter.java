@@ -4,6 +4,10 @@ package reve.pe;
 /**
  * A parameter that a law declares.
  *
- * @param unit that the law expects
+ * @param unit that the law expects, also of the numbers below
+ * @param standard value if none is given
+ * @param minimum inclusive
+ * @param maximum inclusive
  */
-public record LawParameter(String name, SiUnit unit) {}
+public record LawParameter(
+        String name, String doc, SiUnit unit, double standard, double minimum, double maximum) {}

@@ -25,6 +25,13 @@ public record LawLibrary(String name, String sha256, Map<String, Double> paramet
         return new LawLibrary(prepared.name(), prepared.sha256(), parameters, prepared.bytes());
     }
 
+    /** Returns this library with other values of some parameters. */
+    LawLibrary with(Map<String, Double> changed) {
+        Map<String, Double> all = new LinkedHashMap<>(parameters);
+        all.putAll(changed);
+        return new LawLibrary(name, sha256, all, bytes);
+    }
+
     /** Returns whether both have the same bytes and the same parameters. */
     boolean isSame(LawLibrary other) {
         return sha256.equals(other.sha256) && parameters.equals(other.parameters);

@@ -11,6 +11,7 @@ import reve.pe.PreparedLibrary;
 
 import java.nio.file.Path;
 import java.util.ArrayList;
+import java.util.Collections;
 import java.util.HashSet;
 import java.util.LinkedHashMap;
 import java.util.List;
@@ -152,6 +153,33 @@ public final class Laws {
         world.raise(new WorldEvent(frame, "law-unloaded", fields));
     }
 
+    /**
+     * Changes parameters of a loaded library, outside PHYSICS. The library and those loaded after
+     * it are loaded again, so that the order of the laws stays the same.
+     *
+     * @param changed by {@code parameter} or {@code law.parameter}; the others keep their values
+     * @throws IllegalArgumentException if no library has the name
+     * @throws PhysicsException if the engine refuses a parameter; then nothing changed
+     */
+    public void setParameters(long frame, String library, Map<String, Double> changed) {
+        List<LawLibrary> before = libraries();
+        List<LawLibrary> after = new ArrayList<>(before);
+        int place = 0;
+        while (place < before.size() && !before.get(place).name().equals(library)) {
+            place++;
+        }
+        if (place == before.size()) {
+            throw new IllegalArgumentException("no library \"" + library + "\" is loaded");
+        }
+        after.set(place, before.get(place).with(changed));
+        try {
+            restore(frame, after, quarantined());
+        } catch (PhysicsException refused) {
+            restore(frame, before, quarantined());
+            throw refused;
+        }
+    }
+
     /** Returns false after the library was unloaded or quarantined. */
     public boolean isLoaded(int libraryId) {
         return loaded.containsKey(libraryId);
@@ -170,6 +198,11 @@ public final class Laws {
     /** Permits a quarantined library's bytes again. Returns false if they were not quarantined. */
     public boolean release(String sha256) {
         return quarantined.remove(sha256) != null;
+    }
+
+    /** Returns the loaded libraries by their ids, in the order of loading. */
+    public Map<Integer, LawLibrary> byId() {
+        return Collections.unmodifiableMap(new LinkedHashMap<>(loaded));
     }
 
     /** Returns the loaded libraries, in the order of loading. */

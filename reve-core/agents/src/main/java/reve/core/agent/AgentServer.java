@@ -13,6 +13,7 @@ import reve.core.agent.net.RateLimitedLog;
 import reve.core.agent.port.WorldPort;
 import reve.core.agent.protocol.AgentTimeouts;
 import reve.core.agent.protocol.CloseReason;
+import reve.core.agent.protocol.Encoding;
 import reve.core.agent.session.Admission;
 import reve.core.agent.session.KeptSessions;
 import reve.core.agent.session.ServedWorld;
@@ -25,6 +26,8 @@ import java.net.BindException;
 import java.net.InetSocketAddress;
 import java.net.StandardSocketOptions;
 import java.nio.channels.ServerSocketChannel;
+import java.nio.channels.SocketChannel;
+import java.nio.charset.StandardCharsets;
 import java.time.Duration;
 import java.util.ArrayList;
 import java.util.List;
@@ -171,6 +174,37 @@ public final class AgentServer implements AutoCloseable {
     /** Returns the address with the actual port. */
     public InetSocketAddress address() {
         return address;
+    }
+
+    /**
+     * Opens a connection for a client that another server of this process has accepted, such as a
+     * page. It has the same rights, limits and records as any other connection.
+     *
+     * @param client address of the client, to which limits by address apply
+     * @return the client's end, in blocking mode: lines of the protocol, without TLS; the caller
+     *     closes it
+     */
+    public SocketChannel connect(InetSocketAddress client) throws IOException {
+        SocketPair pair = SocketPair.open();
+        loop.later(() -> connections.admit(pair.inner(), client));
+        return pair.outer();
+    }
+
+    /**
+     * Writes a message to the audit record that the client receives in another form, if the server
+     * keeps a record. Any thread.
+     *
+     * @param message a JSON object
+     * @return false if the message must not be sent, because it could not be recorded
+     */
+    public boolean record(String world, String client, String message) {
+        return audit.isEmpty()
+                || audit.get()
+                        .told(
+                                world,
+                                client,
+                                Encoding.JSON,
+                                StandardCharsets.UTF_8.encode(message + "\n"));
     }
 
     /** Returns the present counters. */

@@ -11,6 +11,7 @@ import reve.core.world.WorldSnapshot;
 
 import java.util.Collection;
 import java.util.Map;
+import java.util.Optional;
 import java.util.function.Consumer;
 
 /** Keeps images of a world without physics, and can do nothing else. */
@@ -33,6 +34,21 @@ public record RoomControl(World world, FrameLoop loop, Image beginning) implemen
     @Override
     public Change unloadLaw(String library) throws ActionRefused {
         return WorldControl.none().unloadLaw(library);
+    }
+
+    @Override
+    public Change setLaw(String library, Map<String, Double> parameters) throws ActionRefused {
+        return WorldControl.none().setLaw(library, parameters);
+    }
+
+    @Override
+    public Reading laws(boolean faults) throws ActionRefused {
+        return WorldControl.none().laws(faults);
+    }
+
+    @Override
+    public Map<String, Object> ledger(Optional<Boolean> open) throws ActionRefused {
+        return WorldControl.none().ledger(open);
     }
 
     @Override

@@ -259,6 +259,22 @@ public final class FrameLoop {
         return lastAllowed.get() <= frame();
     }
 
+    /**
+     * Sets the speed of {@link #run} as world time per time of the clock; 1 at the start. Has no
+     * effect on the content of frames, nor on a loop that is as fast as possible. Any thread.
+     *
+     * @param factor above 0
+     */
+    public void setSpeed(double factor) {
+        pacer.setSpeed(factor);
+        wake();
+    }
+
+    /** Returns the speed, see {@link #setSpeed}. Any thread. */
+    public double speed() {
+        return pacer.speed();
+    }
+
     /** Returns the pacing of {@link #run}. */
     public Pacing pacing() {
         return pacing;

@@ -19,6 +19,12 @@ final class Pacer {
     private long originNanoseconds;
     private long framesSinceOrigin;
 
+    /** The requested speed: world time per time of the clock. */
+    private volatile double speed = 1;
+
+    /** The speed of the present schedule. */
+    private double scheduledSpeed = 1;
+
     Pacer(Timing timing, Pacing pacing, FrameClock clock) {
         this.timing = timing;
         this.pacing = pacing;
@@ -29,6 +35,20 @@ final class Pacer {
     void start() {
         originNanoseconds = clock.nanoTime();
         framesSinceOrigin = 0;
+        scheduledSpeed = speed;
+    }
+
+    /** Changes the speed; the schedule restarts with the next check. Any thread. */
+    void setSpeed(double factor) {
+        if (!(factor > 0 && Double.isFinite(factor))) {
+            throw new IllegalArgumentException(
+                    "speed is " + factor + ", expected a finite number above 0");
+        }
+        speed = factor;
+    }
+
+    double speed() {
+        return speed;
     }
 
     /** Advances the schedule after a frame; the next one is due after one frame of wall time. */
@@ -42,7 +62,10 @@ final class Pacer {
             overruns.setRelease(overruns.getPlain() + 1);
         }
         int perSecond = timing.framesPerSecond();
-        long framesLate = late / SECOND * perSecond + late % SECOND * perSecond / SECOND;
+        long framesLate =
+                scheduledSpeed == 1
+                        ? late / SECOND * perSecond + late % SECOND * perSecond / SECOND
+                        : (long) (late * scheduledSpeed * perSecond / SECOND);
         long given = framesLate - FrameLoop.MAX_CATCH_UP_FRAMES;
         if (given > 0) {
             framesSinceOrigin += given;
@@ -54,6 +77,10 @@ final class Pacer {
     long nanosecondsToWait() {
         if (pacing == Pacing.FAST) {
             return 0;
+        }
+        if (scheduledSpeed != speed) {
+            start();
+            framesSinceOrigin = 1; // the frame that was just made
         }
         return originNanoseconds + due(framesSinceOrigin) - clock.nanoTime();
     }
@@ -71,6 +98,9 @@ final class Pacer {
      */
     private long due(long frame) {
         int perSecond = timing.framesPerSecond();
+        if (scheduledSpeed != 1) {
+            return (long) (frame * (SECOND / (perSecond * scheduledSpeed)));
+        }
         return frame / perSecond * SECOND + frame % perSecond * SECOND / perSecond;
     }
 }

@@ -37,6 +37,14 @@ final class ListenOptions {
     private int port;
 
     @Option(
+            names = "--web",
+            paramLabel = "N",
+            description =
+                    "Serve a page that shows and controls the worlds on this port of the same"
+                            + " address; 0 selects a free one.")
+    private Optional<Integer> web = Optional.empty();
+
+    @Option(
             names = "--listen",
             paramLabel = "ADDRESS",
             defaultValue = "127.0.0.1",
@@ -67,6 +75,16 @@ final class ListenOptions {
     /** Returns the files that these options read, by option. */
     Map<String, Optional<Path>> files() {
         return Map.of("--tokens", tokens, "--tls-certificate", certificate, "--tls-key", key);
+    }
+
+    /** Returns the address of the page, if one is served. */
+    Optional<InetSocketAddress> web() {
+        if (web.isPresent() && (web.get() < 0 || web.get() > MAX_PORT)) {
+            throw new ParameterException(
+                    spec.commandLine(),
+                    "--web is " + web.get() + ", expected 0 (any free one) to " + MAX_PORT);
+        }
+        return web.map(number -> new InetSocketAddress(address, number));
     }
 
     /**

@@ -8,6 +8,8 @@ import picocli.CommandLine.Model.CommandSpec;
 import picocli.CommandLine.Option;
 import picocli.CommandLine.ParameterException;
 import picocli.CommandLine.Parameters;
+import org.jspecify.annotations.Nullable;
+
 import picocli.CommandLine.Spec;
 
 import reve.core.agent.AgentServerConfig;
@@ -23,8 +25,11 @@ import reve.worlds.server.ServerReport;
 import reve.worlds.server.WatchdogPlan;
 import reve.worlds.server.WorldPlan;
 import reve.worlds.server.WorldServer;
+import reve.worlds.web.PageWorld;
+import reve.worlds.web.WebServer;
 
 import java.io.IOException;
+import java.net.InetSocketAddress;
 import java.nio.file.Files;
 import java.nio.file.Path;
 import java.time.Duration;
@@ -204,6 +209,7 @@ public final class ServeCommand implements Callable<Integer> {
 
     private ServerReport serve(Interrupt interrupt) throws Exception {
         AgentServerConfig agents = agents();
+        listen.web();
         requireWatchdog();
         requireStoreEvery();
         requireOwnFiles();
@@ -224,14 +230,29 @@ public final class ServeCommand implements Callable<Integer> {
                             events);
             interrupt.stopWith(server::stop);
             ServerReport report;
-            try (server) {
-                server.start();
+            try (server;
+                    WebServer page = page(agents, server)) {
+                server.start(Optional.ofNullable(page).map(WebServer::address));
                 report = server.run();
             }
             report = report.lacking(server.unkept(), server.gaps());
             events.end(report);
             return report;
         }
+    }
+
+    private @Nullable WebServer page(AgentServerConfig agents, WorldServer server)
+            throws IOException {
+        Optional<InetSocketAddress> address = listen.web();
+        if (address.isEmpty()) {
+            return null;
+        }
+        List<PageWorld> worlds = new ArrayList<>();
+        for (int i = 0; i < server.ports().size(); i++) {
+            worlds.add(
+                    new PageWorld(server.ports().get(i), server.descriptions().get(i).camera()));
+        }
+        return WebServer.start(address.get(), agents.security().tls(), server.agents(), worlds);
     }
 
     private List<WorldPlan> plans() throws IOException, WorldFileException {

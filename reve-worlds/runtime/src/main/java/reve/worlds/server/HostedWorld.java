@@ -183,7 +183,7 @@ final class HostedWorld implements AutoCloseable {
     }
 
     /** Starts to watch the laws folder, and reports that the world is ready. */
-    void start(InetSocketAddress agents) {
+    void start(InetSocketAddress agents, Optional<String> page) {
         if (laws != null) {
             laws.start();
         }
@@ -191,6 +191,7 @@ final class HostedWorld implements AutoCloseable {
         fields.put("world", name());
         fields.put("agents", agents.getHostString() + ":" + agents.getPort());
         fields.put("agentPort", agents.getPort());
+        page.ifPresent(address -> fields.put("web", address));
         AgentPolicy policy = plan.description().agents();
         if (policy.bodies().isEmpty() && policy.template().isEmpty()) {
             fields.put("note", "the world file grants agents no body, so none can join");

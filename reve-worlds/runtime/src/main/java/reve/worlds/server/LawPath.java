@@ -217,13 +217,19 @@ public record LawPath(Path shipped, Optional<Path> folder, Optional<Path> world,
                 + world.map(_ -> ", or in the world's own folder " + WORLDS_OWN + "/").orElse("");
     }
 
-    /** Returns the name that was probably meant, or all names. */
-    private String suggestion(String wrong) {
+    /** Returns the names of all libraries in these places, in alphabetical order. Reads folders. */
+    List<String> names() {
         SortedSet<String> names = new TreeSet<>();
         Stream.concat(
                         operatorsPlaces().keySet().stream(),
                         world.map(own -> own.resolve(WORLDS_OWN)).stream())
                 .forEach(place -> names.addAll(namesIn(place)));
+        return List.copyOf(names);
+    }
+
+    /** Returns the name that was probably meant, or all names. */
+    private String suggestion(String wrong) {
+        List<String> names = names();
         String near = Suggestion.of(wrong, names);
         return near.isEmpty() ? "; known are " + String.join(", ", names) : near;
     }

@@ -54,6 +54,8 @@ final class ServerControl implements WorldControl, AutoCloseable {
     private final Pictures pictures;
     private final Optional<Path> saves;
     private final ServerEvents events;
+    private final Ledger ledger;
+    private final LawEquations equations = new LawEquations();
     private @Nullable SimulationImage beginning;
 
     /**
@@ -65,6 +67,7 @@ final class ServerControl implements WorldControl, AutoCloseable {
         this.pictures = pictures;
         this.saves = saves;
         this.events = events;
+        this.ledger = new Ledger(simulation.physics());
     }
 
     @Override
@@ -104,6 +107,35 @@ final class ServerControl implements WorldControl, AutoCloseable {
                                                     "no library \"" + library + "\" is loaded"));
             simulation.physics().laws().unload(frame, id);
         };
+    }
+
+    @Override
+    public Change setLaw(String library, Map<String, Double> parameters) {
+        return (world, frame) -> {
+            try {
+                simulation.physics().laws().setParameters(frame, library, parameters);
+            } catch (IllegalArgumentException unknown) {
+                throw new ActionRefused("law-refused", String.valueOf(unknown.getMessage()));
+            } catch (PhysicsException refused) {
+                throw refusal(refused);
+            }
+        };
+    }
+
+    @Override
+    public Reading laws(boolean faults) {
+        List<String> available = simulation.lawNames();
+        equations.read(available);
+        return () -> LawReport.of(simulation.physics().laws(), available, equations, faults);
+    }
+
+    @Override
+    public Map<String, Object> ledger(Optional<Boolean> open) throws ActionRefused {
+        try {
+            return ledger.report(open);
+        } catch (PhysicsException refused) {
+            throw refusal(refused);
+        }
     }
 
     @Override

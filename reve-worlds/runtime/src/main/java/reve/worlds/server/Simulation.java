@@ -216,6 +216,11 @@ public final class Simulation implements AutoCloseable {
         return lawPath.prepare(engine, law, lawPath.find(law));
     }
 
+    /** Returns the names of the libraries that {@link #prepare} finds, in alphabetical order. */
+    List<String> lawNames() {
+        return lawPath.names();
+    }
+
     /** Returns the file of a law's library; throws as {@link #prepare}. */
     Path fileOf(String law) {
         return lawPath.find(law).file();

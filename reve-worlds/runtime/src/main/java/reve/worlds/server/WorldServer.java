@@ -5,6 +5,8 @@ import org.jspecify.annotations.Nullable;
 
 import reve.core.agent.AgentServer;
 import reve.core.agent.AgentServerConfig;
+import reve.core.agent.port.WorldPort;
+import reve.core.file.WorldDescription;
 import reve.core.frame.Pacing;
 
 import java.io.IOException;
@@ -25,6 +27,8 @@ public final class WorldServer implements AutoCloseable {
     private final Closing closing = new Closing();
     private final ServerEvents events;
     private final List<HostedWorld> worlds = new ArrayList<>();
+    private final List<WorldDescription> descriptions;
+    private final List<WorldPort> ports;
     private final AgentServer agents;
     private final Watchdog watchdog;
 
@@ -62,11 +66,13 @@ public final class WorldServer implements AutoCloseable {
                 ServerEvents own = plans.size() == 1 ? events : eventsOf(plan.description().name());
                 worlds.add(closing.add(new HostedWorld(plan, pacing, lawsFolder, own)));
             }
+            descriptions = plans.stream().map(WorldPlan::description).toList();
+            ports = worlds.stream().map(HostedWorld::port).toList();
             agents =
                     closing.add(
                             AgentServer.start(
                                     config,
-                                    worlds.stream().map(HostedWorld::port).toList(),
+                                    ports,
                                     (source, message) ->
                                             events.happened("fault", fault(source, message))));
             watchdog =
@@ -105,6 +111,21 @@ public final class WorldServer implements AutoCloseable {
         };
     }
 
+    /** Returns the server of agents, which admits further clients of this process. */
+    public AgentServer agents() {
+        return agents;
+    }
+
+    /** Returns the descriptions from which the worlds were built, in the order of the plans. */
+    public List<WorldDescription> descriptions() {
+        return descriptions;
+    }
+
+    /** Returns the interfaces of the worlds for further servers, in the order of the plans. */
+    public List<WorldPort> ports() {
+        return ports;
+    }
+
     /** Returns the port for agents. */
     public int port() {
         return agents.address().getPort();
@@ -112,7 +133,16 @@ public final class WorldServer implements AutoCloseable {
 
     /** Starts to watch the laws folder, and reports that the worlds are ready. */
     public void start() {
-        worlds.forEach(world -> world.start(agents.address()));
+        start(Optional.empty());
+    }
+
+    /**
+     * Starts as {@link #start()}.
+     *
+     * @param page address of the page that shows the worlds
+     */
+    public void start(Optional<String> page) {
+        worlds.forEach(world -> world.start(agents.address(), page));
         watchdog.start();
     }
 

@@ -174,6 +174,11 @@ public final class ServerTls {
         }
     }
 
+    /** Returns the context of the present pair. Any thread. */
+    public SSLContext context() {
+        return pair.context;
+    }
+
     /** Creates the server's TLS engine for a new connection. */
     public SSLEngine engine() {
         SSLEngine engine = pair.context.createSSLEngine();

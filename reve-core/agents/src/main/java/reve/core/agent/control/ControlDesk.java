@@ -15,13 +15,17 @@ import reve.core.agent.protocol.Text;
 import reve.core.agent.publish.Publisher;
 import reve.core.frame.Command;
 import reve.core.frame.FrameEvent;
+import reve.core.frame.Pacing;
 import reve.core.world.ActionRefused;
 import reve.core.world.World;
 
+import java.util.List;
+import java.util.Map;
 import java.util.Optional;
 import java.util.concurrent.atomic.AtomicBoolean;
 import java.util.concurrent.atomic.AtomicLong;
 import java.util.function.Consumer;
+import java.util.function.Supplier;
 
 /**
  * Executes commands of clients where each belongs: in the world's queue, in its frame loop, or in
@@ -34,6 +38,7 @@ public final class ControlDesk {
     private final Embodiment embodiment;
     private final Images images;
     private final ForkAndSave forkAndSave;
+    private final Reports reports;
     private final RateLimitedLog log;
     private final AtomicLong sequence = new AtomicLong();
     private final AtomicBoolean promptDue = new AtomicBoolean();
@@ -41,13 +46,22 @@ public final class ControlDesk {
     /** Belongs to the world's thread. */
     private boolean executesPrompt;
 
-    /** Creates a desk for the commands to one world. */
-    public ControlDesk(WorldPort port, Publisher publisher, RateLimitedLog log) {
+    /**
+     * Creates a desk for the commands to one world.
+     *
+     * @param clients describes the clients of the world for reports; any thread
+     */
+    public ControlDesk(
+            WorldPort port,
+            Publisher publisher,
+            RateLimitedLog log,
+            Supplier<List<Map<String, Object>>> clients) {
         this.port = port;
         this.publisher = publisher;
         this.embodiment = new Embodiment(port.agents(), port.framesPerSecond());
         this.images = new Images(port, embodiment);
         this.forkAndSave = new ForkAndSave(port, embodiment, log);
+        this.reports = new Reports(port, publisher, images, log, clients);
         this.log = log;
     }
 
@@ -114,8 +128,33 @@ public final class ControlDesk {
                             unload,
                             true,
                             () -> port.control().unloadLaw(unload.library()));
+            case ClientMessage.SetLaw set ->
+                    change(
+                            requester,
+                            set,
+                            true,
+                            () -> port.control().setLaw(set.library(), set.parameters()));
             case ClientMessage.Picture picture ->
                     change(requester, picture, false, () -> port.control().picture());
+            case ClientMessage.Speed speed -> {
+                if (port.loop().pacing() == Pacing.FAST) {
+                    answer(
+                            requester,
+                            speed,
+                            new Outcome.Refused(
+                                    0,
+                                    "unsupported",
+                                    "this world makes frames as fast as possible (--fast)",
+                                    Optional.empty()));
+                } else {
+                    port.loop().setSpeed(speed.factor());
+                    accept(requester, speed, port.loop().frame());
+                }
+            }
+            case ClientMessage.State state -> reports.state(requester, state);
+            case ClientMessage.Inspect inspect -> reports.item(requester, inspect);
+            case ClientMessage.Laws laws -> reports.laws(requester, laws);
+            case ClientMessage.Ledger ledger -> reports.ledger(requester, ledger);
         }
     }
 

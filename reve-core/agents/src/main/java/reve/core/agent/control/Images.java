@@ -12,6 +12,7 @@ import reve.core.world.World;
 import reve.core.world.WorldEvent;
 
 import java.util.LinkedHashMap;
+import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.TreeMap;
@@ -81,6 +82,11 @@ final class Images {
         name.ifPresent(image -> fields.put("image", image));
         world.raise(new WorldEvent(frame, "rewound", fields));
         return new Rewound(frame, embodiment.rewound(world, frame, target.bodies));
+    }
+
+    /** Returns the names of the saved states, in alphabetical order. */
+    List<String> names() {
+        return List.copyOf(kept.keySet());
     }
 
     private Kept find(String name) throws ActionRefused {

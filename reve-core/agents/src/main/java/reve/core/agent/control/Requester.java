@@ -11,6 +11,9 @@ public interface Requester {
     /** Returns the name that the client declared. */
     String name();
 
+    /** Returns whether the client has the role control. */
+    boolean controls();
+
     /** Returns the encoding of messages to the client. */
     Encoding encoding();
 

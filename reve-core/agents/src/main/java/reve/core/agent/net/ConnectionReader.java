@@ -232,6 +232,7 @@ final class ConnectionReader {
             case ClientMessage.Look look -> agent.look(look);
             case ClientMessage.Act act -> agent.request(act);
             case ClientMessage.Control control -> hold(agent, control);
+            case ClientMessage.Query query -> hold(agent, query);
             case ClientMessage.Ready ready -> agent.ready(ready);
             case ClientMessage.Ping ping -> connection.send(new ServerMessage.Pong(ping.id()));
             case ClientMessage.Pong pong -> {}
@@ -241,14 +242,14 @@ final class ConnectionReader {
     }
 
     /** Runs a long command on its own thread. Reading from the client is suspended meanwhile. */
-    private void hold(Client client, ClientMessage.Control control) {
+    private void hold(Client client, ClientMessage.Request request) {
         pause();
         Thread.ofVirtual()
                 .name("agent control")
                 .start(
                         () -> {
                             try {
-                                client.request(control);
+                                client.request(request);
                                 connections.loop().later(() -> release(null));
                             } catch (BadMessage e) {
                                 connections.loop().later(() -> release(e));

@@ -239,22 +239,52 @@ public final class Connections {
     }
 
     private void admit(SocketChannel channel) {
+        try {
+            admit(channel, (InetSocketAddress) channel.getRemoteAddress(), tls);
+        } catch (IOException e) {
+            closeQuietly(channel); // the peer has closed already
+        }
+    }
+
+    /**
+     * Admits a client whose connection another server of this process accepted and decrypted.
+     *
+     * @param channel one end of a connection within this process
+     * @param client address of the client
+     */
+    public void admit(SocketChannel channel, InetSocketAddress client) {
+        admit(channel, client, Optional.empty());
+    }
+
+    private void admit(
+            SocketChannel channel,
+            InetSocketAddress client,
+            Optional<Supplier<SSLEngine>> encryption) {
         counters.connections.increment();
         if (open.size() >= limits.maxConnections()) {
-            turnAway(channel, CloseReason.serverFull(limits.maxConnections()));
+            turnAway(
+                    channel,
+                    client,
+                    encryption.isEmpty(),
+                    CloseReason.serverFull(limits.maxConnections()));
             return;
         }
         try {
-            var client = (InetSocketAddress) channel.getRemoteAddress();
             if (!pending.haveRoomFor(client.getAddress())) {
                 turnAway(
                         channel,
+                        client,
+                        encryption.isEmpty(),
                         CloseReason.cut(
                                 "too-many-connections",
                                 "too many connections from your address have not said hello"));
                 return;
             }
-            var connection = new Connection(this, wire(channel));
+            Wire wire =
+                    encryption.isEmpty()
+                            ? Wire.of(channel, client)
+                            : new TlsWire(channel, client, encryption.get().get());
+            var connection = new Connection(this, wire);
             open.add(connection);
             pending.add(connection.address(), connection);
             counters.open.increment();
@@ -263,18 +293,14 @@ public final class Connections {
         }
     }
 
-    private Wire wire(SocketChannel channel) {
-        return tls.isEmpty() ? Wire.of(channel) : new TlsWire(channel, tls.get().get());
-    }
-
-    private void turnAway(SocketChannel channel, CloseReason why) {
+    private void turnAway(
+            SocketChannel channel, SocketAddress client, boolean plain, CloseReason why) {
         counters.cut.increment();
         try (channel) {
-            SocketAddress client = channel.getRemoteAddress();
             strangersLog.warn(
                     () -> "a client at " + client + " was turned away: " + why.getMessage());
             channel.configureBlocking(false);
-            if (tls.isEmpty()) { // a TLS message would need a handshake
+            if (plain) { // a TLS message would need a handshake
                 channel.write(ByteBuffer.wrap(why.bye().in(Encoding.JSON)));
             }
             channel.shutdownOutput();

@@ -61,9 +61,9 @@ final class TlsWire implements Wire {
         private static final long serialVersionUID = 1;
     }
 
-    TlsWire(SocketChannel channel, SSLEngine engine) {
+    TlsWire(SocketChannel channel, InetSocketAddress peer, SSLEngine engine) {
         this.channel = channel;
-        this.plain = new Plain(channel);
+        this.plain = new Plain(channel, peer);
         this.engine = engine;
     }
 

@@ -39,13 +39,13 @@ interface Wire extends ByteChannel {
     /** Signals the end of the output to the client. */
     void shutdownOutput() throws IOException;
 
-    /** Returns the stream of a plain TCP connection. */
-    static Wire of(SocketChannel channel) {
-        return new Plain(channel);
+    /** Returns the stream of a connection without TLS. */
+    static Wire of(SocketChannel channel, InetSocketAddress peer) {
+        return new Plain(channel, peer);
     }
 
     /** See {@link #of}. */
-    record Plain(SocketChannel channel) implements Wire {
+    record Plain(SocketChannel channel, InetSocketAddress peer) implements Wire {
 
         /**
          * Send buffer of the socket [bytes]. A larger buffer adds latency and delays the detection
@@ -58,11 +58,6 @@ interface Wire extends ByteChannel {
          * KiB; if the buffer holds only one, the system waits 40 ms for each acknowledgement.
          */
         private static final int LARGE_SEND_BUFFER_BYTES = 256 * 1024;
-
-        @Override
-        public InetSocketAddress peer() throws IOException {
-            return (InetSocketAddress) channel.getRemoteAddress();
-        }
 
         @Override
         public SelectionKey register(EventLoop loop, EventLoop.Handler handler, Runnable readable)

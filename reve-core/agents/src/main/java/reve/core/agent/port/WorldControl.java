@@ -8,6 +8,7 @@ import reve.core.world.WorldSnapshot;
 
 import java.util.Collection;
 import java.util.Map;
+import java.util.Optional;
 import java.util.function.Consumer;
 
 /**
@@ -42,6 +43,35 @@ public interface WorldControl {
 
     /** Prepares unloading a library of laws by its name. */
     Change unloadLaw(String library) throws ActionRefused;
+
+    /**
+     * Prepares other parameters of a loaded library, which keeps its place among the laws.
+     *
+     * @param parameters as in {@link #loadLaw}; the others keep their values
+     */
+    Change setLaw(String library, Map<String, Double> parameters) throws ActionRefused;
+
+    /** A prepared report about a world. */
+    @FunctionalInterface
+    interface Reading {
+        /** Reads the world. World's thread, between frames. */
+        Map<String, Object> read() throws ActionRefused;
+    }
+
+    /**
+     * Prepares a report of the loaded, quarantined and available laws.
+     *
+     * @param faults whether to include messages of faults, which may name files of the server
+     */
+    Reading laws(boolean faults) throws ActionRefused;
+
+    /**
+     * Returns the ledger of energy and momentum for a report, after opening or closing it. World's
+     * thread, between frames.
+     *
+     * @param open true opens or restarts the ledger, false closes it
+     */
+    Map<String, Object> ledger(Optional<Boolean> open) throws ActionRefused;
 
     /** Prepares a picture of the frame. */
     Change picture() throws ActionRefused;
@@ -101,6 +131,21 @@ public interface WorldControl {
 
         @Override
         public Change unloadLaw(String library) throws ActionRefused {
+            throw unsupported("laws");
+        }
+
+        @Override
+        public Change setLaw(String library, Map<String, Double> parameters) throws ActionRefused {
+            throw unsupported("laws");
+        }
+
+        @Override
+        public Reading laws(boolean faults) throws ActionRefused {
+            throw unsupported("laws");
+        }
+
+        @Override
+        public Map<String, Object> ledger(Optional<Boolean> open) throws ActionRefused {
             throw unsupported("laws");
         }
 

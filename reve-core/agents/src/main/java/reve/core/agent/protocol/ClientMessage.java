@@ -39,6 +39,12 @@ public sealed interface ClientMessage {
             case Rewind rewind -> "rewind";
             case Save save -> "save";
             case Fork fork -> "fork";
+            case Speed speed -> "speed";
+            case SetLaw set -> "set-law";
+            case State state -> "state";
+            case Inspect inspect -> "inspect";
+            case Laws laws -> "laws";
+            case Ledger ledger -> "ledger";
             case ShutDown shutDown -> "shut-down";
             case Ping ping -> "ping";
             case Pong pong -> "pong";
@@ -210,4 +216,29 @@ public sealed interface ClientMessage {
 
     /** Ends the world. */
     record ShutDown(long id) implements Control {}
+
+    /**
+     * @param factor world time per time of the clock
+     */
+    record Speed(long id, double factor) implements Control {}
+
+    /**
+     * @param parameters of a loaded library, in SI units; the others keep their values
+     */
+    record SetLaw(long id, String library, Map<String, Double> parameters) implements Control {}
+
+    /** Requests the ledger of energy and momentum. */
+    record Ledger(long id, Optional<Boolean> open) implements Control {}
+
+    /** A question about the world for clients that perceive everything. Changes nothing. */
+    sealed interface Query extends Request {}
+
+    /** Requests the state of the world's loop and its clients. */
+    record State(long id) implements Query {}
+
+    /** Requests the four aspects of an item. */
+    record Inspect(long id, String item) implements Query {}
+
+    /** Requests the loaded, quarantined and available laws. */
+    record Laws(long id) implements Query {}
 }

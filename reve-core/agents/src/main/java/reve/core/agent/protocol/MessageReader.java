@@ -24,6 +24,8 @@ public final class MessageReader {
     static final int MAX_EVERY = 1_000_000;
 
     private static final double MAX_SECONDS = 1e6;
+    private static final double MIN_SPEED = 0.01;
+    private static final double MAX_SPEED = 100;
     private static final double DEFAULT_DEADLINE_SECONDS = 1;
     private static final long MAX_ID = (1L << 53) - 1;
     private static final int MAX_REASON = 200;
@@ -187,6 +189,21 @@ public final class MessageReader {
                     new ClientMessage.Fork(
                             fields.required(), (int) fields.integer("frames", 0, MAX_EVERY));
             case "shut-down" -> new ClientMessage.ShutDown(fields.required());
+            case "speed" ->
+                    new ClientMessage.Speed(
+                            fields.required(), fields.number("factor", MIN_SPEED, MAX_SPEED));
+            case "set-law" ->
+                    new ClientMessage.SetLaw(
+                            fields.required(), fields.text("library"), fields.parameters());
+            case "state" -> new ClientMessage.State(fields.required());
+            case "inspect" -> new ClientMessage.Inspect(fields.required(), fields.text("item"));
+            case "laws" -> new ClientMessage.Laws(fields.required());
+            case "ledger" ->
+                    new ClientMessage.Ledger(
+                            fields.required(),
+                            fields.has("open")
+                                    ? Optional.of(fields.isTrue("open"))
+                                    : Optional.empty());
             case "ping" -> new ClientMessage.Ping(fields.id);
             case "pong" -> new ClientMessage.Pong(fields.id);
             case "bye" -> new ClientMessage.Bye(fields.id);
@@ -198,9 +215,10 @@ public final class MessageReader {
                                     + Text.quote(type.stringValue())
                                     + " in protocol 1",
                             "a client sends hello, perceive, look, act, ready, ping, pong or bye;"
-                                    + " in the role control also pause, run, step, load-law,"
-                                    + " unload-law, edit, picture, snapshot, rewind, save, fork or"
-                                    + " shut-down");
+                                    + " in the roles observer and control also state, inspect or"
+                                    + " laws; in the role control also pause, run, step, speed,"
+                                    + " load-law, set-law, unload-law, ledger, edit, picture,"
+                                    + " snapshot, rewind, save, fork or shut-down");
         };
     }
 

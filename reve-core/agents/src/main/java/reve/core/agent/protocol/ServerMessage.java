@@ -66,6 +66,15 @@ public sealed interface ServerMessage {
     /** A command was refused. */
     record Refused(long id, String code, String reason) implements ServerMessage {}
 
+    /**
+     * The answer to a query.
+     *
+     * @param of type of the query
+     * @param content String, Number, Boolean, or a List or Map of these, by name
+     */
+    record Report(long id, long frame, String of, Map<String, Object> content)
+            implements ServerMessage {}
+
     /** A picture from one of the agent's cameras. */
     record Image(long id, String sensor, Cameras.Photo photo) implements ServerMessage {}
 
@@ -128,6 +137,11 @@ public sealed interface ServerMessage {
                 fields.put("code", refused.code);
                 fields.put("reason", refused.reason);
             }
+            case Report report -> {
+                fields.put("frame", report.frame);
+                fields.put("of", report.of);
+                fields.put("content", report.content);
+            }
             case Image image -> putImage(image, fields);
             case Event event -> {
                 fields.put("frame", event.frame);
@@ -155,6 +169,7 @@ public sealed interface ServerMessage {
             case Welcome welcome -> "welcome";
             case Accepted accepted -> "result";
             case Refused refused -> "result";
+            case Report report -> "report";
             case Image image -> "image";
             case Event event -> "event";
             case Error error -> "error";

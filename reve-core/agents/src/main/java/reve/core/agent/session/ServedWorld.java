@@ -31,6 +31,7 @@ import reve.core.frame.Subscription;
 
 import java.time.Duration;
 import java.util.ArrayDeque;
+import java.util.Comparator;
 import java.util.Deque;
 import java.util.List;
 import java.util.Map;
@@ -61,7 +62,7 @@ public final class ServedWorld implements AutoCloseable {
         this.services = services;
         this.port = port;
         this.publisher = new Publisher(port, services.log(), this::queueLeaving, services.wake());
-        this.desk = new ControlDesk(port, publisher, services.log());
+        this.desk = new ControlDesk(port, publisher, services.log(), this::describeClients);
         var allowances =
                 new Allowances(
                         1_000_000_000L / port.framesPerSecond(),
@@ -142,6 +143,14 @@ public final class ServedWorld implements AutoCloseable {
     /** Returns the number of clients, including disconnected ones that may reconnect. */
     public int clients() {
         return sessions.size();
+    }
+
+    /** Describes the clients for reports, in the order of their names. Any thread. */
+    private List<Map<String, Object>> describeClients() {
+        return sessions.values().stream()
+                .sorted(Comparator.comparing(Session::name))
+                .map(Session::describe)
+                .toList();
     }
 
     /** Sends events after an allowance has become exhausted, or restored. Loop's thread; rare. */

@@ -36,6 +36,8 @@ import reve.core.world.WorldEvent;
 import java.nio.charset.StandardCharsets;
 import java.security.MessageDigest;
 import java.util.BitSet;
+import java.util.LinkedHashMap;
+import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
 
@@ -203,6 +205,18 @@ public final class Session implements Client, Perceiver {
                 && MessageDigest.isEqual(
                         secret.getBytes(StandardCharsets.US_ASCII),
                         claimed.getBytes(StandardCharsets.UTF_8));
+    }
+
+    /** Describes the client for reports: name, role, body, and how it perceives. */
+    synchronized Map<String, Object> describe() {
+        var fields = new LinkedHashMap<String, Object>();
+        fields.put("name", name);
+        fields.put("role", role.wireName());
+        body.ifPresent(item -> fields.put("body", item));
+        fields.put("connected", !output.isBroken());
+        fields.put("limited", senses.areLimited());
+        fields.put("lockStep", pace.isLockStep());
+        return fields;
     }
 
     @Override

@@ -41,6 +41,11 @@ final class SessionCommands implements Requester {
     }
 
     @Override
+    public boolean controls() {
+        return session.role() == Role.CONTROL;
+    }
+
+    @Override
     public Encoding encoding() {
         return session.encoding();
     }
@@ -76,7 +81,8 @@ final class SessionCommands implements Requester {
      */
     void request(ClientMessage.Request request) throws BadMessage {
         Role needed = request instanceof ClientMessage.Act ? Role.AGENT : Role.CONTROL;
-        if (session.role() != needed) {
+        boolean asks = request instanceof ClientMessage.Query && session.role() == Role.OBSERVER;
+        if (session.role() != needed && !asks) {
             throw new BadMessage(
                     request.id(),
                     "not-permitted",

@@ -19,7 +19,7 @@ class WireTest {
                         ServerSocketChannel.open()
                                 .bind(new InetSocketAddress(InetAddress.getLoopbackAddress(), 0));
                 SocketChannel client = SocketChannel.open(listening.getLocalAddress());
-                Wire wire = Wire.of(client)) {
+                Wire wire = Wire.of(client, (InetSocketAddress) client.getRemoteAddress())) {
             wire.expectMuch();
             assertThat(client.getOption(StandardSocketOptions.SO_SNDBUF)).isGreaterThan(128 * 1024);
         }

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.agent;
+
+import java.io.IOException;
+import java.net.InetAddress;
+import java.net.InetSocketAddress;
+import java.net.StandardSocketOptions;
+import java.nio.channels.ServerSocketChannel;
+import java.nio.channels.SocketChannel;
+
+/**
+ * Two connected sockets of this process.
+ *
+ * @param inner for the event loop
+ * @param outer for the client; in blocking mode
+ */
+record SocketPair(SocketChannel inner, SocketChannel outer) {
+
+    /** Maximum number of connections of other processes that are refused before the own one. */
+    private static final int ATTEMPTS = 64;
+
+    /** Opens the pair on the loopback address. Refuses connections of other processes. */
+    static SocketPair open() throws IOException {
+        try (ServerSocketChannel listening = ServerSocketChannel.open()) {
+            listening.bind(new InetSocketAddress(InetAddress.ofLiteral("127.0.0.1"), 0), 1);
+            SocketChannel outer = SocketChannel.open(listening.getLocalAddress());
+            for (int attempt = 0; attempt < ATTEMPTS; attempt++) {
+                SocketChannel inner = listening.accept();
+                if (inner.getRemoteAddress().equals(outer.getLocalAddress())) {
+                    outer.setOption(StandardSocketOptions.TCP_NODELAY, true);
+                    return new SocketPair(inner, outer);
+                }
+                inner.close();
+            }
+            outer.close();
+            throw new IOException("other processes connect to each port that is opened");
+        }
+    }
+}

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.worlds.server;
+
+import reve.pe.LawParameter;
+import reve.pe.PhysicsLaw;
+import reve.pe.PropertyUse;
+import reve.pe.adapter.LawLibrary;
+import reve.pe.adapter.Laws;
+import reve.pe.adapter.Quarantined;
+
+import java.util.ArrayList;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Locale;
+import java.util.Map;
+
+/** The laws of a world for operators: loaded, quarantined and available ones. */
+final class LawReport {
+    private LawReport() {}
+
+    /**
+     * World's thread.
+     *
+     * @param available names of libraries that can be loaded
+     * @param faults whether to include messages of faults, which may name files of the server
+     */
+    static Map<String, Object> of(Laws laws, List<String> available, LawEquations equations, boolean faults) {
+        Map<String, Object> content = new LinkedHashMap<>();
+        List<Object> libraries = new ArrayList<>();
+        List<PhysicsLaw> loaded = laws.loaded();
+        laws.byId()
+                .forEach(
+                        (id, library) ->
+                                libraries.add(
+                                        library(
+                                                library,
+                                                loaded.stream()
+                                                        .filter(law -> law.libraryId() == id)
+                                                        .toList(),
+                                                equations)));
+        content.put("loaded", libraries);
+        content.put(
+                "quarantined",
+                laws.quarantined().stream().map(law -> quarantined(law, faults)).toList());
+        content.put("available", available);
+        return content;
+    }
+
+    private static Map<String, Object> quarantined(Quarantined law, boolean faults) {
+        Map<String, Object> fields = new LinkedHashMap<>();
+        fields.put("library", law.library());
+        fields.put("sha256", law.sha256());
+        fields.put("frame", law.frame());
+        fields.put("status", law.status().name());
+        if (faults) {
+            fields.put("message", law.message());
+        }
+        return fields;
+    }
+
+    private static Map<String, Object> library(LawLibrary library, List<PhysicsLaw> laws, LawEquations equations) {
+        Map<String, Object> fields = new LinkedHashMap<>();
+        fields.put("library", library.name());
+        fields.put("sha256", library.sha256());
+        equations.of(library.name()).ifPresent(text -> fields.put("equation", text));
+        fields.put("laws", laws.stream().map(law -> law(library, law)).toList());
+        return fields;
+    }
+
+    private static Map<String, Object> law(LawLibrary library, PhysicsLaw law) {
+        Map<String, Object> fields = new LinkedHashMap<>();
+        fields.put("name", law.name());
+        fields.put("version", law.version());
+        fields.put("doc", law.doc());
+        fields.put("phase", law.phase().name().toLowerCase(Locale.ROOT));
+        fields.put("calls", law.calls());
+        fields.put("seconds", law.nanoseconds() / 1e9);
+        fields.put("uses", law.uses().stream().map(LawReport::use).toList());
+        fields.put(
+                "parameters",
+                law.parameters().stream()
+                        .map(parameter -> parameter(library, law, parameter))
+                        .toList());
+        return fields;
+    }
+
+    private static Map<String, Object> use(PropertyUse use) {
+        Map<String, Object> fields = new LinkedHashMap<>();
+        fields.put("name", use.name());
+        fields.put("kind", use.kind());
+        fields.put("type", use.type().name().toLowerCase(Locale.ROOT));
+        fields.put("components", use.components());
+        fields.put(
+                "access",
+                use.access().stream()
+                        .sorted()
+                        .map(access -> access.name().toLowerCase(Locale.ROOT))
+                        .toList());
+        fields.put("unit", use.unit().symbol());
+        if (use.optional()) {
+            fields.put("optional", true);
+        }
+        return fields;
+    }
+
+    private static Map<String, Object> parameter(
+            LawLibrary library, PhysicsLaw law, LawParameter parameter) {
+        Map<String, Object> fields = new LinkedHashMap<>();
+        fields.put("name", parameter.name());
+        fields.put("doc", parameter.doc());
+        fields.put("unit", parameter.unit().symbol());
+        Map<String, Double> given = library.parameters();
+        fields.put(
+                "value",
+                given.getOrDefault(
+                        law.name() + "." + parameter.name(),
+                        given.getOrDefault(parameter.name(), parameter.standard())));
+        fields.put("default", parameter.standard());
+        if (Double.isFinite(parameter.minimum())) {
+            fields.put("min", parameter.minimum());
+        }
+        if (Double.isFinite(parameter.maximum())) {
+            fields.put("max", parameter.maximum());
+        }
+        return fields;
+    }
+}

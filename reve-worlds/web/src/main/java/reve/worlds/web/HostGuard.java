@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.worlds.web;
+
+import org.eclipse.jetty.http.HttpHeader;
+import org.eclipse.jetty.http.HttpStatus;
+import org.eclipse.jetty.server.Handler;
+import org.eclipse.jetty.server.Request;
+import org.eclipse.jetty.server.Response;
+import org.eclipse.jetty.util.Callback;
+
+import org.jspecify.annotations.Nullable;
+
+import java.net.URI;
+import java.util.Set;
+
+/**
+ * Refuses requests that a page of another origin caused. A request names this server as its host,
+ * so that no foreign name leads to it (DNS rebinding); a WebSocket comes from a page of the same
+ * origin.
+ */
+final class HostGuard extends Handler.Wrapper {
+
+    private static final Set<String> LOOPBACK = Set.of("127.0.0.1", "localhost", "[::1]");
+
+    private final boolean loopback;
+
+    /**
+     * @param loopback whether the server listens on a loopback address only
+     */
+    HostGuard(boolean loopback) {
+        this.loopback = loopback;
+    }
+
+    @Override
+    public boolean handle(Request request, Response response, Callback callback) throws Exception {
+        String host = request.getHeaders().get(HttpHeader.HOST);
+        if (host == null || loopback && !LOOPBACK.contains(withoutPort(host))) {
+            Response.writeError(
+                    request,
+                    response,
+                    callback,
+                    HttpStatus.MISDIRECTED_REQUEST_421,
+                    "this server is reached as 127.0.0.1 or localhost");
+            return true;
+        }
+        boolean upgrades = request.getHeaders().contains(HttpHeader.UPGRADE);
+        if (upgrades && !isOwn(request.getHeaders().get(HttpHeader.ORIGIN), request, host)) {
+            Response.writeError(
+                    request,
+                    response,
+                    callback,
+                    HttpStatus.FORBIDDEN_403,
+                    "a WebSocket is opened by the page of this server only");
+            return true;
+        }
+        return super.handle(request, response, callback);
+    }
+
+    private static boolean isOwn(@Nullable String origin, Request request, String host) {
+        if (origin == null) {
+            return false;
+        }
+        try {
+            URI uri = URI.create(origin);
+            return (request.isSecure() ? "https" : "http").equals(uri.getScheme())
+                    && host.equalsIgnoreCase(uri.getAuthority());
+        } catch (IllegalArgumentException malformed) {
+            return false;
+        }
+    }
+
+    private static String withoutPort(String host) {
+        int colon = host.lastIndexOf(':');
+        return colon > host.lastIndexOf(']') ? host.substring(0, colon) : host;
+    }
+}

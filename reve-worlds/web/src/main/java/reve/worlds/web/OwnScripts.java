@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.worlds.web;
+
+import java.util.List;
+
+/** The scripts of the page. */
+final class OwnScripts {
+
+    /** Names of the files, in alphabetical order. */
+    static final List<String> NAMES =
+            List.of(
+                    "agents.js",
+                    "connection.js",
+                    "dom.js",
+                    "item.js",
+                    "laws.js",
+                    "main.js",
+                    "plots.js",
+                    "scene.js",
+                    "steer.js",
+                    "transport.js",
+                    "view.js");
+
+    private OwnScripts() {}
+}

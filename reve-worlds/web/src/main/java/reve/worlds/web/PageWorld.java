@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.worlds.web;
+
+import reve.core.agent.port.WorldPort;
+import reve.core.file.CameraDescription;
+
+import java.util.Optional;
+
+/**
+ * A world that pages show.
+ *
+ * @param camera first viewpoint; if empty, the view contains all bodies
+ */
+public record PageWorld(WorldPort port, Optional<CameraDescription> camera) {}

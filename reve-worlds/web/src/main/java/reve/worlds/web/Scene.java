@@ -1,0 +1,377 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.worlds.web;
+
+import org.jspecify.annotations.Nullable;
+import org.pcollections.PMap;
+
+import reve.core.world.ColumnSnapshot;
+import reve.core.world.ItemId;
+import reve.core.world.ItemSymbols;
+import reve.core.world.Mesh;
+import reve.core.world.ScalarType;
+import reve.core.world.TableSnapshot;
+import reve.core.world.Texture;
+import reve.core.world.WorldPrototype;
+import reve.core.world.WorldSnapshot;
+
+import java.lang.foreign.MemorySegment;
+import java.lang.foreign.ValueLayout;
+import java.nio.ByteBuffer;
+import java.util.ArrayDeque;
+import java.util.ArrayList;
+import java.util.Arrays;
+import java.util.Deque;
+import java.util.HashMap;
+import java.util.IdentityHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Set;
+import java.util.TreeMap;
+
+/**
+ * The newest state of a world as pages show it, with the version in which each part changed. An
+ * item has a slot as long as it exists; the columns of bodies are arrays by slot, in single
+ * precision. One thread.
+ */
+final class Scene {
+
+    private static final ValueLayout.OfDouble DOUBLE = ValueLayout.JAVA_DOUBLE;
+    private static final ValueLayout.OfFloat FLOAT = ValueLayout.JAVA_FLOAT;
+    private static final ValueLayout.OfInt INT = ValueLayout.JAVA_INT;
+    private static final ValueLayout.OfLong LONG = ValueLayout.JAVA_LONG;
+
+    private static final int[] NO_REFERENCES = {};
+
+    /** Minimum time between two comparisons of all symbols [ns]. */
+    private static final long SYMBOLS_NANOS = 200_000_000;
+
+    private static final int FIRST_SLOTS = 64;
+
+    private final Map<ItemId, Integer> slotById = new HashMap<>();
+    private final Deque<Integer> freeSlots = new ArrayDeque<>();
+    private int slots;
+    private @Nullable ItemSymbols[] items = new ItemSymbols[FIRST_SLOTS];
+    private int[][] references = new int[FIRST_SLOTS][];
+
+    /** Version in which an item entered, left, or changed its symbols or references. */
+    private int[] structureChanged = new int[FIRST_SLOTS];
+
+    private int newestStructure;
+    private final Column[] columns = new Column[SceneColumns.values().length];
+
+    /** The slot of each body's row. */
+    private int[] slotOfRow = {};
+
+    private long[] ids = {};
+    private @Nullable PMap<ItemId, ItemSymbols> symbols;
+    private long symbolsNanos;
+    private boolean stale = true;
+    private int version;
+    private long frame = -1;
+    private double time;
+
+    private final Map<Object, Integer> assetIds = new IdentityHashMap<>();
+    private final Map<Integer, ByteBuffer> assets = new TreeMap<>();
+
+    /** One column by slot; colours are the bits of integers. */
+    private static final class Column {
+        private final int components;
+        private float[] values;
+        private int[] changed;
+
+        /** Newest version in which a value changed. */
+        private int newest;
+
+        Column(int components) {
+            this.components = components;
+            this.values = new float[FIRST_SLOTS * components];
+            this.changed = new int[FIRST_SLOTS];
+        }
+    }
+
+    Scene() {
+        for (SceneColumns column : SceneColumns.values()) {
+            columns[column.ordinal()] = new Column(column.components());
+        }
+    }
+
+    /** Returns the version, which increases when something changes; 0 before the first frame. */
+    int version() {
+        return version;
+    }
+
+    long frame() {
+        return frame;
+    }
+
+    double time() {
+        return time;
+    }
+
+    /** Returns the number of slots, used and free. */
+    int slots() {
+        return slots;
+    }
+
+    /** Returns the item of a slot; null if the slot is free. */
+    @Nullable ItemSymbols item(int slot) {
+        return items[slot];
+    }
+
+    /** Returns the slots to which the item refers, -1 for none. */
+    int[] references(int slot) {
+        return references[slot] == null ? NO_REFERENCES : references[slot];
+    }
+
+    boolean hasNewStructure(int since) {
+        return newestStructure > since;
+    }
+
+    boolean hasNewStructure(int slot, int since) {
+        return structureChanged[slot] > since;
+    }
+
+    boolean hasChanged(SceneColumns column, int since) {
+        return columns[column.ordinal()].newest > since;
+    }
+
+    boolean hasChanged(SceneColumns column, int slot, int since) {
+        return columns[column.ordinal()].changed[slot] > since;
+    }
+
+    float[] values(SceneColumns column) {
+        return columns[column.ordinal()].values;
+    }
+
+    /** Returns the ids of meshes and textures; textures before the meshes that use them. */
+    Set<Integer> assets() {
+        return assets.keySet();
+    }
+
+    /** Returns a mesh or a texture as a message. */
+    ByteBuffer asset(int id) {
+        return assets.get(id).duplicate();
+    }
+
+    /** Returns the id of a mesh or texture, 0 if it has none. */
+    int assetId(Object asset) {
+        return assetIds.getOrDefault(asset, 0);
+    }
+
+    /** Makes the next read compare everything. */
+    void forget() {
+        stale = true;
+    }
+
+    /**
+     * Reads a snapshot.
+     *
+     * @return false if it was overwritten meanwhile; the scene is then invalid until another read
+     */
+    boolean read(WorldSnapshot snapshot) {
+        if (snapshot.frame() == frame && !stale) {
+            return true;
+        }
+        version++;
+        TableSnapshot bodies = snapshot.table(WorldPrototype.BODY);
+        try {
+            boolean moved = hasOtherRows(bodies);
+            long now = System.nanoTime();
+            if (stale
+                    || moved
+                    || snapshot.symbols() != symbols && now - symbolsNanos > SYMBOLS_NANOS) {
+                symbolsNanos = now;
+                readStructure(snapshot, bodies);
+            }
+            for (SceneColumns column : SceneColumns.values()) {
+                readColumn(column, bodies);
+            }
+        } catch (RuntimeException nonsense) {
+            if (!snapshot.lost()) {
+                throw nonsense;
+            }
+        }
+        if (snapshot.lost()) {
+            stale = true;
+            return false;
+        }
+        stale = false;
+        frame = snapshot.frame();
+        time = snapshot.timeSeconds();
+        return true;
+    }
+
+    /** Compares and copies the ids of the bodies' rows. */
+    private boolean hasOtherRows(TableSnapshot bodies) {
+        MemorySegment rows = bodies.ids().segment();
+        boolean same =
+                bodies.rowCount() == ids.length
+                        && MemorySegment.mismatch(
+                                        rows, 0, rows.byteSize(), MemorySegment.ofArray(ids), 0,
+                                        rows.byteSize())
+                                < 0;
+        if (!same) {
+            ids = rows.toArray(LONG);
+        }
+        return !same;
+    }
+
+    private void readStructure(WorldSnapshot snapshot, TableSnapshot bodies) {
+        symbols = snapshot.symbols();
+        boolean[] seen = new boolean[slots + symbols.size()];
+        for (ItemSymbols item : symbols.values()) {
+            int slot = slotById.computeIfAbsent(item.id(), id -> newSlot());
+            seen[slot] = true;
+            ItemSymbols before = items[slot];
+            if (before != item) {
+                if (before == null || looksOther(before, item)) {
+                    noteStructure(slot);
+                }
+                items[slot] = item;
+                addAssets(item);
+            }
+        }
+        for (int slot = 0; slot < slots; slot++) {
+            ItemSymbols gone = items[slot];
+            if (gone != null && !seen[slot]) {
+                slotById.remove(gone.id());
+                items[slot] = null;
+                references[slot] = NO_REFERENCES;
+                noteStructure(slot);
+                freeSlots.add(slot);
+            }
+        }
+        if (slotOfRow.length < ids.length) {
+            slotOfRow = new int[ids.length + ids.length / 4];
+        }
+        for (int row = 0; row < ids.length; row++) {
+            slotOfRow[row] = slotById.getOrDefault(new ItemId(ids[row]), -1);
+        }
+        for (TableSnapshot table : snapshot.tables()) {
+            if (table != bodies) {
+                readReferences(table);
+            }
+        }
+    }
+
+    /** Returns whether the page must draw or name the item in another way. */
+    private static boolean looksOther(ItemSymbols before, ItemSymbols after) {
+        return !before.name().equals(after.name())
+                || before.shape() != after.shape()
+                || !before.material().equals(after.material())
+                || !before.get("class").equals(after.get("class"));
+    }
+
+    private void noteStructure(int slot) {
+        structureChanged[slot] = version;
+        newestStructure = version;
+    }
+
+    private int newSlot() {
+        Integer free = freeSlots.poll();
+        int slot = free == null ? slots++ : free;
+        if (slot >= items.length) {
+            int room = 2 * items.length;
+            items = Arrays.copyOf(items, room);
+            references = Arrays.copyOf(references, room);
+            structureChanged = Arrays.copyOf(structureChanged, room);
+            for (Column column : columns) {
+                column.values = Arrays.copyOf(column.values, room * column.components);
+                column.changed = Arrays.copyOf(column.changed, room);
+            }
+        }
+        for (Column column : columns) { // a slot that was free has the values of another item
+            column.changed[slot] = version;
+            column.newest = version;
+        }
+        return slot;
+    }
+
+    private void readReferences(TableSnapshot table) {
+        List<ColumnSnapshot> columns =
+                table.columns().stream()
+                        .filter(column -> column.type() == ScalarType.REF)
+                        .toList();
+        if (columns.isEmpty()) {
+            return;
+        }
+        int count = columns.stream().mapToInt(ColumnSnapshot::components).sum();
+        int[] found = new int[count];
+        for (int row = 0; row < table.rowCount(); row++) {
+            Integer slot = slotById.get(table.idAt(row));
+            if (slot == null) {
+                continue;
+            }
+            int at = 0;
+            for (ColumnSnapshot column : columns) {
+                for (int i = 0; i < column.components(); i++) {
+                    long id = column.getReference(row, i);
+                    found[at++] = id > 0 ? slotById.getOrDefault(new ItemId(id), -1) : -1;
+                }
+            }
+            if (!Arrays.equals(found, references[slot])) {
+                references[slot] = found.clone();
+                noteStructure(slot);
+            }
+        }
+    }
+
+    private void readColumn(SceneColumns which, TableSnapshot bodies) {
+        ColumnSnapshot source = bodies.column(which.property());
+        MemorySegment segment = source.segment();
+        Column column = columns[which.ordinal()];
+        int rows = Math.min(Math.min(source.rowCount(), ids.length), slotOfRow.length);
+        int components = column.components;
+        ScalarType type = source.type();
+        float[] values = column.values;
+        int[] changed = column.changed;
+        boolean any = false;
+        for (int row = 0; row < rows; row++) {
+            int slot = slotOfRow[row];
+            if (slot < 0) {
+                continue;
+            }
+            boolean differs = false;
+            for (int i = 0; i < components; i++) {
+                long at = (long) row * components + i;
+                float value =
+                        switch (type) {
+                            case F64 -> (float) segment.getAtIndex(DOUBLE, at);
+                            case F32 -> segment.getAtIndex(FLOAT, at);
+                            default -> Float.intBitsToFloat(segment.getAtIndex(INT, at));
+                        };
+                int place = slot * components + i;
+                if (Float.floatToRawIntBits(value) != Float.floatToRawIntBits(values[place])) {
+                    values[place] = value;
+                    differs = true;
+                }
+            }
+            if (differs) {
+                changed[slot] = version;
+                any = true;
+            }
+        }
+        if (any) {
+            column.newest = version;
+        }
+    }
+
+    private void addAssets(ItemSymbols item) {
+        item.material().flatMap(material -> material.texture()).ifPresent(this::addTexture);
+        if (item.shape() instanceof Mesh mesh && !assetIds.containsKey(mesh)) {
+            var parts = new ArrayList<>(mesh.parts());
+            parts.forEach(part -> part.material().texture().ifPresent(this::addTexture));
+            int id = assetIds.size() + 1;
+            assetIds.put(mesh, id);
+            assets.put(id, AssetWriter.mesh(id, mesh, this::assetId));
+        }
+    }
+
+    private void addTexture(Texture texture) {
+        if (!assetIds.containsKey(texture)) {
+            int id = assetIds.size() + 1;
+            assetIds.put(texture, id);
+            assets.put(id, AssetWriter.texture(id, texture));
+        }
+    }
+}

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.worlds.web;
+
+import org.slf4j.Logger;
+import org.slf4j.LoggerFactory;
+
+import reve.core.agent.port.WorldPort;
+import reve.core.frame.FramePhase;
+import reve.core.frame.Subscription;
+import reve.core.world.WorldSnapshot;
+
+import java.util.List;
+import java.util.Optional;
+import java.util.concurrent.CopyOnWriteArrayList;
+import java.util.concurrent.locks.LockSupport;
+
+/**
+ * The scene of one world for all watchers. One thread reads snapshots and encodes frames; it works
+ * only while a watcher has requested a frame. The world's thread only wakes it.
+ */
+final class SceneFeed implements AutoCloseable {
+
+    private static final Logger LOG = LoggerFactory.getLogger("reve.page");
+
+    /** Minimum time between two frames for one watcher [ns]; a little less than 1/60 s. */
+    private static final long MIN_INTERVAL_NANOS = 15_000_000;
+
+    /** Maximum number of attempts to read a snapshot that is overwritten meanwhile. */
+    private static final int ATTEMPTS = 4;
+
+    private final WorldPort port;
+    private final Scene scene = new Scene();
+    private final SceneWriter writer;
+    private final List<Watcher> watchers = new CopyOnWriteArrayList<>();
+    private final Subscription subscription;
+    private final Thread encoder;
+
+    /** True while the encoder waits for the next frame of the world. */
+    private volatile boolean wantsFrame;
+
+    private volatile boolean closed;
+
+    SceneFeed(PageWorld world) {
+        this.port = world.port();
+        this.writer = new SceneWriter(world.camera());
+        this.encoder =
+                Thread.ofPlatform()
+                        .daemon()
+                        .name("page of world " + port.world())
+                        .start(this::encode);
+        this.subscription =
+                port.bus().subscribe(FramePhase.PUBLISH, "page", frame -> published());
+    }
+
+    /** Called on the world's thread. */
+    private void published() {
+        if (wantsFrame) {
+            wantsFrame = false;
+            LockSupport.unpark(encoder);
+        }
+    }
+
+    /** Adds a watcher, or notes that it has a new request. Any thread. */
+    void add(Watcher watcher) {
+        if (!watchers.contains(watcher)) {
+            watchers.add(watcher);
+        }
+        wake();
+    }
+
+    void remove(Watcher watcher) {
+        watchers.remove(watcher);
+    }
+
+    /** Makes the encoder check for work. Any thread. */
+    void wake() {
+        LockSupport.unpark(encoder);
+    }
+
+    private void encode() {
+        while (!closed) {
+            try {
+                long wait = serve();
+                if (wait < 0) {
+                    LockSupport.park(this);
+                } else if (wait > 0) {
+                    LockSupport.parkNanos(this, wait);
+                }
+            } catch (RuntimeException | Error failed) {
+                LOG.error("a frame for pages failed", failed);
+                scene.forget();
+                LockSupport.parkNanos(this, 1_000_000_000);
+            }
+        }
+    }
+
+    /**
+     * Sends the newest frame to all watchers that wait for it.
+     *
+     * @return time until the next watcher is due [ns]; negative if the encoder must be woken
+     */
+    private long serve() {
+        boolean waits = false;
+        long due = Long.MAX_VALUE;
+        long now = System.nanoTime();
+        for (Watcher watcher : watchers) {
+            if (watcher.isWaiting()) {
+                waits = true;
+                due = Math.min(due, watcher.sentNanos() + MIN_INTERVAL_NANOS - now);
+            }
+        }
+        if (!waits) {
+            return -1;
+        }
+        if (due > 0) {
+            return due;
+        }
+        wantsFrame = true; // before the newest frame is read, so that no later one is missed
+        if (!read()) {
+            return 0;
+        }
+        long next = -1;
+        for (Watcher watcher : watchers) {
+            if (watcher.isReady(scene.version())) {
+                long left = watcher.sentNanos() + MIN_INTERVAL_NANOS - now;
+                if (left <= 0) {
+                    watcher.send(scene, writer, now);
+                } else {
+                    next = next < 0 ? left : Math.min(next, left);
+                }
+            }
+        }
+        return next;
+    }
+
+    /**
+     * Reads the newest snapshot.
+     *
+     * @return false if each one was overwritten while it was read
+     */
+    private boolean read() {
+        for (int attempt = 0; attempt < ATTEMPTS; attempt++) {
+            Optional<WorldSnapshot> newest = port.snapshots().acquireLatest();
+            if (newest.isEmpty()) {
+                return true;
+            }
+            try (WorldSnapshot snapshot = newest.get()) {
+                if (scene.read(snapshot)) {
+                    return true;
+                }
+            }
+        }
+        return false;
+    }
+
+    /** Ends the thread. Idempotent. */
+    @Override
+    public void close() {
+        closed = true;
+        subscription.close();
+        wake();
+    }
+}

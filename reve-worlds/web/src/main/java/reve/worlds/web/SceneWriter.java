@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.worlds.web;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.core.file.CameraDescription;
+import reve.core.world.ItemSymbols;
+import reve.core.world.Material;
+import reve.core.world.Mesh;
+
+import tools.jackson.core.JsonGenerator;
+import tools.jackson.databind.json.JsonMapper;
+
+import java.io.ByteArrayOutputStream;
+import java.nio.ByteBuffer;
+import java.nio.ByteOrder;
+import java.util.Optional;
+
+/**
+ * Frames as messages to pages; page/view.js reads them. Numbers are little-endian: type (1), bytes
+ * of the structure, number of sections, slots; frame and time as 64-bit floats; then the structure
+ * as JSON, padded to 4 bytes; then the sections: column, number of bodies, their slots, their
+ * values as 32-bit floats. The structure lists items that entered or changed, and slots that are
+ * free. One thread.
+ */
+final class SceneWriter {
+
+    /** Type of a message with a frame. */
+    static final int FRAME = 1;
+
+    private static final int HEADER_BYTES = 32;
+    private static final JsonMapper JSON = new JsonMapper();
+    private static final SceneColumns[] COLUMNS = SceneColumns.values();
+    private static final byte[] NONE = {};
+
+    private final Optional<CameraDescription> camera;
+    private int[] picked = {};
+
+    /** The last message, which watchers in the same state share. */
+    private @Nullable ByteBuffer shared;
+
+    private int sharedVersion;
+    private int sharedSince;
+    private int sharedColumns;
+
+    /**
+     * @param camera first viewpoint, part of complete frames
+     */
+    SceneWriter(Optional<CameraDescription> camera) {
+        this.camera = camera;
+    }
+
+    /**
+     * Returns the difference between a version and the present one.
+     *
+     * @param since 0 returns everything
+     * @param known optional columns that the client has in that version
+     * @param wanted optional columns that it wants now
+     */
+    ByteBuffer write(Scene scene, int since, int known, int wanted) {
+        int key = known << 8 | wanted;
+        ByteBuffer last = shared;
+        if (last == null
+                || sharedVersion != scene.version()
+                || sharedSince != since
+                || sharedColumns != key) {
+            last = encode(scene, since, known, wanted);
+            shared = last;
+            sharedVersion = scene.version();
+            sharedSince = since;
+            sharedColumns = key;
+        }
+        return last.duplicate();
+    }
+
+    private ByteBuffer encode(Scene scene, int since, int known, int wanted) {
+        byte[] structure = scene.hasNewStructure(since) ? structure(scene, since) : NONE;
+        int padded = (structure.length + 3) & ~3;
+        int slots = scene.slots();
+        int[] counts = new int[COLUMNS.length];
+        int bytes = HEADER_BYTES + padded;
+        int sections = 0;
+        if (picked.length < slots * COLUMNS.length) {
+            picked = new int[slots * COLUMNS.length];
+        }
+        for (SceneColumns column : COLUMNS) {
+            if (!column.isWanted(wanted)) {
+                continue;
+            }
+            int from = column.isWanted(known) ? since : 0;
+            int count = pick(scene, column, from, column.ordinal() * slots);
+            counts[column.ordinal()] = count;
+            if (count > 0) {
+                sections++;
+                bytes += 2 * Integer.BYTES + count * (1 + column.components()) * Float.BYTES;
+            }
+        }
+        ByteBuffer out = ByteBuffer.allocate(bytes).order(ByteOrder.LITTLE_ENDIAN);
+        out.putInt(FRAME).putInt(structure.length).putInt(sections).putInt(slots);
+        out.putDouble(scene.frame()).putDouble(scene.time());
+        out.put(structure).position(HEADER_BYTES + padded);
+        for (SceneColumns column : COLUMNS) {
+            int count = counts[column.ordinal()];
+            if (count > 0) {
+                put(out, scene, column, column.ordinal() * slots, count);
+            }
+        }
+        return out.flip().asReadOnlyBuffer();
+    }
+
+    /** Finds the bodies whose value has changed. */
+    private int pick(Scene scene, SceneColumns column, int since, int first) {
+        if (!scene.hasChanged(column, since)) {
+            return 0;
+        }
+        int count = 0;
+        for (int slot = 0; slot < scene.slots(); slot++) {
+            if (scene.hasChanged(column, slot, since)) {
+                ItemSymbols item = scene.item(slot);
+                if (item != null && item.kind().equals("body")) {
+                    picked[first + count++] = slot;
+                }
+            }
+        }
+        return count;
+    }
+
+    private void put(ByteBuffer out, Scene scene, SceneColumns column, int first, int count) {
+        int components = column.components();
+        float[] values = scene.values(column);
+        out.putInt(column.ordinal()).putInt(count);
+        for (int i = 0; i < count; i++) {
+            out.putInt(picked[first + i]);
+        }
+        for (int i = 0; i < count; i++) {
+            int at = picked[first + i] * components;
+            for (int component = 0; component < components; component++) {
+                out.putFloat(values[at + component]);
+            }
+        }
+    }
+
+    private byte[] structure(Scene scene, int since) {
+        var bytes = new ByteArrayOutputStream();
+        try (JsonGenerator json = JSON.createGenerator(bytes)) {
+            json.writeStartObject();
+            if (since == 0 && camera.isPresent()) {
+                write(json, camera.get());
+            }
+            json.writeArrayPropertyStart("items");
+            for (int slot = 0; slot < scene.slots(); slot++) {
+                ItemSymbols item = scene.item(slot);
+                if (item != null && scene.hasNewStructure(slot, since)) {
+                    write(json, scene, slot, item);
+                }
+            }
+            json.writeEndArray();
+            json.writeArrayPropertyStart("left");
+            for (int slot = 0; since > 0 && slot < scene.slots(); slot++) {
+                if (scene.item(slot) == null && scene.hasNewStructure(slot, since)) {
+                    json.writeNumber(slot);
+                }
+            }
+            json.writeEndArray();
+            json.writeEndObject();
+        }
+        return bytes.toByteArray();
+    }
+
+    private static void write(JsonGenerator json, CameraDescription camera) {
+        json.writeObjectPropertyStart("camera");
+        write(json, "eye", camera.eye());
+        write(json, "target", camera.target());
+        write(json, "up", camera.up());
+        json.writeNumberProperty("fov", camera.verticalFovRadians());
+        json.writeEndObject();
+    }
+
+    private static void write(JsonGenerator json, String name, double[] numbers) {
+        json.writeName(name);
+        json.writeArray(numbers, 0, numbers.length);
+    }
+
+    private static void write(JsonGenerator json, Scene scene, int slot, ItemSymbols item) {
+        json.writeStartObject();
+        json.writeNumberProperty("slot", slot);
+        json.writeStringProperty("name", item.name());
+        json.writeStringProperty("kind", item.kind());
+        item.get("class")
+                .filter(is -> !is.equals(item.kind()))
+                .ifPresent(is -> json.writeStringProperty("class", String.valueOf(is)));
+        int shape = item.shape().code();
+        if (shape != 0) {
+            json.writeNumberProperty("shape", shape);
+            if (item.shape() instanceof Mesh mesh) {
+                json.writeNumberProperty("mesh", scene.assetId(mesh));
+            }
+            item.material().ifPresent(material -> write(json, scene, material));
+        }
+        int[] references = scene.references(slot);
+        if (references.length > 0) {
+            json.writeArrayPropertyStart("refers");
+            for (int reference : references) {
+                json.writeNumber(reference);
+            }
+            json.writeEndArray();
+        }
+        json.writeEndObject();
+    }
+
+    private static void write(JsonGenerator json, Scene scene, Material material) {
+        json.writeObjectPropertyStart("material");
+        json.writeNumberProperty("colour", Integer.toUnsignedLong(material.colour().rgba()));
+        json.writeNumberProperty("roughness", material.roughness());
+        json.writeNumberProperty("metallic", material.metallic());
+        material.texture()
+                .ifPresent(texture -> json.writeNumberProperty("texture", scene.assetId(texture)));
+        json.writeEndObject();
+    }
+}

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.worlds.web;
+
+import org.eclipse.jetty.util.ssl.SslContextFactory;
+
+import reve.core.agent.auth.ServerTls;
+
+import java.net.InetSocketAddress;
+
+import javax.net.ssl.SSLEngine;
+
+/** The TLS settings of the agent server, which reads its certificate again when it changes. */
+final class ServerKeys extends SslContextFactory.Server {
+
+    private final ServerTls tls;
+
+    ServerKeys(ServerTls tls) {
+        this.tls = tls;
+        setSslContext(tls.context());
+    }
+
+    @Override
+    public SSLEngine newSSLEngine() {
+        return tls.engine();
+    }
+
+    @Override
+    public SSLEngine newSSLEngine(String host, int port) {
+        return tls.engine();
+    }
+
+    @Override
+    public SSLEngine newSSLEngine(InetSocketAddress address) {
+        return tls.engine();
+    }
+}

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.worlds.web;
+
+import org.eclipse.jetty.websocket.api.Callback;
+import org.eclipse.jetty.websocket.api.Session;
+
+import java.nio.ByteBuffer;
+import java.util.HashSet;
+import java.util.Set;
+import java.util.concurrent.atomic.AtomicInteger;
+import java.util.function.LongPredicate;
+
+/**
+ * A client that watches the scene of a world. It receives one frame for each request, the newest
+ * one when the server sends it: a slow client receives fewer frames, and at most one frame waits
+ * for it.
+ */
+final class Watcher {
+
+    /** Size of a request: one byte with the wanted columns. */
+    static final int MAX_REQUEST_BYTES = 1;
+
+    private static final int STOP = 0xff;
+
+    private final SceneFeed feed;
+    private final Session session;
+    private final LongPredicate record;
+
+    /** Requested columns as in {@link SceneColumns}; negative if no frame is requested. */
+    private final AtomicInteger request = new AtomicInteger(-1);
+
+    private volatile boolean sending;
+    private volatile boolean closed;
+
+    // The encoder's thread.
+
+    /** Version of the scene that the client has; 0 before the first frame. */
+    private int version;
+
+    /** Optional columns that the client has since that version. */
+    private int columns;
+
+    private long sentNanos;
+    private final Set<Integer> sent = new HashSet<>();
+
+    /**
+     * @param record writes the audit record before the first frame; returns false if nothing may be
+     *     sent
+     */
+    Watcher(SceneFeed feed, Session session, LongPredicate record) {
+        this.feed = feed;
+        this.session = session;
+        this.record = record;
+    }
+
+    /** Handles a request of the client. Any thread. */
+    void take(ByteBuffer message) {
+        if (message.remaining() != 1) {
+            return;
+        }
+        int wanted = Byte.toUnsignedInt(message.get(message.position()));
+        if (wanted == STOP) {
+            request.set(-1);
+        } else {
+            request.set(wanted & SceneColumns.ALL_OPTIONAL);
+            feed.add(this);
+        }
+    }
+
+    /** Ends the view. Any thread. */
+    void close() {
+        closed = true;
+        feed.remove(this);
+    }
+
+    // Methods for the encoder's thread.
+
+    /** Returns whether the client waits for a frame that is newer than its last one. */
+    boolean isReady(int current) {
+        return !closed
+                && !sending
+                && request.get() >= 0
+                && (version < current || (request.get() & ~columns) != 0);
+    }
+
+    /** Returns whether the client has requested a frame. */
+    boolean isWaiting() {
+        return !closed && !sending && request.get() >= 0;
+    }
+
+    /** Returns the time of the last frame [ns]. */
+    long sentNanos() {
+        return sentNanos;
+    }
+
+    /** Sends the present state of the scene. */
+    void send(Scene scene, SceneWriter writer, long nowNanos) {
+        int wanted = request.getAndSet(-1);
+        if (wanted < 0) {
+            return;
+        }
+        if (version == 0 && !record.test(scene.frame())) {
+            session.close(
+                    org.eclipse.jetty.websocket.api.StatusCode.SERVER_ERROR,
+                    "the server cannot write its audit record",
+                    Callback.NOOP);
+            close();
+            return;
+        }
+        for (int id : scene.assets()) {
+            if (sent.add(id)) {
+                session.sendBinary(scene.asset(id), Callback.NOOP);
+            }
+        }
+        ByteBuffer frame = writer.write(scene, version, columns, wanted);
+        version = scene.version();
+        columns = wanted;
+        sentNanos = nowNanos;
+        sending = true;
+        session.sendBinary(frame, Callback.from(this::sent, failure -> close()));
+    }
+
+    private void sent() {
+        sending = false;
+        feed.wake();
+    }
+}

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.worlds.web;
+
+import org.eclipse.jetty.http.HttpVersion;
+import org.eclipse.jetty.server.ConnectionFactory;
+import org.eclipse.jetty.server.HttpConfiguration;
+import org.eclipse.jetty.server.HttpConnectionFactory;
+import org.eclipse.jetty.server.Server;
+import org.eclipse.jetty.server.ServerConnector;
+import org.eclipse.jetty.server.SslConnectionFactory;
+import org.eclipse.jetty.util.thread.QueuedThreadPool;
+import org.eclipse.jetty.util.thread.VirtualThreadPool;
+import org.eclipse.jetty.websocket.server.WebSocketUpgradeHandler;
+
+import reve.core.agent.AgentServer;
+import reve.core.agent.auth.ServerTls;
+
+import java.io.IOException;
+import java.net.BindException;
+import java.net.InetSocketAddress;
+import java.time.Duration;
+import java.util.ArrayList;
+import java.util.HashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+
+/**
+ * Server of the page and of its WebSocket at {@code /world}. Text messages of the WebSocket are
+ * lines of the agent protocol, which pass through the sessions of the agent server. Binary messages
+ * show the scene to clients that perceive everything.
+ */
+public final class WebServer implements AutoCloseable {
+
+    private static final String SOCKET = "/world";
+
+    /** Silence after which a connection ends; the agent server pings earlier. */
+    private static final Duration IDLE = Duration.ofSeconds(60);
+
+    private static final int MAX_LINE = 65_536;
+    private static final int MAX_THREADS = 16;
+    private static final int MAX_HEADER_BYTES = 8192;
+
+    private final Server server;
+    private final ServerConnector connector;
+    private final boolean encrypted;
+    private final InetSocketAddress address;
+    private final Map<String, SceneFeed> feeds;
+
+    /**
+     * Starts the server.
+     *
+     * @param address port 0 selects a free port
+     * @param tls encryption of connections; required on addresses that other machines reach
+     * @param agents admits the page's clients
+     * @param worlds that the page can show
+     * @throws BindException naming the address if it is not available
+     */
+    public static WebServer start(
+            InetSocketAddress address,
+            Optional<ServerTls> tls,
+            AgentServer agents,
+            List<PageWorld> worlds)
+            throws IOException {
+        var server = new WebServer(address, tls, agents, worlds);
+        try {
+            server.server.start();
+        } catch (Exception failed) {
+            server.close();
+            throw notBound(address, failed);
+        }
+        return server;
+    }
+
+    private WebServer(
+            InetSocketAddress address,
+            Optional<ServerTls> tls,
+            AgentServer agents,
+            List<PageWorld> worlds)
+            throws IOException {
+        if (!address.getAddress().isLoopbackAddress() && tls.isEmpty()) {
+            throw new IllegalArgumentException(
+                    "the page cannot be served on "
+                            + address.getHostString()
+                            + " without TLS: other machines reach it");
+        }
+        this.address = address;
+        this.encrypted = tls.isPresent();
+        this.feeds = new HashMap<>();
+        worlds.forEach(world -> feeds.put(world.port().world(), new SceneFeed(world)));
+        var threads = new QueuedThreadPool(MAX_THREADS);
+        threads.setName("page");
+        threads.setDaemon(true);
+        threads.setVirtualThreadsExecutor(new VirtualThreadPool());
+        this.server = new Server(threads);
+        var http = new HttpConfiguration();
+        http.setSendServerVersion(false);
+        http.setRequestHeaderSize(MAX_HEADER_BYTES);
+        this.connector =
+                new ServerConnector(
+                        server, null, null, null, 1, 1, factories(http, tls).toArray(FACTORIES));
+        connector.setHost(address.getAddress().getHostAddress());
+        connector.setPort(address.getPort());
+        connector.setIdleTimeout(IDLE.toMillis());
+        server.addConnector(connector);
+        var guard = new HostGuard(address.getAddress().isLoopbackAddress());
+        WebSocketUpgradeHandler sockets =
+                WebSocketUpgradeHandler.from(
+                        server,
+                        container -> {
+                            container.setMaxTextMessageSize(MAX_LINE);
+                            container.setMaxBinaryMessageSize(Watcher.MAX_REQUEST_BYTES);
+                            container.setIdleTimeout(IDLE);
+                            container.addMapping(
+                                    SOCKET,
+                                    (request, response, callback) -> {
+                                        // compression would cost more than the loopback saves
+                                        response.setExtensions(List.of());
+                                        return new PageSocket(
+                                                agents,
+                                                feeds,
+                                                (InetSocketAddress)
+                                                        request.getConnectionMetaData()
+                                                                .getRemoteSocketAddress());
+                                    });
+                        });
+        sockets.setHandler(new PageFiles());
+        guard.setHandler(sockets);
+        server.setHandler(guard);
+    }
+
+    private static final ConnectionFactory[] FACTORIES = {};
+
+    private static List<ConnectionFactory> factories(
+            HttpConfiguration http, Optional<ServerTls> tls) {
+        var factories = new ArrayList<ConnectionFactory>();
+        tls.ifPresent(
+                keys ->
+                        factories.add(
+                                new SslConnectionFactory(
+                                        new ServerKeys(keys), HttpVersion.HTTP_1_1.asString())));
+        factories.add(new HttpConnectionFactory(http));
+        return factories;
+    }
+
+    private static IOException notBound(InetSocketAddress address, Exception failed) {
+        Throwable reason = failed;
+        while (reason.getCause() != null) {
+            reason = reason.getCause();
+        }
+        var unbound =
+                new BindException(
+                        "cannot serve the page on "
+                                + address.getHostString()
+                                + " port "
+                                + address.getPort()
+                                + ": "
+                                + reason.getMessage()
+                                + "; name another port (0: any free one)");
+        unbound.initCause(failed);
+        return unbound;
+    }
+
+    /** Returns the address of the page for a browser. */
+    public String address() {
+        String host = address.getHostString();
+        return (encrypted ? "https://" : "http://")
+                + (host.contains(":") ? "[" + host + "]" : host)
+                + ":"
+                + connector.getLocalPort()
+                + "/";
+    }
+
+    /** Closes all connections and frees the port. Idempotent. */
+    @Override
+    public void close() {
+        try {
+            server.stop();
+        } catch (Exception failed) {
+            throw new IllegalStateException("the page's server could not be stopped", failed);
+        } finally {
+            feeds.values().forEach(SceneFeed::close);
+        }
+    }
+}

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: Apache-2.0
+// Laws: what is loaded, what it uses, its parameters, its cost and its entry in the ledger.
+import { h, number, toast } from "./dom.js";
+
+const READ_MILLISECONDS = 1000;
+const ACCESS = { read: "reads", write: "writes", accumulate: "adds to", scratch: "remembers" };
+
+export class LawsPanel {
+  constructor(app, panel) {
+    this.app = app;
+    this.available = h("select", { id: "law-choice", "aria-label": "Law to load", className: "grow" });
+    this.load = h("button", { id: "law-load", className: "primary", onclick: () => this.loadLaw() }, "Load");
+    this.loader = h("div", { className: "row", id: "law-loader" }, this.available, this.load);
+    this.ledgerSwitch = h("input", { type: "checkbox", id: "ledger-on", onchange: () => this.switchLedger() });
+    this.list = h("div", { id: "law-list" });
+    this.out = h("div", { id: "law-quarantine" });
+    panel.append(
+      this.loader,
+      h("h4", null, "Loaded laws"), this.list,
+      this.out,
+      h("h4", null, "Ledger"),
+      h("label", { className: "row", htmlFor: "ledger-on" }, this.ledgerSwitch, "Record the energy and momentum that each law adds"),
+      (this.ledger = h("div", { id: "ledger" })),
+    );
+    this.cards = new Map();
+    setInterval(() => this.read(), READ_MILLISECONDS);
+  }
+
+  clear() {
+    this.shape = null;
+    this.cards.clear();
+    this.list.replaceChildren();
+    this.out.replaceChildren();
+    this.ledger.replaceChildren();
+    this.ledgerSwitch.checked = false;
+    this.loader.hidden = this.ledgerSwitch.parentElement.hidden = this.app.role !== "control";
+    this.read();
+  }
+
+  async read() {
+    const app = this.app;
+    if (!app.connection.isOpen || !app.role || app.role === "agent" || document.hidden || this.reading) return;
+    this.reading = true;
+    try {
+      this.show(await app.connection.report("laws"));
+      if (this.ledgerSwitch.checked && app.role === "control") this.showLedger(await app.connection.report("ledger"));
+    } catch (refused) {
+      if (refused.code === "unsupported") this.list.replaceChildren(h("p", { className: "empty" }, "this server has no laws"));
+    } finally {
+      this.reading = false;
+    }
+  }
+
+  show(report) {
+    const loaded = new Set(report.loaded.map((library) => library.library));
+    const choices = report.available.filter((name) => !loaded.has(name));
+    if (choices.join() !== this.choices) {
+      this.choices = choices.join();
+      const chosen = this.available.value;
+      this.available.replaceChildren(new Option("Choose a law…", ""), ...choices.map((name) => new Option(name, name)));
+      if (choices.includes(chosen)) this.available.value = chosen;
+    }
+    const shape = JSON.stringify(report.loaded.map((library) => [library.sha256, library.laws.map((law) => law.parameters.map((p) => p.value))]));
+    if (shape !== this.shape && !this.sliding) {
+      this.shape = shape;
+      this.cards.clear();
+      this.list.replaceChildren(...report.loaded.map((library) => this.card(library)));
+      if (report.loaded.length === 0) this.list.append(h("p", { className: "empty" }, "No law is loaded: nothing moves."));
+    }
+    this.cost(report);
+    this.quarantine(report.quarantined);
+  }
+
+  card(library) {
+    const control = this.app.role === "control";
+    return h("section", { className: "card", "data-library": library.library, "aria-label": `Library ${library.library}` },
+      h("header", null, h("h3", null, library.library),
+        control ? h("button", { className: "small danger", "aria-label": `Unload ${library.library}`, onclick: () => this.unload(library.library) }, "Unload") : null),
+      library.equation ? h("pre", { className: "equation" }, library.equation) : null,
+      library.laws.map((law) => {
+        const cost = h("span", { className: "chip" }, "");
+        this.cards.set(`${library.library}/${law.name}`, { cost });
+        return h("div", null,
+          h("p", { className: "doc" }, law.doc),
+          h("p", { className: "chips" }, h("span", { className: "chip" }, law.phase), h("span", { className: "chip" }, `${law.name} ${law.version}`), cost),
+          h("details", null, h("summary", { className: "doc" }, `uses ${law.uses.length} properties`),
+            h("table", null, h("tbody", null, law.uses.map((use) =>
+              h("tr", null,
+                h("td", null, use.access.map((access) => ACCESS[access] ?? access).join(", ")),
+                h("td", null, `${use.kind}.${use.name}${use.optional ? " (optional)" : ""}`),
+                h("td", { className: "unit" }, `${use.components > 1 ? use.components + "×" : ""}${use.type} [${use.unit}]`)))))),
+          law.parameters.map((parameter) => this.parameter(library, law, parameter, control)));
+      }));
+  }
+
+  parameter(library, law, parameter, control) {
+    const low = Number.isFinite(parameter.min) ? parameter.min : Math.min(0, 2 * parameter.value, -Math.abs(parameter.default));
+    const high = Number.isFinite(parameter.max) && parameter.max < 1e6 ? parameter.max : Math.max(2 * Math.abs(parameter.value), 2 * Math.abs(parameter.default), 1);
+    const unit = parameter.unit && parameter.unit !== "1" ? ` ${parameter.unit}` : "";
+    const output = h("output", null, number(parameter.value) + unit);
+    const id = `p-${library.library}-${law.name}-${parameter.name}`;
+    const send = async (value) => {
+      this.sliding = false;
+      output.textContent = number(value) + unit;
+      try {
+        await this.app.connection.ask("set-law", { library: library.library, parameters: { [`${law.name}.${parameter.name}`]: value } });
+        this.app.plots.mark(`${law.name}.${parameter.name} = ${number(value)}`);
+      } catch (refused) {
+        toast(refused.message, true);
+        this.shape = null;
+      }
+      this.read();
+    };
+    const slider = h("input", { id, type: "range", min: low, max: high, step: "any", disabled: !control,
+      oninput: () => {
+        this.sliding = true;
+        output.textContent = number(Number(slider.value)) + unit;
+      },
+      onchange: () => send(Number(slider.value)) });
+    slider.value = parameter.value;
+    return h("div", { className: "parameter" }, h("label", { htmlFor: id, title: parameter.doc }, h("span", null, parameter.name), output), slider);
+  }
+
+  cost(report) {
+    const frames = report.frame;
+    for (const library of report.loaded) {
+      for (const law of library.laws) {
+        const card = this.cards.get(`${library.library}/${law.name}`);
+        if (!card) continue;
+        if (card.frame !== undefined && frames > card.frame) {
+          const milliseconds = ((law.seconds - card.seconds) * 1000) / (frames - card.frame);
+          card.cost.textContent = `${number(+milliseconds.toPrecision(2))} ms per frame`;
+        }
+        if (card.frame !== frames) Object.assign(card, { frame: frames, seconds: law.seconds });
+      }
+    }
+  }
+
+  quarantine(laws) {
+    const shape = JSON.stringify(laws);
+    if (shape === this.quarantined) return;
+    this.quarantined = shape;
+    this.app.badge("laws", laws.length);
+    this.out.replaceChildren(
+      ...(laws.length ? [h("h4", null, "In quarantine")] : []),
+      ...laws.map((law) =>
+        h("section", { className: "card bad" },
+          h("header", null, h("h3", null, law.library), h("span", { className: "chip bad" }, law.status.toLowerCase().replaceAll("_", " "))),
+          h("p", { className: "fault" }, law.message ?? "only the role control sees the message"),
+          h("p", { className: "doc" }, `frame ${law.frame}; the world continues as if it had not been there`))),
+    );
+  }
+
+  async loadLaw() {
+    const library = this.available.value;
+    if (!library) return;
+    this.load.disabled = true;
+    try {
+      const result = await this.app.connection.ask("load-law", { library });
+      toast(`${library} acts from frame ${result.frame} on`);
+      this.app.plots.mark(`+ ${library}`);
+    } catch (refused) {
+      toast(refused.message, true);
+    } finally {
+      this.load.disabled = false;
+      this.read();
+    }
+  }
+
+  async unload(library) {
+    try {
+      const result = await this.app.connection.ask("unload-law", { library });
+      toast(`${library} was unloaded in frame ${result.frame}`);
+      this.app.plots.mark(`− ${library}`);
+    } catch (refused) {
+      toast(refused.message, true);
+    }
+    this.read();
+  }
+
+  async switchLedger() {
+    try {
+      this.showLedger(await this.app.connection.report("ledger", { open: this.ledgerSwitch.checked }));
+    } catch (refused) {
+      this.ledgerSwitch.checked = false;
+      toast(refused.message, true);
+    }
+  }
+
+  showLedger(report) {
+    this.app.plots.ledger(report, this.app.view.time);
+    if (!report.open) {
+      this.ledger.replaceChildren();
+      return;
+    }
+    this.ledger.replaceChildren(
+      h("table", null,
+        h("caption", { className: "sr" }, "Energy and momentum by law since the ledger was opened"),
+        h("thead", null, h("tr", null, ["source", "energy [J]", "potential [J]", "|momentum| [kg·m/s]"].map((name, i) => h("th", { scope: "col", className: i ? "number" : "" }, name)))),
+        h("tbody", null, report.lines.map((line) =>
+          h("tr", null, h("th", { scope: "row" }, line.name), h("td", { className: "number" }, number(line.energy)),
+            h("td", { className: "number" }, line.potentialEnergy === undefined ? "–" : number(line.potentialEnergy)),
+            h("td", { className: "number" }, number(Math.hypot(...line.momentum))))))));
+  }
+}

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+// Time: pause, step, speed, images and rewinds, and the state of the frame loop.
+import { $, toast } from "./dom.js";
+
+const READ_MILLISECONDS = 500;
+const RUN_ICON = "M4.5 2.5l9 5.5-9 5.5z";
+const PAUSE_ICON = "M4.5 3h2.5v10H4.5zM9 3h2.5v10H9z";
+
+export class Transport {
+  constructor(app) {
+    this.app = app;
+    this.state = null;
+    this.before = null;
+    $("play").onclick = () => this.toggle();
+    $("step").onclick = () => this.step();
+    $("rewind").onclick = () => this.command("rewind", {}, "rewound to the start");
+    $("speed").onchange = () => this.command("speed", { factor: Number($("speed").value) });
+    $("keep").onclick = () => this.keep();
+    $("images").onchange = () => {
+      const image = $("images").value;
+      $("images").value = "";
+      if (image) this.command("rewind", { image }, `rewound to ${image}`);
+    };
+    setInterval(() => this.read(), READ_MILLISECONDS);
+  }
+
+  async command(t, fields, said) {
+    try {
+      const result = await this.app.connection.ask(t, fields);
+      if (said) toast(`${said} (frame ${result.frame})`);
+      this.read();
+    } catch (refused) {
+      toast(refused.message, true);
+    }
+  }
+
+  toggle() {
+    if (this.app.role !== "control") return;
+    this.command(this.state?.paused ? "run" : "pause", {});
+  }
+
+  async step() {
+    if (this.app.role !== "control") return;
+    if (!this.state?.paused) await this.command("pause", {});
+    this.command("step", { frames: 1 });
+  }
+
+  keep() {
+    const image = prompt("Name of the image", `frame-${this.app.view.frame}`);
+    if (image) this.command("snapshot", { image }, `kept as ${image}`);
+  }
+
+  async read() {
+    const app = this.app;
+    if (!app.connection.isOpen || !app.role || app.role === "agent" || document.hidden) return;
+    try {
+      const state = await app.connection.report("state");
+      this.show(state);
+      app.agents.showClients(state.clients);
+      app.plots.state(state, this.state);
+      this.state = state;
+    } catch {
+      // The connection says why.
+    }
+  }
+
+  show(state) {
+    const play = $("play");
+    play.querySelector("path").setAttribute("d", state.paused ? RUN_ICON : PAUSE_ICON);
+    play.setAttribute("aria-label", state.paused ? "Run" : "Pause");
+    $("speed").disabled = state.fast;
+    if (document.activeElement !== $("speed")) {
+      const speed = String(state.speed);
+      if (![...$("speed").options].some((option) => option.value === speed)) $("speed").add(new Option(`${speed}×`, speed));
+      $("speed").value = speed;
+    }
+    const names = state.images.join("\n");
+    if (names !== this.names) {
+      this.names = names;
+      $("images").replaceChildren(new Option("Rewind to…", ""), ...state.images.map((image) => new Option(image, image)));
+    }
+    const status = $("status");
+    status.textContent = state.paused ? "paused" : state.fast ? "as fast as possible" : state.speed === 1 ? "running" : `running at ${state.speed}×`;
+    status.className = state.paused ? "chip warn" : "chip good";
+  }
+}
