@@ -185,6 +185,7 @@ constexpr vesper_layout_entry kLayout[] = {
     FIELD(vesper_engine_config, log_user),
     FIELD(vesper_engine_config, deferred),
     FIELD(vesper_engine_config, touches),
+    FIELD(vesper_engine_config, running),
 
     STRUCT(vesper_law_info),
     FIELD(vesper_law_info, struct_size),

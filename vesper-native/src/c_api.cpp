@@ -139,7 +139,22 @@ vesper_status vesper_library_prepare(const vesper_engine_config* config, const c
                                      vesper_prepared_library** out, vesper_error* error) noexcept {
   return Guarded(error, [&] {
     Required(out, "out");
-    *out = new vesper_prepared_library(Config(config), &Required(library, "library"));
+    const Config checked(config);
+    *out = new vesper_prepared_library(checked,
+                                       vesper::SealedCopy(checked, &Required(library, "library")));
+  });
+}
+
+vesper_status vesper_library_prepare_bytes(const vesper_engine_config* config, const void* bytes,
+                                           uint64_t size, const char* source,
+                                           vesper_prepared_library** out,
+                                           vesper_error* error) noexcept {
+  return Guarded(error, [&] {
+    Required(out, "out");
+    const Config checked(config);
+    const auto* first = &Required(static_cast<const std::byte*>(bytes), "bytes");
+    *out = new vesper_prepared_library(
+        checked, vesper::SealedCopy({first, size}, &Required(source, "source")));
   });
 }
 
@@ -165,7 +180,8 @@ vesper_status vesper_engine_load_physics_law(vesper_engine* engine, const char* 
     vesper_library_id& id = Required(out, "out");
     vesper_engine& target = Required(engine, "engine");
     auto prepared =
-        std::make_unique<vesper_prepared_library>(target.config(), &Required(library, "library"));
+        std::make_unique<vesper_prepared_library>(
+            target.config(), vesper::SealedCopy(target.config(), &Required(library, "library")));
     id = target.Load(*prepared, parameters, count);
     prepared.release();
   });
@@ -229,6 +245,17 @@ vesper_status vesper_engine_load_state(vesper_engine* engine, const void* state,
   return Guarded(error, [&] {
     const auto* bytes = &Required(static_cast<const std::byte*>(state), "state");
     Required(engine, "engine").LoadState({bytes, size});
+  });
+}
+
+vesper_status vesper_saved_state_remove_library(void* state, uint64_t* size, const char* library,
+                                                vesper_error* error) noexcept {
+  return Guarded(error, [&] {
+    auto* bytes = &Required(static_cast<std::byte*>(state), "state");
+    uint64_t& length = Required(size, "size");
+    const auto rest = vesper::WithoutLibrary({bytes, length}, &Required(library, "library"));
+    std::memcpy(bytes, rest.data(), rest.size());
+    length = rest.size();
   });
 }
 

@@ -55,6 +55,7 @@ Config::Config(const vesper_engine_config* given) {
   probe_path = source.probe_path != nullptr ? source.probe_path : ProbeBesideLibrary();
   log = source.log;
   log_user = source.log_user;
+  running = source.running;
 }
 
 }  // namespace vesper

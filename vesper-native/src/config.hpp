@@ -25,6 +25,7 @@ struct Config {
   std::string probe_path;
   void (*log)(void* user, uint32_t level, const char* message);
   void* log_user;
+  uint64_t* running;
 };
 
 }  // namespace vesper

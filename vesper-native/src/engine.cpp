@@ -274,8 +274,8 @@ void vesper_engine::MatchLaws(const vesper_law_library& table, vesper::LawLibrar
     const auto index = static_cast<uint32_t>(added.laws().size());
     try {
       added.laws().push_back(std::make_unique<vesper::LoadedLaw>(
-          laws[i], index, vesper::MatchUses(laws[i], prototype_, columns_), pool_,
-          config_.validate));
+          laws[i], added.id(), index, vesper::MatchUses(laws[i], prototype_, columns_), pool_,
+          config_));
     } catch (Failure& failure) {
       failure.Law(index);
       throw;

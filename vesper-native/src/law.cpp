@@ -9,7 +9,8 @@
 
 namespace vesper {
 
-Law::Law(const vesper_law_desc& desc) : desc_(desc), label_(std::string("law ") + desc.name) {
+Law::Law(const vesper_law_desc& desc, const Running& running)
+    : desc_(desc), running_(running), label_(std::string("law ") + desc.name) {
   const std::span uses(desc.uses, desc.use_count);
   for (uint32_t i = 0; i < uses.size(); ++i) {
     deferred_.push_back((uses[i].flags & VESPER_USE_DEFERRED) != 0);
@@ -17,13 +18,21 @@ Law::Law(const vesper_law_desc& desc) : desc_(desc), label_(std::string("law ") 
 }
 
 Law::~Law() {
-  if (law_ != nullptr) CallForeignQuietly([this] { desc_.destroy(law_); });
+  if (law_ == nullptr) return;
+  const Running::Inside inside(running_);
+  CallForeignQuietly([this] { desc_.destroy(law_); });
+}
+
+template <class Function>
+void Law::Call(Function&& function) {
+  const Running::Inside inside(running_);
+  CallForeign(label_, function);
 }
 
 void Law::Create(const vesper_host& host, vesper_suite* suite,
                  const std::vector<double>& parameters) {
   vesper_law* law = nullptr;
-  CallForeign(label_, [&](vesper_error* error) {
+  Call([&](vesper_error* error) {
     return desc_.create(&host, suite, parameters.data(), &law, error);
   });
   if (law == nullptr) {
@@ -33,14 +42,13 @@ void Law::Create(const vesper_host& host, vesper_suite* suite,
 }
 
 void Law::Bind(const std::vector<vesper_property>& properties) {
-  CallForeign(label_,
-              [&](vesper_error* error) { return desc_.bind(law_, properties.data(), error); });
+  Call([&](vesper_error* error) { return desc_.bind(law_, properties.data(), error); });
 }
 
-template <class Call>
-void Law::Timed(Call&& call) {
+template <class Function>
+void Law::Timed(Function&& function) {
   const auto start = std::chrono::steady_clock::now();
-  CallForeign(label_, call);
+  Call(function);
   const auto spent = std::chrono::steady_clock::now() - start;
   nanoseconds_ +=
       static_cast<uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(spent).count());
@@ -57,8 +65,7 @@ void Law::Synchronize(uint32_t use) {
 
 double Law::PotentialEnergy() {
   double energy = 0;
-  CallForeign(label_,
-              [&](vesper_error* error) { return desc_.potential_energy(law_, &energy, error); });
+  Call([&](vesper_error* error) { return desc_.potential_energy(law_, &energy, error); });
   if (std::isfinite(energy)) return energy;
   throw Failure(VESPER_LAW_MISBEHAVED, "%s: its potential energy is %g, expected a number",
                 label_.c_str(), energy);

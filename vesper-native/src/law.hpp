@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "running.hpp"
 #include "vesper/law.h"
 
 namespace vesper {
@@ -13,8 +14,9 @@ namespace vesper {
 /// the law.
 class Law {
  public:
-  /// Stores `desc`, which must outlive the object; does not call the law yet.
-  explicit Law(const vesper_law_desc& desc);
+  /// Stores `desc`, which must outlive the object; does not call the law yet. `running` is marked
+  /// during each call.
+  Law(const vesper_law_desc& desc, const Running& running);
   ~Law();
   Law(const Law&) = delete;
   Law& operator=(const Law&) = delete;
@@ -37,11 +39,15 @@ class Law {
   uint64_t nanoseconds() const { return nanoseconds_; }
 
  private:
+  /// Calls the law; throws if it returns an error.
+  template <class Function>
+  void Call(Function&& function);
   /// Makes a call and adds its time to the law's total.
-  template <class Call>
-  void Timed(Call&& call);
+  template <class Function>
+  void Timed(Function&& function);
 
   const vesper_law_desc& desc_;
+  Running running_;
   std::string label_;
   std::vector<bool> deferred_;  // by use
   vesper_law* law_ = nullptr;

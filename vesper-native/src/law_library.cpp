@@ -10,12 +10,12 @@
 
 namespace vesper {
 
-LoadedLaw::LoadedLaw(const vesper_law_desc& desc, uint32_t law_index,
-                     std::vector<MatchedUse> matched, ThreadPool& pool, bool validate)
-    : law(desc),
+LoadedLaw::LoadedLaw(const vesper_law_desc& desc, vesper_library_id library, uint32_t law_index,
+                     std::vector<MatchedUse> matched, ThreadPool& pool, const Config& config)
+    : law(desc, Running(config.running, pool, library, law_index)),
       index(law_index),
       uses(std::move(matched)),
-      runner(MakeRunner(law, pool, validate)) {
+      runner(MakeRunner(law, pool, config.validate)) {
   std::vector<UnitRatio> ratios;
   for (const MatchedUse& use : uses) ratios.push_back(use.to_law);
   const auto is_one = [](const UnitRatio& ratio) { return ratio.IsOne(); };

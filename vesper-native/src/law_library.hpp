@@ -40,8 +40,8 @@ struct LoadedField {
 
 /// A law with all data that the engine keeps for it.
 struct LoadedLaw {
-  LoadedLaw(const vesper_law_desc& desc, uint32_t law_index, std::vector<MatchedUse> matched,
-            ThreadPool& pool, bool validate);
+  LoadedLaw(const vesper_law_desc& desc, vesper_library_id library, uint32_t law_index,
+            std::vector<MatchedUse> matched, ThreadPool& pool, const Config& config);
 
   bool Writes(uint32_t property) const;
   /// Returns true if one of its uses is DEFERRED.

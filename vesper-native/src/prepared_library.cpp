@@ -29,6 +29,12 @@ Failure LoadFailure(const std::string& source, const char* what) {
   return Failure(VESPER_LIBRARY_LOAD_FAILED, "%s: %s", source.c_str(), what);
 }
 
+Failure TooLarge(const std::string& source, uint64_t size) {
+  return Failure(VESPER_LIBRARY_LOAD_FAILED,
+                 "%s: has %" PRIu64 " bytes, a law library has at most %" PRIu64, source.c_str(),
+                 size, kMaxLibrarySize);
+}
+
 /// Returns the file for a bare name, from the first folder of the law path that contains it.
 std::string Search(const std::string& law_path, const std::string& name) {
   if (!IsValidName(name.c_str())) {
@@ -64,9 +70,7 @@ Descriptor OpenRegularFile(const std::string& path, const std::string& source,
   if (fstat(fd, &status) != 0) throw LoadFailure(source, std::strerror(errno));
   if (!S_ISREG(status.st_mode)) throw LoadFailure(source, "not a regular file");
   if (static_cast<uint64_t>(status.st_size) > kMaxLibrarySize) {
-    throw Failure(VESPER_LIBRARY_LOAD_FAILED,
-                  "%s: has %" PRId64 " bytes, a law library has at most %" PRIu64, source.c_str(),
-                  static_cast<int64_t>(status.st_size), kMaxLibrarySize);
+    throw TooLarge(source, static_cast<uint64_t>(status.st_size));
   }
   return file;
 }
@@ -96,14 +100,14 @@ std::vector<std::byte> ReadStable(const std::string& path, const std::string& so
   return bytes;
 }
 
-std::string ContentName(const std::string& source, const std::vector<std::byte>& bytes) {
+std::string ContentName(const std::string& source, std::span<const std::byte> bytes) {
   const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
   char digits[33];
   std::snprintf(digits, sizeof digits, "%016" PRIx64 "%016" PRIx64, hash.high64, hash.low64);
   return source.substr(source.rfind('/') + 1, 128) + "-" + digits;
 }
 
-void WriteAll(int fd, const std::vector<std::byte>& bytes) {
+void WriteAll(int fd, std::span<const std::byte> bytes) {
   for (size_t done = 0; done < bytes.size();) {
     const ssize_t size = write(fd, bytes.data() + done, bytes.size() - done);
     if (size < 0 && errno == EINTR) continue;
@@ -127,11 +131,15 @@ std::string LoaderMessage(const std::string& private_path) {
 SealedCopy::SealedCopy(const Config& config, const std::string& library) {
   const bool is_path = library.find('/') != std::string::npos;
   const std::string file = is_path ? library : Search(config.law_path, library);
-  source_ = ShortPath(file);
-  const std::vector<std::byte> bytes = ReadStable(file, source_);
+  *this = SealedCopy(ReadStable(file, ShortPath(file)), file);
+}
+
+SealedCopy::SealedCopy(std::span<const std::byte> bytes, const std::string& source)
+    : source_(ShortPath(source)) {
+  if (bytes.size() > kMaxLibrarySize) throw TooLarge(source_, bytes.size());
   CheckSharedObject(bytes, source_);
   memory_ =
-      Descriptor(memfd_create(ContentName(file, bytes).c_str(), MFD_CLOEXEC | MFD_ALLOW_SEALING),
+      Descriptor(memfd_create(ContentName(source, bytes).c_str(), MFD_CLOEXEC | MFD_ALLOW_SEALING),
                  "memory for the copy of a law library");
   WriteAll(memory_.get(), bytes);
   const int seals = F_SEAL_SEAL | F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_WRITE;
@@ -141,9 +149,8 @@ SealedCopy::SealedCopy(const Config& config, const std::string& library) {
   path_ = "/proc/self/fd/" + std::to_string(memory_.get());
 }
 
-MappedLibrary::MappedLibrary(const Config& config, const std::string& library)
-    : copy_(config, library) {
-  ProbeLibrary(config, copy_);
+MappedLibrary::MappedLibrary(const Config& config, SealedCopy copy) : copy_(std::move(copy)) {
+  if (!config.probe_path.empty()) ProbeLibrary(config, copy_);
   const FloatingPointGuard guard;
   handle_ = dlopen(copy_.path().c_str(), RTLD_NOW | RTLD_LOCAL);
   if (handle_ == nullptr) {

@@ -2,7 +2,10 @@
 // A law library between its file and its engine.
 #pragma once
 
+#include <cstddef>
+#include <span>
 #include <string>
+#include <utility>
 
 #include "config.hpp"
 #include "descriptor.hpp"
@@ -17,6 +20,8 @@ class SealedCopy {
  public:
   /// Copies `library`, given as in vesper_library_prepare.
   SealedCopy(const Config& config, const std::string& library);
+  /// Copies `bytes` of a file that messages call `source`.
+  SealedCopy(std::span<const std::byte> bytes, const std::string& source);
 
   int fd() const { return memory_.get(); }
   /// Returns the path under which the loader finds the copy. No two living copies share a path.
@@ -35,7 +40,7 @@ class SealedCopy {
 /// The copy as mapped by the loader. Unmaps it at destruction.
 class MappedLibrary {
  public:
-  MappedLibrary(const Config& config, const std::string& library);
+  MappedLibrary(const Config& config, SealedCopy copy);
   ~MappedLibrary();
   MappedLibrary(const MappedLibrary&) = delete;
   MappedLibrary& operator=(const MappedLibrary&) = delete;
@@ -52,8 +57,8 @@ class MappedLibrary {
 
 /// A library that was probed, mapped and checked, but belongs to no engine yet.
 struct vesper_prepared_library {
-  vesper_prepared_library(const vesper::Config& config, const std::string& library)
-      : mapped_(config, library), table_(mapped_.Table()) {}
+  vesper_prepared_library(const vesper::Config& config, vesper::SealedCopy copy)
+      : mapped_(config, std::move(copy)), table_(mapped_.Table()) {}
 
   const vesper_law_library& table() const { return table_.library(); }
 

@@ -5,10 +5,14 @@
 
 #include <algorithm>
 #include <cinttypes>
+#include <cstddef>
+#include <cstdlib>
 #include <cstring>
 #include <string_view>
+#include <utility>
 
 #include "failure.hpp"
+#include "unit.hpp"
 
 namespace vesper {
 namespace {
@@ -122,6 +126,20 @@ SavedScratch ReadScratch(Reader& reader, const EngineState& state) {
   return {found->column, row_count, reader.Bytes(row_count * found->column->row_size())};
 }
 
+/// Returns the size of a row [bytes] from the description of a scratch, e.g. "…: f64 x 3 per body".
+uint64_t DescribedRowSize(const std::string& name) {
+  const size_t colon = name.rfind(": ");
+  if (colon == std::string::npos) throw Damaged("a name has no type");
+  const std::string type = name.substr(colon + 2);
+  for (const vesper_scalar_type scalar : {VESPER_F32, VESPER_F64, VESPER_I32, VESPER_U32}) {
+    const std::string prefix = std::string(ScalarName(scalar)) + " x ";
+    if (!type.starts_with(prefix)) continue;
+    const uint64_t components = std::strtoul(type.c_str() + prefix.size(), nullptr, 10);
+    if (components > 0) return components * ScalarSize(scalar);
+  }
+  throw Damaged("a name has an unknown type");
+}
+
 void CheckComplete(const std::vector<SavedScratch>& saved, const EngineState& state) {
   for (const NamedScratch& scratch : state.scratch) {
     const auto count = std::count_if(saved.begin(), saved.end(), [&](const SavedScratch& s) {
@@ -134,23 +152,58 @@ void CheckComplete(const std::vector<SavedScratch>& saved, const EngineState& st
   }
 }
 
+Header BlankHeader(uint32_t scratch_count, const StepClock& clock) {
+  Header header{{}, kVersion, scratch_count, 0, clock};
+  std::memcpy(header.magic, kMagic, sizeof kMagic);
+  return header;
+}
+
+/// Completes a state, whose header is written already: its size and its checksum.
+std::vector<std::byte> Finish(Writer& writer) {
+  const uint64_t size = writer.bytes().size() + sizeof(uint64_t);
+  std::memcpy(writer.bytes().data() + offsetof(Header, size), &size, sizeof size);
+  writer.Value(Checksum(writer.bytes()));
+  return writer.Take();
+}
+
 }  // namespace
 
 std::vector<std::byte> SaveState(const EngineState& state) {
   Writer writer;
-  Header header{{}, kVersion, static_cast<uint32_t>(state.scratch.size()), 0, state.clock};
-  std::memcpy(header.magic, kMagic, sizeof kMagic);
-  writer.Value(header);
+  writer.Value(BlankHeader(static_cast<uint32_t>(state.scratch.size()), state.clock));
   writer.Text(state.prototype);
   for (const NamedScratch& scratch : state.scratch) {
     writer.Text(scratch.name);
     writer.Value(scratch.column->row_count());
     writer.Bytes(scratch.column->data(), scratch.column->byte_size());
   }
-  header.size = writer.bytes().size() + sizeof(uint64_t);
-  std::memcpy(writer.bytes().data(), &header, sizeof header);
-  writer.Value(Checksum(writer.bytes()));
-  return writer.Take();
+  return Finish(writer);
+}
+
+std::vector<std::byte> WithoutLibrary(std::span<const std::byte> saved,
+                                      const std::string& library) {
+  Header header = ReadHeader(saved);
+  Reader reader(saved.first(saved.size() - sizeof(uint64_t)));
+  reader.Bytes(sizeof header);
+  const uint32_t count = std::exchange(header.scratch_count, 0);
+  Writer rest;
+  rest.Text(std::string(reader.Text()));
+  for (uint32_t i = 0; i < count; ++i) {
+    const std::string name(reader.Text());
+    const auto row_count = reader.Value<uint64_t>();
+    const uint64_t row_size = DescribedRowSize(name);
+    if (row_count > INT64_MAX / row_size) throw Damaged("its row count is absurd");
+    const auto values = reader.Bytes(row_count * row_size);
+    if (name.starts_with(library + "/")) continue;
+    ++header.scratch_count;
+    rest.Text(name);
+    rest.Value(row_count);
+    rest.Bytes(values.data(), values.size());
+  }
+  Writer writer;
+  writer.Value(header);
+  writer.Bytes(rest.bytes().data(), rest.bytes().size());
+  return Finish(writer);
 }
 
 StepClock LoadState(std::span<const std::byte> saved, const EngineState& state) {

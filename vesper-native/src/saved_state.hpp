@@ -35,4 +35,8 @@ std::vector<std::byte> SaveState(const EngineState& state);
 /// belongs to another prototype or to other laws. On failure nothing changes.
 StepClock LoadState(std::span<const std::byte> saved, const EngineState& state);
 
+/// Returns `saved` without the scratch of a library's laws. Throws INVALID_ARGUMENT as LoadState
+/// does.
+std::vector<std::byte> WithoutLibrary(std::span<const std::byte> saved, const std::string& library);
+
 }  // namespace vesper

@@ -272,6 +272,12 @@ ThreadPool::ThreadPool(uint32_t threads) : threads_(threads) {
 
 ThreadPool::~ThreadPool() = default;
 
+uint32_t ThreadPool::this_thread() const {
+  if (team_ == nullptr) return 0;
+  const int index = tbb::this_task_arena::current_thread_index();
+  return index < 0 || static_cast<uint32_t>(index) >= threads_ ? 0 : static_cast<uint32_t>(index);
+}
+
 void ThreadPool::ParallelFor(uint64_t count, uint64_t grain, RangeBody body, void* user,
                              Helpers helpers) {
   if (count == 0) return;

@@ -21,6 +21,8 @@ class ThreadPool {
   ~ThreadPool();
 
   uint32_t threads() const { return threads_; }
+  /// Returns the index of the calling thread, below threads(): 0 for the client's own thread.
+  uint32_t this_thread() const;
 
   /// Calls `body` for chunks of `grain` elements that cover [0, count) and returns when all are
   /// done. The chunks depend on `count` and `grain` only; if `grain` is 0, it is chosen from

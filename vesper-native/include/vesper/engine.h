@@ -80,7 +80,8 @@ typedef struct vesper_engine_config {
                                   5000. */
   const char* law_path;      /**< Folders in which bare law names are searched, separated by ':'. */
   const char* probe_path;    /**< Path of the `vesper-probe` program; null: beside the engine
-                                  library. */
+                                  library. Empty: no probe, for a client whose own process is
+                                  disposable. */
   /** Receives log lines of engine and laws, on the calling thread. Null: lines are discarded. */
   void (*log)(void* user, uint32_t level, const char* message);
   void* log_user; /**< First argument of `log`. */
@@ -94,6 +95,10 @@ typedef struct vesper_engine_config {
    *  the other arrays (copies on a device, reordered springs). `deferred` 1 requires the same.
    *  0: any array may have been edited between two calls. Since 1.1. */
   uint32_t touches;
+  /** (threads), or null: where the engine writes which law each thread is calling, for a client
+   *  that observes it from another thread or process. A word is 0, or the library's id in the
+   *  upper and 1 + the law's index in the lower 32 bits. Borrowed until destroy. Since 1.1. */
+  uint64_t* running;
 } vesper_engine_config;
 
 /** Information about one loaded law. */
@@ -247,6 +252,13 @@ VESPER_API vesper_status vesper_provider_touch(vesper_provider* provider, const 
 VESPER_API vesper_status vesper_library_prepare(const vesper_engine_config* config,
                                                 const char* library, vesper_prepared_library** out,
                                                 vesper_error* error) VESPER_NOEXCEPT;
+/** Opens a law library from its bytes, which are copied, in the same way. `source` names it in
+ *  messages. Since 1.1. */
+VESPER_API vesper_status vesper_library_prepare_bytes(const vesper_engine_config* config,
+                                                      const void* bytes, uint64_t size,
+                                                      const char* source,
+                                                      vesper_prepared_library** out,
+                                                      vesper_error* error) VESPER_NOEXCEPT;
 /** Closes a prepared library that was not loaded into an engine. Accepts null. */
 VESPER_API void vesper_library_discard(vesper_prepared_library* prepared) VESPER_NOEXCEPT;
 /** Returns the name in the library's own table. The string lives as long as `prepared` or the
@@ -326,6 +338,12 @@ VESPER_API vesper_status vesper_engine_save_state(vesper_engine* engine, void* o
 VESPER_API vesper_status vesper_engine_load_state(vesper_engine* engine, const void* state,
                                                   uint64_t size,
                                                   vesper_error* error) VESPER_NOEXCEPT;
+/** Removes the SCRATCH values of a library's laws from a saved state, in place, so that the state
+ *  fits an engine without this library. `*size` becomes the new size [bytes]. INVALID_ARGUMENT if
+ *  the state is damaged. Since 1.1. */
+VESPER_API vesper_status vesper_saved_state_remove_library(void* state, uint64_t* size,
+                                                           const char* library,
+                                                           vesper_error* error) VESPER_NOEXCEPT;
 /** Sets the clock as if `steps` steps of `dt` [s] had been done from time 0. Use it for arrays
  *  of such a run that come without a saved state. SCRATCH values of laws are unchanged.
  *  INVALID_ARGUMENT if `dt` is not finite or not above 0. */

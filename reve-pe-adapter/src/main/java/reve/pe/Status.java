@@ -32,5 +32,11 @@ public enum Status {
     /** A bug of the engine. */
     INTERNAL,
     /** An unknown status of a newer engine. */
-    UNKNOWN
+    UNKNOWN,
+    /** A law ended the process of the engine. */
+    LAW_CRASHED,
+    /** A law did not return before the deadline of the frame. */
+    LAW_TIMED_OUT,
+    /** The process of the engine ended, and no law is known to be the cause. */
+    ENGINE_LOST
 }

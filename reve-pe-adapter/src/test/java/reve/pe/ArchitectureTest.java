@@ -56,7 +56,7 @@ class ArchitectureTest {
                 .resideInAnyPackage("reve.pe", "reve.pe.adapter")
                 .should()
                 .dependOnClassesThat()
-                .resideInAPackage("reve.pe.vesper")
+                .resideInAnyPackage("reve.pe.vesper", "reve.pe.hosted")
                 .check(classes);
     }
 

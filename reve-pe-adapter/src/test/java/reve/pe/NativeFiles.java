@@ -15,6 +15,11 @@ public final class NativeFiles {
         return List.of(FOLDER.resolve("laws"), FOLDER.resolve("adapter-test-laws"));
     }
 
+    /** A program of the native build. */
+    public static Path program(String name) {
+        return FOLDER.resolve(name);
+    }
+
     /** The file of a law library of {@code src/test/native}. */
     public static Path testLaw(String name) {
         return FOLDER.resolve("adapter-test-laws").resolve("libvesper_law_" + name + ".so");

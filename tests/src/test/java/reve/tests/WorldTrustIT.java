@@ -353,7 +353,12 @@ class WorldTrustIT {
     void aStoreGoesOnAfterAnUpgradeForTheAccountThatMadeIt() throws Exception {
         Path upgraded = Files.createDirectory(folder.resolve("native"));
         for (String file :
-                List.of("libvesper.so.1", "libvesper.so", "vesper-probe", "libsqlitejdbc.so")) {
+                List.of(
+                        "libvesper.so.1",
+                        "libvesper.so",
+                        "vesper-host",
+                        "vesper-probe",
+                        "libsqlitejdbc.so")) {
             Files.copy(Project.NATIVE.resolve(file), upgraded.resolve(file));
         }
         String library = "laws/libvesper_law_newton_motion.so";

@@ -21,9 +21,9 @@ final class BoundColumn extends BoundProperty {
         return column.segment();
     }
 
-    /** Returns the size of the rows that the engine sees [bytes]. */
-    long bytes() {
-        return (long) table().physicsRowCount() * column.descriptor().rowBytes();
+    /** Zeroes the memory behind the last row. */
+    void clearUnused() {
+        column.clearUnused();
     }
 
     @Override

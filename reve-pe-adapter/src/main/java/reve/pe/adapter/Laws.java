@@ -205,6 +205,11 @@ public final class Laws {
         return Collections.unmodifiableMap(new LinkedHashMap<>(loaded));
     }
 
+    /** Returns the library that was loaded last, with its id. */
+    Optional<Map.Entry<Integer, LawLibrary>> latest() {
+        return loaded.entrySet().stream().reduce((earlier, later) -> later);
+    }
+
     /** Returns the loaded libraries, in the order of loading. */
     public List<LawLibrary> libraries() {
         return List.copyOf(loaded.values());

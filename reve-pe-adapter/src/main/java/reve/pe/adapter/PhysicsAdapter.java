@@ -13,6 +13,7 @@ import reve.pe.PhysicsException;
 import reve.pe.PhysicsLaw;
 import reve.pe.PropertyDescriptor;
 import reve.pe.PropertyUse;
+import reve.pe.Status;
 
 import java.util.ArrayList;
 import java.util.Collections;
@@ -30,7 +31,9 @@ import java.util.stream.Collectors;
  * <p>A failing law costs one repeated frame: the columns are restored, the law's library is
  * quarantined and reported as a "fault" event, and the frame is repeated without it. From that
  * frame on the world is, to the bit, one that runs without that law. A failure that no loaded law
- * caused is thrown after the columns were restored; that frame has no physics.
+ * caused is thrown after the columns were restored; that frame has no physics. If the process of
+ * an engine was lost while no law ran, the frame is repeated; if that does not help, the library
+ * that was loaded last is quarantined.
  *
  * <p>Before a law is quarantined, items that actions or edits changed are arrested: the one at
  * which the law failed, otherwise the one with the most extreme numbers, then all of them. If the
@@ -47,6 +50,11 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
      */
     private static final int MOST_ARRESTS_ONE_BY_ONE = 2;
 
+    /** Maximum number of repetitions of a frame because the engine's process was lost. */
+    private static final int MOST_LOSSES = 2;
+
+    private static final Set<Status> CRASHES = Set.of(Status.LAW_CRASHED, Status.LAW_TIMED_OUT);
+
     private final World world;
     private final PhysicsEngine engine;
     private final BoundWorld bound;
@@ -59,6 +67,9 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
 
     /** The activity of the world's thread in the engine, for reports. */
     private String advancing = "";
+
+    /** Losses of the engine's process in this frame that no law explains. */
+    private int losses;
 
     private long frames;
     private long redoneFrames;
@@ -105,6 +116,7 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
         long copied = System.nanoTime();
         bindNanoseconds += bound - start;
         copyNanoseconds += copied - bound;
+        losses = 0;
         while (!advanced(frame)) {
             redoneFrames++;
         }
@@ -180,13 +192,37 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
             arrests.clear();
             rollback.restore();
             engine.clearFault();
-            if (!arrestFor(failure, tried)) {
-                laws.quarantine(frame.frame(), failure, itemOf(failure));
+            if (failure.status() == Status.ENGINE_LOST && losses++ < MOST_LOSSES) {
+                tried.forEach(one -> arrest(one.item, one.failure));
+            } else if (!arrestFor(failure, tried)) {
+                laws.quarantine(frame.frame(), blamed(failure), itemOf(failure));
             }
             return false;
         } finally {
             world.activity().end();
         }
+    }
+
+    /** Returns the failure; that of the library loaded last, if the engine knows no culprit. */
+    private PhysicsException blamed(PhysicsException failure) {
+        return failure.status() == Status.ENGINE_LOST
+                ? laws.latest()
+                        .map(
+                                latest ->
+                                        new PhysicsException(
+                                                failure.status(),
+                                                latest.getKey(),
+                                                latest.getValue().name(),
+                                                "",
+                                                "",
+                                                -1,
+                                                failure.getMessage()
+                                                        + ", "
+                                                        + (MOST_LOSSES + 1)
+                                                        + " times in this frame; the library that"
+                                                        + " was loaded last is unloaded"))
+                        .orElse(failure)
+                : failure;
     }
 
     /**
@@ -199,6 +235,10 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
         Optional<Item> failed = itemOf(failure);
         List<Item> suspects = new ArrayList<>(world.arrests().suspects(failed));
         suspects.removeAll(tried.stream().map(Arrested::item).toList());
+        if (CRASHES.contains(failure.status())) {
+            // A law may crash at any numbers; only extreme ones excuse it.
+            suspects.removeIf(item -> !world.arrests().isExtreme(item));
+        }
         if (suspects.isEmpty() || !laws.isLoaded(failure.libraryId())) {
             return false;
         }

@@ -5,7 +5,10 @@ import java.lang.foreign.Arena;
 import java.lang.foreign.MemorySegment;
 import java.util.List;
 
-/** A copy of columns at the beginning of a frame. World's thread only. */
+/**
+ * A copy of columns at the beginning of a frame: all rows, also those behind the engine's, because
+ * a law may write past its rows before it crashes. World's thread only.
+ */
 final class RollbackCopy implements AutoCloseable {
     private static final long ALIGNMENT_BYTES = 64;
 
@@ -18,7 +21,7 @@ final class RollbackCopy implements AutoCloseable {
         columns = wanted.toArray(BoundColumn[]::new);
         long bytes = 0;
         for (BoundColumn column : columns) {
-            bytes += aligned(column.bytes());
+            bytes += aligned(column.memory().byteSize());
         }
         if (bytes > copy.byteSize()) {
             arena.close();
@@ -30,16 +33,19 @@ final class RollbackCopy implements AutoCloseable {
     void save() {
         long at = 0;
         for (BoundColumn column : columns) {
-            MemorySegment.copy(column.memory(), 0, copy, at, column.bytes());
-            at += aligned(column.bytes());
+            MemorySegment from = column.memory();
+            MemorySegment.copy(from, 0, copy, at, from.byteSize());
+            at += aligned(from.byteSize());
         }
     }
 
     void restore() {
         long at = 0;
         for (BoundColumn column : columns) {
-            MemorySegment.copy(copy, at, column.memory(), 0, column.bytes());
-            at += aligned(column.bytes());
+            MemorySegment to = column.memory();
+            MemorySegment.copy(copy, at, to, 0, to.byteSize());
+            column.clearUnused();
+            at += aligned(to.byteSize());
         }
     }
 

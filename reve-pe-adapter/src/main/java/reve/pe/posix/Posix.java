@@ -29,6 +29,11 @@ final class Posix {
             function(
                     "mmap", JAVA_LONG, ADDRESS, JAVA_LONG, JAVA_INT, JAVA_INT, JAVA_INT, JAVA_LONG);
     private static final MethodHandle MUNMAP = function("munmap", JAVA_INT, ADDRESS, JAVA_LONG);
+    private static final MethodHandle FCNTL =
+            variadic("fcntl", 2, JAVA_INT, JAVA_INT, JAVA_INT, JAVA_INT);
+    private static final MethodHandle KILL = function("kill", JAVA_INT, JAVA_INT, JAVA_INT);
+    private static final MethodHandle CLOCK_GETTIME =
+            function("clock_gettime", JAVA_INT, JAVA_INT, ADDRESS);
     private static final MethodHandle CLOSE = function("close", JAVA_INT, JAVA_INT);
     private static final MethodHandle STRERROR =
             LINKER.downcallHandle(
@@ -99,6 +104,41 @@ final class Posix {
         }
     }
 
+    /** Returns the result of a command with one number. */
+    static int fcntl(int descriptor, int command, int argument) {
+        try (Arena call = Arena.ofConfined()) {
+            MemorySegment state = call.allocate(CALL_STATE);
+            return orErrno((int) FCNTL.invokeExact(state, descriptor, command, argument), state);
+        } catch (Throwable t) {
+            throw unexpected(t);
+        }
+    }
+
+    /** Returns 0. A negative id is a process group. */
+    static int kill(int process, int signal) {
+        try (Arena call = Arena.ofConfined()) {
+            MemorySegment state = call.allocate(CALL_STATE);
+            return orErrno((int) KILL.invokeExact(state, process, signal), state);
+        } catch (Throwable t) {
+            throw unexpected(t);
+        }
+    }
+
+    /** Returns the time of a clock [ns]. */
+    static long clockNanos(int clock) {
+        try (Arena call = Arena.ofConfined()) {
+            MemorySegment state = call.allocate(CALL_STATE);
+            MemorySegment time = call.allocate(2 * Long.BYTES, Long.BYTES);
+            int result = orErrno((int) CLOCK_GETTIME.invokeExact(state, clock, time), state);
+            return result < 0
+                    ? result
+                    : time.getAtIndex(JAVA_LONG, 0) * 1_000_000_000L
+                            + time.getAtIndex(JAVA_LONG, 1);
+        } catch (Throwable t) {
+            throw unexpected(t);
+        }
+    }
+
     /** Returns the system's message for an errno. */
     static String words(int errno) {
         try {
@@ -122,7 +162,16 @@ final class Posix {
                 Linker.Option.captureCallState("errno"));
     }
 
-    private static RuntimeException unexpected(Throwable t) {
+    private static MethodHandle variadic(
+            String name, int fixed, MemoryLayout result, MemoryLayout... arguments) {
+        return LINKER.downcallHandle(
+                LINKER.defaultLookup().findOrThrow(name),
+                FunctionDescriptor.of(result, arguments),
+                Linker.Option.captureCallState("errno"),
+                Linker.Option.firstVariadicArg(fixed));
+    }
+
+    static RuntimeException unexpected(Throwable t) {
         if (t instanceof RuntimeException exception) {
             return exception;
         }

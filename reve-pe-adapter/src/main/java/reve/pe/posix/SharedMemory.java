@@ -10,6 +10,12 @@ import java.lang.foreign.MemorySegment;
  */
 public final class SharedMemory implements AutoCloseable {
     private static final int MFD_CLOEXEC = 1;
+    private static final int MFD_ALLOW_SEALING = 2;
+    private static final int F_ADD_SEALS = 1033;
+
+    /** Neither the size nor these seals can change. */
+    private static final int SEALS = 1 | 2 | 4;
+
     private static final int PROT_READ_WRITE = 1 | 2;
     private static final int MAP_SHARED = 1;
     private static final int ENOMEM = 12;
@@ -33,9 +39,10 @@ public final class SharedMemory implements AutoCloseable {
             throw new IllegalArgumentException(
                     "shared memory '" + name + "': " + bytes + " bytes, expected at least 1");
         }
-        descriptor = check(name, "memfd_create", Posix.memfdCreate(name, MFD_CLOEXEC));
+        descriptor = check(name, "memfd_create", Posix.memfdCreate(name, MFD_CLOEXEC | MFD_ALLOW_SEALING));
         try {
             check(name, "ftruncate to " + bytes, Posix.ftruncate(descriptor, bytes));
+            check(name, "sealing", Posix.fcntl(descriptor, F_ADD_SEALS, SEALS));
             segment = map(name, bytes);
         } catch (RuntimeException e) {
             Posix.close(descriptor);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/** Bindings of the C library functions for memory that processes share, which Java lacks. */
+/** Bindings of the C library functions for shared memory and child processes, which Java lacks. */
 @NullMarked
 package reve.pe.posix;
 

@@ -4,6 +4,7 @@ package reve.pe.vesper;
 import org.jspecify.annotations.Nullable;
 
 import reve.pe.PhysicsException;
+import reve.pe.PreparedLibrary;
 import reve.pe.Status;
 
 import java.io.IOException;
@@ -17,7 +18,7 @@ import java.util.HexFormat;
 import java.util.List;
 
 /** A law library on disk: resolution of its name, and the identity of its bytes. */
-final class LibraryFile {
+public final class LibraryFile {
     private LibraryFile() {}
 
     /** The identity of a file's content, without reading it. */
@@ -28,7 +29,7 @@ final class LibraryFile {
      *
      * @throws PhysicsException NOT_FOUND
      */
-    static Path find(String library, List<Path> lawPath) {
+    public static Path find(String library, List<Path> lawPath) {
         if (library.contains("/")) {
             return existing(library, List.of(Path.of(library)));
         }
@@ -51,13 +52,47 @@ final class LibraryFile {
                                                 + candidates));
     }
 
+    /**
+     * Reads a library.
+     *
+     * @throws PhysicsException if it is too large, or changes meanwhile
+     * @throws IOException if it cannot be read
+     */
+    public static byte[] read(Path file) throws IOException {
+        Stamp before = stamp(file);
+        requireSize(file);
+        byte[] bytes = Files.readAllBytes(file);
+        requireUnchanged(file, before);
+        return bytes;
+    }
+
+    static void requireSize(Path file) throws IOException {
+        if (Files.size(file) > PreparedLibrary.MAX_BYTES) {
+            throw new PhysicsException(
+                    Status.LIBRARY_LOAD_FAILED,
+                    file
+                            + " has "
+                            + Files.size(file)
+                            + " bytes, expected a law library of at most "
+                            + PreparedLibrary.MAX_BYTES);
+        }
+    }
+
+    static void requireUnchanged(Path file, Stamp before) throws IOException {
+        if (!stamp(file).equals(before)) {
+            throw new PhysicsException(
+                    Status.LIBRARY_LOAD_FAILED,
+                    file + " changed while it was being read; try again when it is complete");
+        }
+    }
+
     static Stamp stamp(Path file) throws IOException {
         BasicFileAttributes attributes = Files.readAttributes(file, BasicFileAttributes.class);
         return new Stamp(attributes.fileKey(), attributes.size(), attributes.lastModifiedTime());
     }
 
     /** Returns 64 lower-case hexadecimal digits. */
-    static String sha256(byte[] bytes) {
+    public static String sha256(byte[] bytes) {
         try {
             return HexFormat.of().formatHex(MessageDigest.getInstance("SHA-256").digest(bytes));
         } catch (NoSuchAlgorithmException e) {

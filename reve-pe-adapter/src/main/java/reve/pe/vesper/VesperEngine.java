@@ -312,23 +312,11 @@ public final class VesperEngine implements PhysicsEngine {
      */
     private PreparedLibrary prepareUnchanged(Path file) throws IOException {
         LibraryFile.Stamp before = LibraryFile.stamp(file);
-        if (Files.size(file) > PreparedLibrary.MAX_BYTES) {
-            throw new PhysicsException(
-                    Status.LIBRARY_LOAD_FAILED,
-                    file
-                            + " has "
-                            + Files.size(file)
-                            + " bytes, expected a law library of at most "
-                            + PreparedLibrary.MAX_BYTES);
-        }
+        LibraryFile.requireSize(file);
         MemorySegment prepared = prepareCopy(file);
         try {
             byte[] bytes = Files.readAllBytes(file);
-            if (!LibraryFile.stamp(file).equals(before)) {
-                throw new PhysicsException(
-                        Status.LIBRARY_LOAD_FAILED,
-                        file + " changed while it was being read; try again when it is complete");
-            }
+            LibraryFile.requireUnchanged(file, before);
             return new VesperPreparedLibrary(prepared, bytes);
         } catch (IOException | RuntimeException e) {
             VesperLibrary.libraryDiscard(prepared);

@@ -119,7 +119,8 @@ final class VesperLayouts {
                             ADDRESS.withName("log"),
                             ADDRESS.withName("log_user"),
                             JAVA_INT.withName("deferred"),
-                            JAVA_INT.withName("touches"))
+                            JAVA_INT.withName("touches"),
+                            ADDRESS.withName("running"))
                     .withName("vesper_engine_config");
 
     static final StructLayout LAW_INFO =

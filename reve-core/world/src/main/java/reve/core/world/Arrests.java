@@ -64,9 +64,14 @@ public final class Arrests {
         var suspects = new ArrayList<Item>();
         changed.removeIf(id -> items.find(id) == null);
         items.of(changed).stream().filter(item -> excess(item) > 0).forEach(suspects::add);
-        failed.filter(item -> excess(item) > EXTREME && !suspects.contains(item))
+        failed.filter(item -> isExtreme(item) && !suspects.contains(item))
                 .ifPresent(suspects::add);
         return suspects;
+    }
+
+    /** Returns whether an item has numbers that no body of a working world has. */
+    public boolean isExtreme(Item item) {
+        return excess(item) > EXTREME;
     }
 
     /** Returns the largest magnitude among an item's numbers and the inverse of its mass. */

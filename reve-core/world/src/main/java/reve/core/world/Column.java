@@ -116,6 +116,11 @@ public final class Column extends ColumnView {
         noteEdit();
     }
 
+    /** Zeroes the memory behind the last row, in case foreign code wrote there. */
+    public void clearUnused() {
+        memory.asSlice(segment().byteSize()).fill((byte) 0);
+    }
+
     /** Copies all rows from an image. Recorded as a change of the world, not of the column. */
     void restore(MemorySegment rows) {
         MemorySegment.copy(rows, 0, memory, 0, rows.byteSize());

@@ -7,13 +7,25 @@ import picocli.CommandLine.ParameterException;
 
 import reve.pe.adapter.LawFolder;
 import reve.worlds.Product;
+import reve.pe.hosted.Hosts;
+import reve.worlds.server.EnginePlace;
 import reve.worlds.server.LawPath;
 
+import java.lang.management.ManagementFactory;
 import java.nio.file.Path;
+import java.time.Duration;
+import java.util.Locale;
 import java.util.Optional;
+import java.util.OptionalLong;
 
 /** The options that name the folder of laws and permit native code. */
 final class LawOptions {
+    /** Deadline of a frame where no client waits for the next one. */
+    private static final Duration PATIENT = Duration.ofSeconds(10);
+
+    private static final long MAX_DEADLINE_MS = 3_600_000;
+    private static final long MIB = 1 << 20;
+
     @Option(
             names = "--laws",
             paramLabel = "DIR",
@@ -29,6 +41,44 @@ final class LawOptions {
                             + "recording. The code runs with all of your rights.")
     private boolean trust;
 
+    @Option(
+            names = "--engine",
+            paramLabel = "PLACE",
+            defaultValue = "hosted",
+            description =
+                    "Where laws run. hosted: in a process of their own, so that a law that crashes"
+                            + " or hangs costs one repeated frame. in-process: in this process"
+                            + " (default: ${DEFAULT-VALUE}).")
+    private Place place = Place.HOSTED;
+
+    @Option(
+            names = "--law-deadline",
+            paramLabel = "MS",
+            description =
+                    "Longest time that the laws may take for a frame before the one that runs is"
+                            + " quarantined [ms], with --engine hosted (default: 50 for serve,"
+                            + " 10000 for other commands).")
+    private OptionalLong deadline = OptionalLong.empty();
+
+    @Option(
+            names = "--law-memory",
+            paramLabel = "MIB",
+            description =
+                    "Most memory that the laws of a world may allocate [MiB], with --engine hosted;"
+                            + " 0: no limit (default: half of the machine's memory).")
+    private OptionalLong memory = OptionalLong.empty();
+
+    /** The values of --engine. */
+    private enum Place {
+        HOSTED,
+        IN_PROCESS;
+
+        @Override
+        public String toString() {
+            return name().toLowerCase(Locale.ROOT).replace('_', '-');
+        }
+    }
+
     /** Returns the operator's folder of laws. */
     Optional<Path> folder() {
         return folder;
@@ -40,11 +90,53 @@ final class LawOptions {
      * @throws ParameterException if {@code --laws} names no folder, or a world-writable one
      */
     LawPath path(CommandSpec spec) {
+        return path(spec, PATIENT);
+    }
+
+    /**
+     * Returns the law path for a command.
+     *
+     * @param usual deadline of a frame, if {@code --law-deadline} gives none
+     */
+    LawPath path(CommandSpec spec, Duration usual) {
         try {
             folder.ifPresent(LawFolder::require);
         } catch (IllegalArgumentException unfit) {
             throw new ParameterException(spec.commandLine(), "--laws: " + unfit.getMessage());
         }
-        return new LawPath(Product.nativeFolder().resolve("laws"), folder, Optional.empty(), trust);
+        return new LawPath(
+                Product.nativeFolder().resolve("laws"),
+                folder,
+                Optional.empty(),
+                trust,
+                enginePlace(spec, usual));
+    }
+
+    private EnginePlace enginePlace(CommandSpec spec, Duration usual) {
+        if (place == Place.IN_PROCESS) {
+            return EnginePlace.IN_PROCESS;
+        }
+        long millis = deadline.orElse(usual.toMillis());
+        if (millis < 1 || millis > MAX_DEADLINE_MS) {
+            throw new ParameterException(
+                    spec.commandLine(),
+                    "--law-deadline is " + millis + ", expected 1 to " + MAX_DEADLINE_MS + " ms");
+        }
+        if (memory.orElse(0) < 0) {
+            throw new ParameterException(
+                    spec.commandLine(),
+                    "--law-memory is " + memory.getAsLong() + ", expected 0 or more MiB");
+        }
+        long bytes = memory.isPresent() ? memory.getAsLong() * MIB : halfOfMemory();
+        return EnginePlace.hosted(
+                new Hosts(Product.nativeFolder().resolve("vesper-host"), bytes),
+                Duration.ofMillis(millis));
+    }
+
+    private static long halfOfMemory() {
+        return ManagementFactory.getOperatingSystemMXBean()
+                        instanceof com.sun.management.OperatingSystemMXBean system
+                ? system.getTotalMemorySize() / 2
+                : 0;
     }
 }

@@ -57,6 +57,7 @@ public final class ServeCommand implements Callable<Integer> {
     private static final String NO_LIMIT = "off";
     private static final double MIN_WATCHDOG = 0.1;
     private static final double MAX_WATCHDOG = 86_400;
+    private static final Duration LAW_DEADLINE = Duration.ofMillis(50);
     private static final Duration LAST_WORDS = Duration.ofSeconds(1);
 
     @Spec private CommandSpec spec = CommandSpec.create();
@@ -256,7 +257,7 @@ public final class ServeCommand implements Callable<Integer> {
     }
 
     private List<WorldPlan> plans() throws IOException, WorldFileException {
-        LawPath lawPath = laws.path(spec);
+        LawPath lawPath = laws.path(spec, LAW_DEADLINE);
         Map<String, WorldPlan> plans = new LinkedHashMap<>();
         for (Path path : paths) {
             WorldArgument world = new WorldArgument(path);

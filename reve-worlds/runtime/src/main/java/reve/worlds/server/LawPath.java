@@ -37,12 +37,23 @@ import java.util.stream.Stream;
  * @param folder the operator's folder
  * @param world folder of the world file
  * @param trusted whether native code that comes with the world may be opened
+ * @param place where the laws run
  */
-public record LawPath(Path shipped, Optional<Path> folder, Optional<Path> world, boolean trusted) {
+public record LawPath(
+        Path shipped,
+        Optional<Path> folder,
+        Optional<Path> world,
+        boolean trusted,
+        EnginePlace place) {
     private static final Pattern NAME = Pattern.compile("[A-Za-z0-9_-]{1,47}");
     private static final String PREFIX = "libvesper_law_";
     private static final String SUFFIX = ".so";
     private static final String WORLDS_OWN = "laws";
+
+    /** Creates a path of laws that run in this process. */
+    public LawPath(Path shipped, Optional<Path> folder, Optional<Path> world, boolean trusted) {
+        this(shipped, folder, world, trusted, EnginePlace.IN_PROCESS);
+    }
 
     /** The origin of a library. */
     public enum Origin {
@@ -65,7 +76,7 @@ public record LawPath(Path shipped, Optional<Path> folder, Optional<Path> world,
 
     /** Returns this path for a world whose file lies in this folder. */
     public LawPath forWorld(Path worldFolder) {
-        return new LawPath(shipped, folder, Optional.of(worldFolder), trusted);
+        return new LawPath(shipped, folder, Optional.of(worldFolder), trusted, place);
     }
 
     /**

@@ -117,12 +117,14 @@ public final class Simulation implements AutoCloseable {
                             : new World(description.name(), description.prototype(), arena);
             engine =
                     closing.add(
-                            new VesperEngine(
-                                    config(),
-                                    PropertyNames.prototype(
-                                            world.prototype(),
-                                            VesperEngine.standardPrototype(
-                                                    world.prototype().name()))));
+                            lawPath.place()
+                                    .engine(
+                                            config(),
+                                            PropertyNames.prototype(
+                                                    world.prototype(),
+                                                    VesperEngine.standardPrototype(
+                                                            world.prototype().name())),
+                                            arena));
             physics = closing.add(new PhysicsAdapter(world, engine, arena));
             physics.laws().guardNames(lawPath::requireOwnName);
             snapshots = new SnapshotRing(world, SNAPSHOT_SLOTS);

@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.pe.hosted;
+
+import static java.lang.foreign.ValueLayout.JAVA_INT;
+import static java.lang.foreign.ValueLayout.JAVA_INT_UNALIGNED;
+import static java.lang.foreign.ValueLayout.JAVA_LONG;
+
+import org.slf4j.Logger;
+import org.slf4j.LoggerFactory;
+
+import reve.pe.posix.ProcessGroup;
+import reve.pe.posix.SharedMemory;
+import reve.pe.posix.SharedWord;
+import reve.pe.vesper.VesperLog;
+
+import java.io.IOException;
+import java.lang.foreign.Arena;
+import java.lang.foreign.MemorySegment;
+import java.nio.file.Path;
+import java.util.ArrayList;
+import java.util.List;
+import java.util.Map;
+import java.util.Set;
+import java.util.concurrent.TimeUnit;
+
+/**
+ * A {@code vesper-host} and the memory for the exchange with it; the offsets are those of {@code
+ * vesper-native/host/control.hpp}. One call at a time, from any thread.
+ */
+final class HostProcess implements AutoCloseable {
+    private static final Logger LOG = LoggerFactory.getLogger("laws");
+    private static final long CONTROL_BYTES = 1 << 20;
+    private static final long REQUEST = 64;
+    private static final long REPLY = 128;
+    private static final long RUNNING = 192;
+    private static final int MAX_THREADS = 256;
+    private static final long LOG_USED = 2240;
+    private static final long LOG_DROPPED = 2244;
+    private static final long LOG_LINES = 2248;
+    private static final long MAILBOX = 1 << 16;
+    private static final System.Logger.Level[] LEVELS = {
+        System.Logger.Level.DEBUG,
+        System.Logger.Level.INFO,
+        System.Logger.Level.WARNING,
+        System.Logger.Level.ERROR
+    };
+
+    /** Time after which a waiting client looks whether the host still lives and works [ns]. */
+    private static final long LOOK_NANOS = 1_000_000;
+
+    /** Processor time in one look below which a host only waits [ns]. */
+    private static final long IDLE_NANOS = LOOK_NANOS / 20;
+
+    /** Multiple of the time limit after which a host is ended even if it had no processor. */
+    private static final int MOST_WALL = 20;
+
+    private static final Map<Integer, String> SIGNALS =
+            Map.of(
+                    4, "SIGILL", 5, "SIGTRAP", 6, "SIGABRT", 7, "SIGBUS", 8, "SIGFPE", 9, "SIGKILL",
+                    11, "SIGSEGV", 24, "SIGXCPU", 25, "SIGXFSZ", 31, "SIGSYS");
+    private static final int FIRST_SIGNAL = 128;
+
+    /** Variables that loaders and drivers need; others may contain secrets. */
+    private static final Set<String> KEPT_VARIABLES = Set.of("HOME", "PATH", "TMPDIR", "LANG");
+
+    private static final List<String> KEPT_PREFIXES =
+            List.of("LD_", "OCL_", "POCL_", "XDG_", "ASAN_", "UBSAN_", "TSAN_", "LSAN_");
+
+    private final SharedMemory control;
+    private final Arena arena = Arena.ofShared();
+    private final Process process;
+    private final ProcessGroup group;
+    private final SharedWord request;
+    private final SharedWord reply;
+    private final Mailbox mailbox;
+    private int requests;
+
+    /**
+     * Starts a host.
+     *
+     * @throws IllegalStateException if the system refuses
+     */
+    HostProcess(Path program, long memoryBytes) {
+        control = new SharedMemory("vesper-host exchange", CONTROL_BYTES);
+        MemorySegment memory = control.segment();
+        request = word(memory, REQUEST);
+        reply = word(memory, REPLY);
+        mailbox = new Mailbox(memory.asSlice(MAILBOX));
+        try {
+            process = start(program, control.descriptor(), memoryBytes);
+        } catch (IOException e) {
+            control.close();
+            arena.close();
+            throw new IllegalStateException(
+                    "the engine's process " + program + " cannot be started: " + e.getMessage(), e);
+        }
+        group = new ProcessGroup(process.pid());
+        Thread.ofVirtual().name("output of laws").start(new OutputOfLaws(process, LOG));
+    }
+
+    private SharedWord word(MemorySegment memory, long offset) {
+        return new SharedWord(
+                memory.asSlice(offset, JAVA_INT), arena.allocate(2 * Long.BYTES, Long.BYTES));
+    }
+
+    private static Process start(Path program, int descriptor, long memoryBytes)
+            throws IOException {
+        ProcessBuilder builder =
+                new ProcessBuilder(
+                        program.toString(),
+                        Long.toString(ProcessHandle.current().pid()),
+                        Integer.toString(descriptor),
+                        Long.toString(memoryBytes));
+        builder.environment()
+                .keySet()
+                .removeIf(
+                        name ->
+                                !KEPT_VARIABLES.contains(name)
+                                        && KEPT_PREFIXES.stream().noneMatch(name::startsWith));
+        builder.redirectInput(ProcessBuilder.Redirect.from(Path.of("/dev/null").toFile()));
+        builder.redirectErrorStream(true);
+        return builder.start();
+    }
+
+    /** Begins a request, to which the caller adds its arguments. */
+    Mailbox begin(Request number) {
+        return mailbox.begin(number);
+    }
+
+    /**
+     * Sends the request and returns the reply.
+     *
+     * @param limitNanos processor time, and time without any activity, after which the host is
+     *     ended
+     * @param log receives the log lines of the request
+     * @throws HostLost if the host ended; it cannot be used any more
+     */
+    Mailbox call(long limitNanos, VesperLog log) throws HostLost {
+        mailbox.end();
+        int number = ++requests;
+        request.announce(number);
+        reply.await(number - 1, LOOK_NANOS);
+        if (reply.get() != number) {
+            new Wait(number, limitNanos).untilAnswered(log);
+        }
+        if (control.segment().get(JAVA_INT, LOG_USED) != 0) {
+            passLog(log);
+        }
+        return mailbox.reply();
+    }
+
+    /** The wait for an answer that takes longer than one look. */
+    private final class Wait {
+        private final int number;
+        private final long limitNanos;
+        private final long start = System.nanoTime();
+        private final long startCpu = group.cpuNanos();
+        private long cpu = startCpu;
+        private long idle;
+
+        Wait(int number, long limitNanos) {
+            this.number = number;
+            this.limitNanos = limitNanos;
+        }
+
+        void untilAnswered(VesperLog log) throws HostLost {
+            for (long last = start; reply.get() != number; ) {
+                if (!process.isAlive()) {
+                    throw lost(ending(), false, log);
+                }
+                long now = System.nanoTime();
+                countIdle(now - last);
+                last = now;
+                if (cpu - startCpu + idle >= limitNanos
+                        || now - start >= MOST_WALL * limitNanos) {
+                    kill();
+                    throw lost("no answer within " + limitNanos / 1_000_000 + " ms", true, log);
+                }
+                reply.await(number - 1, LOOK_NANOS);
+            }
+        }
+
+        /** A host that waits for a processor is not idle: other processes keep it from working. */
+        private void countIdle(long elapsed) {
+            long before = cpu;
+            cpu = Math.max(before, group.cpuNanos());
+            if (cpu - before < IDLE_NANOS && !group.isRunnable()) {
+                idle += elapsed;
+            }
+        }
+    }
+
+    private HostLost lost(String how, boolean late, VesperLog log) {
+        passLog(log);
+        List<Long> running = new ArrayList<>();
+        for (int thread = 0; thread < MAX_THREADS; thread++) {
+            long law = control.segment().get(JAVA_LONG, RUNNING + (long) thread * Long.BYTES);
+            if (law != 0 && !running.contains(law)) {
+                running.add(law);
+            }
+        }
+        close();
+        return new HostLost(how, late, running);
+    }
+
+    private String ending() {
+        int code = process.exitValue();
+        return code > FIRST_SIGNAL
+                ? SIGNALS.getOrDefault(code - FIRST_SIGNAL, "signal " + (code - FIRST_SIGNAL))
+                : "exit code " + code;
+    }
+
+    /** Passes the log lines of the newest request to the client's log. */
+    private void passLog(VesperLog log) {
+        MemorySegment memory = control.segment();
+        MemorySegment lines =
+                memory.asSlice(LOG_LINES, MAILBOX - LOG_LINES)
+                        .asSlice(
+                                0,
+                                Math.clamp(
+                                        memory.get(JAVA_INT, LOG_USED), 0, MAILBOX - LOG_LINES));
+        Mailbox reader = new Mailbox(lines);
+        for (long read = 0; read < lines.byteSize(); ) {
+            int level = lines.get(JAVA_INT_UNALIGNED, read);
+            String line;
+            try {
+                reader.getInt();
+                line = reader.getText();
+            } catch (IndexOutOfBoundsException spoiled) {
+                break; // a law wrote here
+            }
+            log.log(LEVELS[Math.clamp(level, 1, LEVELS.length) - 1], OutputOfLaws.escaped(line));
+            read += 2 * Integer.BYTES + lines.get(JAVA_INT_UNALIGNED, read + Integer.BYTES);
+        }
+        int dropped = memory.get(JAVA_INT, LOG_DROPPED);
+        if (dropped > 0) {
+            log.log(
+                    System.Logger.Level.WARNING,
+                    dropped + " more log lines of this frame were dropped");
+        }
+        memory.set(JAVA_INT, LOG_USED, 0);
+        memory.set(JAVA_INT, LOG_DROPPED, 0);
+    }
+
+    boolean isAlive() {
+        return process.isAlive();
+    }
+
+    private void kill() {
+        group.kill();
+        try {
+            process.waitFor(1, TimeUnit.SECONDS);
+        } catch (InterruptedException e) {
+            Thread.currentThread().interrupt();
+        }
+    }
+
+    /** Ends the host and what its laws started. Idempotent. */
+    @Override
+    public void close() {
+        group.kill();
+        control.close();
+        if (arena.scope().isAlive()) {
+            arena.close();
+        }
+    }
+}

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.pe.hosted;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.pe.PreparedLibrary;
+import reve.pe.posix.SharedMemory;
+import reve.pe.vesper.LibraryFile;
+
+import java.lang.foreign.MemorySegment;
+
+/** The bytes of a law library, in memory that hosts can read. Nothing of it is open in this process. */
+final class HostedLibrary implements PreparedLibrary {
+    private final String source;
+    private final byte[] bytes;
+    private final String sha256;
+    private final SharedMemory memory;
+    private String name = "";
+    private @Nullable String gone;
+
+    /**
+     * @param source names the library in messages
+     */
+    HostedLibrary(String source, byte[] bytes) {
+        this.source = source;
+        this.bytes = bytes;
+        this.sha256 = LibraryFile.sha256(bytes);
+        this.memory = new SharedMemory("law library", Math.max(1, bytes.length));
+        MemorySegment.copy(
+                MemorySegment.ofArray(bytes), 0, memory.segment(), 0, bytes.length);
+    }
+
+    /** Sets the name in the library's own table. */
+    HostedLibrary named(String own) {
+        name = own;
+        return this;
+    }
+
+    String source() {
+        return source;
+    }
+
+    /** Adds the library to a request to open it. */
+    Mailbox put(Mailbox request) {
+        return request.putText(source).putInt(memory.descriptor()).putLong(bytes.length);
+    }
+
+    @Override
+    public String name() {
+        return name;
+    }
+
+    @Override
+    public String sha256() {
+        return sha256;
+    }
+
+    @Override
+    public byte[] bytes() {
+        return bytes;
+    }
+
+    /** Refuses a library that an engine has taken, or that was closed. */
+    synchronized void requireFree() {
+        if (gone != null) {
+            throw new IllegalStateException(
+                    "prepared library '" + name + "' was " + gone + "; prepare it again");
+        }
+    }
+
+    /** Marks the library as owned by an engine, which frees it. */
+    synchronized void taken() {
+        gone = "taken by an engine";
+    }
+
+    /** Frees the memory of a library that an engine had taken. */
+    void free() {
+        memory.close();
+    }
+
+    @Override
+    public synchronized void close() {
+        if (gone == null) {
+            gone = "closed";
+            free();
+        }
+    }
+}

@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.pe.hosted;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.pe.PhysicalProperty;
+import reve.pe.PhysicalPropertyProvider;
+import reve.pe.PhysicsException;
+import reve.pe.PropertyDescriptor;
+import reve.pe.Prototype;
+import reve.pe.ScalarType;
+import reve.pe.Status;
+
+import java.lang.foreign.MemorySegment;
+import java.util.HashSet;
+import java.util.LinkedHashMap;
+import java.util.LinkedHashSet;
+import java.util.Map;
+import java.util.Set;
+import java.util.function.ToIntFunction;
+
+/** The provider of a hosted engine: the arrays of the client, which each host maps. */
+final class HostedProvider implements PhysicalPropertyProvider {
+    private static final int NO_DESCRIPTOR = -1;
+
+    private final HostedEngine engine;
+    private final ToIntFunction<MemorySegment> descriptors;
+    private final Map<String, PropertyDescriptor> properties = new LinkedHashMap<>();
+    private final Map<String, Arrays> bound = new LinkedHashMap<>();
+
+    /** Properties whose values the client edited, of which the host is told with the next call. */
+    private final Set<String> touched = new LinkedHashSet<>();
+
+    /** The properties whose arrays the current host has. */
+    private final Set<String> lent = new HashSet<>();
+
+    private MemorySegment.Scope[] lifetimes = {};
+
+    /** The bound arrays of a property. */
+    private record Arrays(
+            MemorySegment data,
+            long valueCount,
+            @Nullable MemorySegment indices,
+            long objectCount) {}
+
+    HostedProvider(
+            HostedEngine engine, Prototype prototype, ToIntFunction<MemorySegment> descriptors) {
+        this.engine = engine;
+        this.descriptors = descriptors;
+        prototype.properties().forEach(property -> properties.put(property.name(), property));
+    }
+
+    @Override
+    public void addPhysicalProperty(
+            String name,
+            MemorySegment data,
+            long valueCount,
+            @Nullable MemorySegment indices,
+            long objectCount) {
+        bind(Request.ADD, name, new Arrays(data, valueCount, indices, objectCount));
+    }
+
+    @Override
+    public void rebindPhysicalProperty(
+            String name,
+            MemorySegment data,
+            long valueCount,
+            @Nullable MemorySegment indices,
+            long objectCount) {
+        bind(Request.REBIND, name, new Arrays(data, valueCount, indices, objectCount));
+    }
+
+    private void bind(Request request, String name, Arrays arrays) {
+        PropertyDescriptor property = require(name);
+        if (property.type() != ScalarType.FIELD) {
+            checkArray(
+                    name,
+                    "data",
+                    arrays.data,
+                    arrays.valueCount,
+                    (long) property.components() * property.type().bytes());
+            if (arrays.indices != null) {
+                checkArray(name, "indices", arrays.indices, arrays.objectCount, Integer.BYTES);
+            }
+        }
+        engine.ask(host -> put(host.begin(requestFor(name, request)), name, arrays));
+        touched.remove(name);
+        lent.add(name);
+        bound.put(name, arrays);
+        collectLifetimes();
+    }
+
+    /** A new host may lack arrays that its predecessor had, because their memory is closed. */
+    private Request requestFor(String name, Request asked) {
+        return asked == Request.REBIND && bound.containsKey(name) && !lent.contains(name)
+                ? Request.ADD
+                : asked;
+    }
+
+    private void put(Mailbox to, String name, Arrays arrays) {
+        to.putText(name);
+        put(to, arrays.data);
+        to.putLong(arrays.valueCount);
+        put(to, arrays.indices);
+        to.putLong(arrays.objectCount);
+    }
+
+    private void put(Mailbox to, @Nullable MemorySegment memory) {
+        if (memory == null || memory.byteSize() == 0) {
+            to.putInt(NO_DESCRIPTOR).putLong(0);
+        } else {
+            to.putInt(descriptors.applyAsInt(memory)).putLong(memory.byteSize());
+        }
+    }
+
+    @Override
+    public void removePhysicalProperty(String name) {
+        require(name);
+        engine.ask(host -> host.begin(Request.REMOVE).putText(name));
+        touched.remove(name);
+        lent.remove(name);
+        bound.remove(name);
+        collectLifetimes();
+    }
+
+    @Override
+    public PhysicalProperty findPhysicalProperty(String name) {
+        PropertyDescriptor property = require(name);
+        Mailbox found = engine.ask(host -> host.begin(Request.FIND).putText(name));
+        return new PhysicalProperty(
+                name,
+                property.kind(),
+                property.type(),
+                property.components(),
+                property.lawAccess(),
+                found.getLong(),
+                found.getLong());
+    }
+
+    @Override
+    public void touch(String name) {
+        PropertyDescriptor property = require(name);
+        touched.add(name);
+        if (!bound.containsKey(name)
+                || property.refersTo() != null
+                || property.minimum() != Double.NEGATIVE_INFINITY) {
+            flushTouches(); // the engine may refuse the values
+        }
+    }
+
+    /** Notifies the host of edited values. */
+    void flushTouches() {
+        if (!touched.isEmpty()) {
+            try {
+                engine.ask(this::putTouched);
+            } finally {
+                touched.clear();
+            }
+        }
+    }
+
+    private void putTouched(HostProcess host) {
+        Mailbox request = host.begin(Request.TOUCH).putInt(touched.size());
+        touched.forEach(request::putText);
+    }
+
+    /** Lends the bound arrays to another host, which has none yet. */
+    void bindAll(HostedEngine.Calls host) throws HostLost {
+        lent.clear();
+        for (Map.Entry<String, Arrays> entry : bound.entrySet()) {
+            if (!isDead(entry.getValue())) {
+                host.call(to -> put(to.begin(Request.ADD), entry.getKey(), entry.getValue()));
+                lent.add(entry.getKey());
+            }
+        }
+        touched.clear();
+    }
+
+    /** Throws if the client closed memory that the engine still uses. */
+    void checkArraysAlive() {
+        for (MemorySegment.Scope lifetime : lifetimes) {
+            if (!lifetime.isAlive()) {
+                throw new IllegalStateException(
+                        "memory lent to the engine was closed;"
+                                + " rebind or remove the property first: "
+                                + bound.entrySet().stream()
+                                        .filter(entry -> isDead(entry.getValue()))
+                                        .map(Map.Entry::getKey)
+                                        .sorted()
+                                        .toList());
+            }
+        }
+    }
+
+    private static boolean isDead(Arrays arrays) {
+        return !arrays.data.scope().isAlive()
+                || arrays.indices != null && !arrays.indices.scope().isAlive();
+    }
+
+    private void collectLifetimes() {
+        Set<MemorySegment.Scope> scopes = new LinkedHashSet<>();
+        for (Arrays arrays : bound.values()) {
+            scopes.add(arrays.data.scope());
+            if (arrays.indices != null) {
+                scopes.add(arrays.indices.scope());
+            }
+        }
+        lifetimes = scopes.toArray(MemorySegment.Scope[]::new);
+    }
+
+    private PropertyDescriptor require(String name) {
+        engine.checkOpen();
+        PropertyDescriptor property = properties.get(name);
+        if (property == null) {
+            throw new PhysicsException(
+                    Status.NOT_FOUND,
+                    0,
+                    "",
+                    "",
+                    name,
+                    -1,
+                    "property '" + name + "' is not in the engine's prototype");
+        }
+        return property;
+    }
+
+    private static void checkArray(
+            String property, String what, MemorySegment segment, long count, long bytesEach) {
+        if (count < 0 || count > Long.MAX_VALUE / bytesEach) {
+            throw new IllegalArgumentException(
+                    property
+                            + ": "
+                            + what
+                            + " has a count of "
+                            + count
+                            + ", expected 0 or more that fit into memory");
+        }
+        if (!segment.isNative()) {
+            throw new IllegalArgumentException(
+                    property + ": " + what + " is heap memory, expected shared memory");
+        }
+        if (segment.byteSize() < count * bytesEach) {
+            throw new IllegalArgumentException(
+                    property
+                            + ": "
+                            + what
+                            + " has "
+                            + segment.byteSize()
+                            + " bytes, expected at least "
+                            + count * bytesEach
+                            + " ("
+                            + count
+                            + " x "
+                            + bytesEach
+                            + ")");
+        }
+    }
+}

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.pe.hosted;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.pe.posix.SharedMemory;
+
+import java.lang.foreign.MemorySegment;
+import java.lang.foreign.ValueLayout;
+import java.util.ArrayList;
+import java.util.Arrays;
+import java.util.List;
+
+/**
+ * The state of the engine that is in no column, as of the last successful call that changed it. A
+ * host writes it into shared memory, and this object copies it to memory that no host can reach.
+ */
+final class KeptState {
+    private static final long FIRST_BYTES = 1 << 16;
+
+    private SharedMemory shared = new SharedMemory("vesper-host state", FIRST_BYTES);
+    private byte[] copy = {};
+    private int size;
+    private long steps;
+
+    /** Libraries that were unloaded since, and whose state is therefore left out. */
+    private final List<String> left = new ArrayList<>();
+
+    /** Shows the shared memory to a host. */
+    void lend(HostedEngine.Calls host) throws HostLost {
+        host.call(
+                to ->
+                        to.begin(Request.STATE_MEMORY)
+                                .putInt(shared.descriptor())
+                                .putLong(shared.segment().byteSize()));
+    }
+
+    /** Asks a host for its state, and keeps it. */
+    void keep(HostedEngine.Calls host) throws HostLost {
+        while (!keep(host.call(to -> to.begin(Request.SAVE_STATE)))) {
+            lend(host);
+        }
+    }
+
+    /**
+     * Keeps the state to which a reply refers.
+     *
+     * @return false if it did not fit into the shared memory, which is larger now
+     */
+    boolean keep(Mailbox reply) {
+        steps = reply.getLong();
+        long bytes = reply.getLong();
+        if (reply.getInt() == 0) {
+            SharedMemory larger =
+                    new SharedMemory(
+                            "vesper-host state", Math.max(bytes, 2 * shared.segment().byteSize()));
+            shared.close();
+            shared = larger;
+            return false;
+        }
+        size = Math.toIntExact(bytes);
+        if (copy.length < size) {
+            copy = new byte[Math.max(size, 2 * copy.length)];
+        }
+        MemorySegment.copy(shared.segment(), ValueLayout.JAVA_BYTE, 0, copy, 0, size);
+        left.clear();
+        return true;
+    }
+
+    /** Gives a new host the kept state, if there is one. */
+    void restore(HostedEngine.Calls host) throws HostLost {
+        if (size > 0) {
+            load(Arrays.copyOf(copy, size), left, host);
+        }
+        keep(host);
+    }
+
+    /** Makes a host load a state. */
+    void load(byte[] state, List<String> without, HostedEngine.Calls host) throws HostLost {
+        if (shared.segment().byteSize() < state.length) {
+            shared.close();
+            shared = new SharedMemory("vesper-host state", state.length);
+            lend(host);
+        }
+        MemorySegment.copy(state, 0, shared.segment(), ValueLayout.JAVA_BYTE, 0, state.length);
+        host.call(
+                to -> {
+                    Mailbox request =
+                            to.begin(Request.LOAD_STATE)
+                                    .putLong(state.length)
+                                    .putInt(without.size());
+                    without.forEach(request::putText);
+                });
+    }
+
+    /** Leaves the state of a library out, which was unloaded without a host. */
+    void leave(String library) {
+        left.add(library);
+    }
+
+    long steps() {
+        return steps;
+    }
+
+    byte[] bytes() {
+        return Arrays.copyOf(copy, size);
+    }
+
+    void close() {
+        shared.close();
+    }
+}

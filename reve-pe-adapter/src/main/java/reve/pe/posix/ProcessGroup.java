@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.pe.posix;
+
+import java.io.IOException;
+import java.nio.file.Files;
+import java.nio.file.Path;
+
+/** A child process that leads a process group of its own. Linux only; any thread. */
+public final class ProcessGroup {
+    private static final int SIGKILL = 9;
+    private static final int CPUCLOCK_SCHED = 2;
+
+    private final int leader;
+    private final Path status;
+
+    /**
+     * @param leader id of the process
+     */
+    public ProcessGroup(long leader) {
+        this.leader = Math.toIntExact(leader);
+        this.status = Path.of("/proc/" + leader + "/stat");
+    }
+
+    /** Kills the process and those that it started, unless they left the group. */
+    public void kill() {
+        Posix.kill(-leader, SIGKILL);
+        Posix.kill(leader, SIGKILL);
+    }
+
+    /** Returns the processor time of all threads of the process [ns]; negative after its end. */
+    public long cpuNanos() {
+        return Posix.clockNanos((~leader << 3) | CPUCLOCK_SCHED);
+    }
+
+    /** Returns whether the main thread runs, or could run if it had a processor. */
+    public boolean isRunnable() {
+        try {
+            String text = Files.readString(status);
+            int state = text.lastIndexOf(')') + 2;
+            return state < text.length() && text.charAt(state) == 'R';
+        } catch (IOException ended) {
+            return false;
+        }
+    }
+}

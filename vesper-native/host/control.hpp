@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// The memory that a host shares with its client, and how the two wait for each other.
+//
+// The client writes a request into the mailbox, raises `request` and wakes the host. The host
+// writes the reply into the mailbox, sets `reply` to the same number and wakes the client. At any
+// time one of the two may use the mailbox. Neither spins. The client's side is
+// reve.pe.hosted.Exchange in Java, with the same offsets.
+#pragma once
+
+#include <linux/futex.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+
+namespace vesper::host {
+
+inline constexpr uint32_t kMagic = 0x31484F56;  // "VOH1", little-endian
+inline constexpr uint32_t kMaxThreads = 256;    // as in vesper_engine_config
+inline constexpr size_t kControlSize = size_t{1} << 20;
+inline constexpr size_t kLogSize = 60 << 10;
+inline constexpr size_t kMailboxOffset = size_t{64} << 10;
+inline constexpr size_t kMailboxSize = kControlSize - kMailboxOffset;
+
+/// The first part of the shared memory; the mailbox follows at kMailboxOffset.
+struct Control {
+  uint32_t magic;
+  alignas(64) std::atomic<uint32_t> request;  // number of the newest request
+  alignas(64) std::atomic<uint32_t> reply;    // number of the newest answered request
+  alignas(64) uint64_t running[kMaxThreads];  // as in vesper_engine_config
+  alignas(64) uint32_t log_used;              // bytes of `log` that this request filled
+  uint32_t log_dropped;                       // lines of this request that did not fit
+  char log[kLogSize];  // for each line its level and length (uint32_t each) and its text
+};
+static_assert(sizeof(Control) <= kMailboxOffset);
+static_assert(offsetof(Control, request) == 64 && offsetof(Control, reply) == 128 &&
+              offsetof(Control, running) == 192 && offsetof(Control, log_used) == 2240 &&
+              offsetof(Control, log) == 2248);
+
+inline std::byte* Mailbox(Control& control) {
+  return reinterpret_cast<std::byte*>(&control) + kMailboxOffset;
+}
+
+/// Sleeps until the word differs from `seen`, and returns it.
+inline uint32_t AwaitChange(std::atomic<uint32_t>& word, uint32_t seen) {
+  uint32_t now;
+  while ((now = word.load(std::memory_order_acquire)) == seen) {
+    syscall(SYS_futex, &word, FUTEX_WAIT, seen, nullptr, nullptr, 0);
+  }
+  return now;
+}
+
+/// Sets the word and wakes the process that waits for it.
+inline void Announce(std::atomic<uint32_t>& word, uint32_t value) {
+  word.store(value, std::memory_order_release);
+  syscall(SYS_futex, &word, FUTEX_WAKE, 1, nullptr, nullptr, 0);
+}
+
+}  // namespace vesper::host

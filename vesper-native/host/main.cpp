@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// vesper-host: a physics engine in a process of its own.
+//
+// A client starts it with its own process id, a descriptor of its memory for the exchange (see
+// control.hpp), and the limit of the host's private memory [bytes]. The engine uses the client's
+// columns in place. The host ends with its client, and keeps nothing outside its memory.
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+
+#include "columns.hpp"
+#include "control.hpp"
+#include "isolation.hpp"
+#include "service.hpp"
+
+namespace {
+
+void Serve(int client, uint32_t descriptor) {
+  const vesper::host::Mapping memory(client, descriptor, vesper::host::kControlSize, true);
+  auto& control = *reinterpret_cast<vesper::host::Control*>(memory.data());
+  control.magic = vesper::host::kMagic;
+  vesper::host::Service service(client, control);
+  for (uint32_t seen = 0;;) {
+    seen = vesper::host::AwaitChange(control.request, seen);
+    service.Answer();
+    vesper::host::Announce(control.reply, seen);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 4) {
+    std::fprintf(stderr, "vesper-host is started by a client of the engine, not by hand\n");
+    return 2;
+  }
+  const int client = std::atoi(argv[1]);
+  vesper::host::Isolate(std::strtoull(argv[3], nullptr, 10));
+  vesper::host::FollowClient(client);
+  try {
+    Serve(client, static_cast<uint32_t>(std::strtoul(argv[2], nullptr, 10)));
+  } catch (const std::exception& failure) {
+    std::fprintf(stderr, "vesper-host: %s\n", failure.what());
+    return 1;
+  }
+}

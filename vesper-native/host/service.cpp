@@ -1,0 +1,406 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "service.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+#include <deque>
+#include <exception>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "isolation.hpp"
+
+namespace vesper::host {
+namespace {
+
+constexpr uint32_t kNoDescriptor = UINT32_MAX;
+constexpr size_t kMaxLine = 1024;
+
+/// The failure of a call of engine.h, whose error is in the service.
+struct Refused {
+  vesper_status status;
+};
+
+void Check(vesper_status status) {
+  if (status != VESPER_OK) throw Refused{status};
+}
+
+/// A prototype with the strings that it points to.
+class ReceivedPrototype {
+ public:
+  explicit ReceivedPrototype(Reader& request) {
+    prototype_.struct_size = sizeof prototype_;
+    prototype_.name = Keep(request.Text());
+    prototype_.real_type = request.Value<uint32_t>();
+    prototype_.time_unit = request.Unit();
+    properties_.resize(request.Value<uint32_t>());
+    for (vesper_property_descriptor& property : properties_) property = Descriptor(request);
+    prototype_.property_count = static_cast<uint32_t>(properties_.size());
+    prototype_.properties = properties_.data();
+  }
+  ReceivedPrototype(const ReceivedPrototype&) = delete;
+  ReceivedPrototype& operator=(const ReceivedPrototype&) = delete;
+
+  const vesper_prototype& get() const { return prototype_; }
+  const std::vector<vesper_property_descriptor>& properties() const { return properties_; }
+
+ private:
+  vesper_property_descriptor Descriptor(Reader& request) {
+    vesper_property_descriptor property{};
+    property.struct_size = sizeof property;
+    property.name = Keep(request.Text());
+    property.kind = Keep(request.Text());
+    property.scalar_type = request.Value<uint32_t>();
+    property.components = request.Value<uint32_t>();
+    property.law_access = request.Value<uint32_t>();
+    property.unit = request.Unit();
+    property.refers_to = KeepUnlessEmpty(request.Text());
+    property.initial_from = KeepUnlessEmpty(request.Text());
+    property.has_minimum = request.Value<uint32_t>();
+    property.minimum = request.Value<double>();
+    property.doc = Keep(request.Text());
+    return property;
+  }
+  const char* Keep(std::string text) { return strings_.emplace_back(std::move(text)).c_str(); }
+  const char* KeepUnlessEmpty(std::string text) {
+    return text.empty() ? nullptr : Keep(std::move(text));
+  }
+
+  std::deque<std::string> strings_;
+  std::vector<vesper_property_descriptor> properties_;
+  vesper_prototype prototype_{};
+};
+
+/// Calls `visit` for each element of an array whose stride is the first element's struct_size.
+template <class T, class Visit>
+void ForEach(const T* first, uint32_t count, Visit&& visit) {
+  const auto* at = reinterpret_cast<const std::byte*>(first);
+  for (uint32_t i = 0; i < count; ++i, at += first->struct_size) {
+    T element{};
+    std::memcpy(&element, at, std::min<size_t>(sizeof element, first->struct_size));
+    visit(element);
+  }
+}
+
+}  // namespace
+
+void Service::Answer() {
+  control_.log_used = 0;
+  control_.log_dropped = 0;
+  std::byte* mailbox = Mailbox(control_);
+  uint32_t size;
+  std::memcpy(&size, mailbox, sizeof size);
+  const std::byte* begin = mailbox + sizeof size;
+  request_.assign(begin, begin + std::min<size_t>(size, kMailboxSize - sizeof size));
+  Writer reply(mailbox, kMailboxSize);
+  reply.Value(int32_t{VESPER_OK});
+  try {
+    Dispatch(Reader(request_.data(), request_.size()), reply);
+    return;
+  } catch (const Refused& refused) {
+    error_.status = refused.status;
+  } catch (const std::exception& failure) {
+    error_ = {};
+    error_.status = VESPER_INTERNAL;
+    error_.law_index = VESPER_NO_LAW;
+    error_.row = VESPER_NO_ROW;
+    std::snprintf(error_.message, sizeof error_.message, "vesper-host: %s", failure.what());
+  }
+  reply.Restart();
+  reply.Value(int32_t{error_.status});
+  reply.Value(error_);
+}
+
+void Service::Dispatch(Reader request, Writer& reply) {
+  const auto number = static_cast<Request>(request.Value<uint32_t>());
+  if (engine_ == nullptr && number != Request::kCreate) {
+    throw std::runtime_error("the first request must create the engine");
+  }
+  switch (number) {
+    case Request::kCreate:
+      return Create(request);
+    case Request::kAdd:
+      return Bind(request, false);
+    case Request::kRebind:
+      return Bind(request, true);
+    case Request::kRemove:
+      return Remove(request);
+    case Request::kFind:
+      return Find(request, reply);
+    case Request::kTouch:
+      return Touch(request);
+    case Request::kPrepare:
+      return Prepare(request, reply);
+    case Request::kLoad:
+      return Load(request, reply);
+    case Request::kUnload:
+      return Unload(request, reply);
+    case Request::kLaws:
+      return Laws(request, reply);
+    case Request::kAdvance:
+      return Advance(request, reply);
+    case Request::kClearFault:
+      return Check(vesper_engine_clear_fault(engine_.get(), &error_));
+    case Request::kMoveRow:
+      return MoveRow(request);
+    case Request::kSetStepCount: {
+      const auto steps = request.Value<uint64_t>();
+      const auto dt = request.Value<double>();
+      return Check(vesper_engine_set_step_count(engine_.get(), steps, dt, &error_));
+    }
+    case Request::kStateHash: {
+      uint64_t hash = 0;
+      Check(vesper_engine_state_hash(engine_.get(), &hash, &error_));
+      return reply.Value(hash);
+    }
+    case Request::kStateMemory: {
+      const auto descriptor = request.Value<uint32_t>();
+      state_ = Mapping(client_, descriptor, request.Value<uint64_t>(), true);
+      return;
+    }
+    case Request::kSaveState:
+      return SaveState(reply);
+    case Request::kLoadState:
+      return LoadState(request);
+    case Request::kSetLedger:
+      return Check(vesper_engine_set_ledger(engine_.get(), request.Value<uint32_t>(), &error_));
+    case Request::kLedger:
+      return Ledger(request, reply);
+  }
+  throw std::runtime_error("unknown request " + std::to_string(static_cast<uint32_t>(number)));
+}
+
+void Service::Create(Reader& request) {
+  vesper_engine_config_init(&config_);
+  config_.threads = request.Value<uint32_t>();
+  config_.validate = request.Value<uint32_t>();
+  config_.touches = 1;
+  config_.probe_path = "";  // this process is the disposable one
+  config_.log = Log;
+  config_.log_user = this;
+  config_.running = control_.running;
+  const ReceivedPrototype prototype(request);
+  for (const vesper_property_descriptor& property : prototype.properties()) {
+    if ((property.law_access & VESPER_ACCUMULATE) != 0) accumulators_.emplace_back(property.name);
+  }
+  vesper_engine* engine = nullptr;
+  Check(vesper_engine_create(&config_, &prototype.get(), &engine, &error_));
+  engine_.reset(engine);
+  ProtectColumns();
+}
+
+void Service::Bind(Reader& request, bool rebind) {
+  const std::string name = request.Text();
+  const auto descriptor = request.Value<uint32_t>();
+  const auto size = request.Value<uint64_t>();
+  const auto value_count = request.Value<uint64_t>();
+  const auto index_descriptor = request.Value<uint32_t>();
+  const auto index_size = request.Value<uint64_t>();
+  const auto object_count = request.Value<uint64_t>();
+  Columns::Arrays arrays;
+  if (descriptor != kNoDescriptor) {
+    arrays.data = Mapping(client_, descriptor, size, columns_.IsWritable(name));
+  }
+  if (index_descriptor != kNoDescriptor) {
+    arrays.indices = Mapping(client_, index_descriptor, index_size, false);
+  }
+  const auto bind = rebind ? vesper_provider_rebind_physical_property
+                           : vesper_provider_add_physical_property;
+  Check(bind(provider(), name.c_str(), arrays.data.data(), value_count,
+             reinterpret_cast<const uint32_t*>(arrays.indices.data()), object_count, &error_));
+  columns_.Replace(name, std::move(arrays));
+}
+
+void Service::Remove(Reader& request) {
+  const std::string name = request.Text();
+  Check(vesper_provider_remove_physical_property(provider(), name.c_str(), &error_));
+  columns_.Remove(name);
+}
+
+void Service::Find(Reader& request, Writer& reply) {
+  const std::string name = request.Text();
+  vesper_property found{};
+  found.struct_size = sizeof found;
+  Check(vesper_provider_find_physical_property(provider(), name.c_str(), &found, &error_));
+  reply.Value(found.row_count);
+  reply.Value(found.version);
+}
+
+void Service::Touch(Reader& request) {
+  for (auto left = request.Value<uint32_t>(); left > 0; --left) {
+    const std::string name = request.Text();
+    const char* names[] = {name.c_str()};
+    Check(vesper_provider_touch(provider(), names, 1, &error_));
+  }
+}
+
+vesper_prepared_library* Service::Open(Reader& request) {
+  const std::string source = request.Text();
+  const auto descriptor = request.Value<uint32_t>();
+  const Mapping bytes(client_, descriptor, request.Value<uint64_t>(), false);
+  vesper_prepared_library* prepared = nullptr;
+  Check(vesper_library_prepare_bytes(&config_, bytes.data(), bytes.size(), source.c_str(),
+                                     &prepared, &error_));
+  return prepared;
+}
+
+void Service::Prepare(Reader& request, Writer& reply) {
+  vesper_prepared_library* prepared = Open(request);
+  reply.Text(vesper_library_name(prepared));
+  vesper_library_discard(prepared);
+}
+
+void Service::Load(Reader& request, Writer& reply) {
+  reply.Value(CountThreads());
+  vesper_prepared_library* prepared = Open(request);
+  std::vector<std::pair<std::string, double>> given(request.Value<uint32_t>());
+  for (auto& [name, value] : given) {
+    name = request.Text();
+    value = request.Value<double>();
+  }
+  std::vector<vesper_parameter> parameters;
+  for (const auto& [name, value] : given) {
+    parameters.push_back({sizeof(vesper_parameter), 0, name.c_str(), value});
+  }
+  vesper_library_id id = 0;
+  const vesper_status status =
+      vesper_engine_load_prepared(engine_.get(), prepared, parameters.data(),
+                                  static_cast<uint32_t>(parameters.size()), &id, &error_);
+  if (status != VESPER_OK) vesper_library_discard(prepared);
+  Check(status);
+  libraries_.push_back(id);
+  ProtectColumns();
+  reply.Value(id);
+  WriteLaws(id, reply);
+}
+
+void Service::Unload(Reader& request, Writer& reply) {
+  const auto id = request.Value<vesper_library_id>();
+  Check(vesper_engine_unload_physics_law(engine_.get(), id, &error_));
+  std::erase(libraries_, id);
+  ProtectColumns();
+  reply.Value(CountThreads());
+}
+
+void Service::Laws(Reader& request, Writer& reply) {
+  WriteLaws(request.Value<vesper_library_id>(), reply);
+}
+
+/// Writes the laws of a library: a 1 before each, a 0 after the last.
+void Service::WriteLaws(vesper_library_id library, Writer& reply) {
+  vesper_law_info info{};
+  info.struct_size = sizeof info;
+  for (uint32_t i = 0; vesper_engine_law_info(engine_.get(), library, i, &info, nullptr) == 0;
+       ++i) {
+    reply.Value(uint32_t{1});
+    for (const char* text : {info.library, info.name, info.version, info.doc}) reply.Text(text);
+    reply.Value(info.phase);
+    reply.Value(info.stages);
+    reply.Value(info.use_count);
+    ForEach(info.uses, info.use_count, [&](const vesper_property_use& use) {
+      reply.Text(use.name);
+      reply.Text(use.kind);
+      reply.Value(use.scalar_type);
+      reply.Value(use.components);
+      reply.Value(use.access);
+      reply.Unit(use.unit);
+      reply.Value(use.flags);
+    });
+    reply.Value(info.parameter_count);
+    ForEach(info.parameters, info.parameter_count, [&](const vesper_parameter_desc& parameter) {
+      reply.Text(parameter.name);
+      reply.Unit(parameter.unit);
+    });
+    reply.Value(info.calls);
+    reply.Value(info.nanoseconds);
+  }
+  reply.Value(uint32_t{0});
+}
+
+/// Makes writable what loaded laws write, and the accumulators, which the engine writes itself.
+void Service::ProtectColumns() {
+  std::set<std::string> written(accumulators_.begin(), accumulators_.end());
+  vesper_law_info info{};
+  info.struct_size = sizeof info;
+  for (const vesper_library_id id : libraries_) {
+    for (uint32_t i = 0; vesper_engine_law_info(engine_.get(), id, i, &info, nullptr) == 0; ++i) {
+      ForEach(info.uses, info.use_count, [&](const vesper_property_use& use) {
+        if ((use.access & VESPER_WRITE) != 0) written.insert(use.name);
+      });
+    }
+  }
+  columns_.SetWritable(std::move(written));
+}
+
+void Service::Advance(Reader& request, Writer& reply) {
+  const auto dt = request.Value<double>();
+  const auto steps = request.Value<uint32_t>();
+  Check(vesper_engine_advance(engine_.get(), dt, steps, &error_));
+  SaveState(reply);
+}
+
+void Service::MoveRow(Reader& request) {
+  const std::string kind = request.Text();
+  const auto from = request.Value<uint64_t>();
+  const auto to = request.Value<uint64_t>();
+  Check(vesper_engine_move_row(engine_.get(), kind.c_str(), from, to, &error_));
+}
+
+/// Writes the state to the client's memory and replies with the step count, the size of the state
+/// and 1; or, if the state does not fit, with its size and 0.
+void Service::SaveState(Writer& reply) {
+  const auto save = [&] {
+    return state_size_ <= state_.size()
+               ? vesper_engine_save_state(engine_.get(), state_.data(), state_size_, nullptr)
+               : VESPER_INVALID_ARGUMENT;
+  };
+  // The size changes only with laws and rows, so that of the last state usually fits.
+  vesper_status saved = state_size_ == 0 ? VESPER_INVALID_ARGUMENT : save();
+  if (saved != VESPER_OK) {
+    Check(vesper_engine_state_size(engine_.get(), &state_size_, &error_));
+    saved = save();
+  }
+  reply.Value(vesper_engine_step_count(engine_.get()));
+  reply.Value(state_size_);
+  reply.Value(uint32_t{saved == VESPER_OK});
+}
+
+void Service::LoadState(Reader& request) {
+  auto size = request.Value<uint64_t>();
+  if (size > state_.size()) throw std::runtime_error("a saved state is cut");
+  for (auto left = request.Value<uint32_t>(); left > 0; --left) {
+    const std::string library = request.Text();
+    Check(vesper_saved_state_remove_library(state_.data(), &size, library.c_str(), &error_));
+  }
+  Check(vesper_engine_load_state(engine_.get(), state_.data(), size, &error_));
+}
+
+void Service::Ledger(Reader& request, Writer& reply) {
+  for (auto left = request.Value<uint32_t>(); left > 0; --left) {
+    const auto library = request.Value<vesper_library_id>();
+    const auto line = request.Value<uint32_t>();
+    vesper_ledger_entry entry{};
+    entry.struct_size = sizeof entry;
+    Check(vesper_engine_ledger(engine_.get(), library, line, &entry, &error_));
+    reply.Value(entry);
+  }
+}
+
+void Service::Log(void* user, uint32_t level, const char* message) {
+  Control& control = static_cast<Service*>(user)->control_;
+  const auto length = static_cast<uint32_t>(strnlen(message, kMaxLine));
+  const size_t size = 2 * sizeof(uint32_t) + length;
+  if (control.log_used > kLogSize || size > kLogSize - control.log_used) {
+    ++control.log_dropped;
+    return;
+  }
+  char* at = control.log + control.log_used;
+  std::memcpy(at, &level, sizeof level);
+  std::memcpy(at + sizeof level, &length, sizeof length);
+  std::memcpy(at + 2 * sizeof level, message, length);
+  control.log_used += static_cast<uint32_t>(size);
+}
+
+}  // namespace vesper::host

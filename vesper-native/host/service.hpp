@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+// The requests that a host answers: the functions of engine.h, one request each.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "columns.hpp"
+#include "control.hpp"
+#include "message.hpp"
+#include "vesper/engine.h"
+
+namespace vesper::host {
+
+/// Numbers of requests. reve.pe.hosted.Request in Java has the same ones.
+enum class Request : uint32_t {
+  kCreate = 1,
+  kAdd,
+  kRebind,
+  kRemove,
+  kFind,
+  kTouch,
+  kPrepare,
+  kLoad,
+  kUnload,
+  kLaws,
+  kAdvance,
+  kClearFault,
+  kMoveRow,
+  kSetStepCount,
+  kStateHash,
+  kStateMemory,
+  kSaveState,
+  kLoadState,
+  kSetLedger,
+  kLedger,
+};
+
+/// One engine and its answers to requests. A reply begins with a status (int32_t). After a failure
+/// the `vesper_error` follows, after success what the request asks for.
+class Service {
+ public:
+  Service(int client, Control& control) : client_(client), control_(control) {}
+  Service(const Service&) = delete;
+  Service& operator=(const Service&) = delete;
+
+  /// Answers the request in the mailbox.
+  void Answer();
+
+ private:
+  struct EngineDeleter {
+    void operator()(vesper_engine* engine) const { vesper_engine_destroy(engine); }
+  };
+
+  void Dispatch(Reader request, Writer& reply);
+  void Create(Reader& request);
+  void Bind(Reader& request, bool rebind);
+  void Remove(Reader& request);
+  void Find(Reader& request, Writer& reply);
+  void Touch(Reader& request);
+  void Prepare(Reader& request, Writer& reply);
+  void Load(Reader& request, Writer& reply);
+  void Unload(Reader& request, Writer& reply);
+  void Laws(Reader& request, Writer& reply);
+  void Advance(Reader& request, Writer& reply);
+  void MoveRow(Reader& request);
+  void SaveState(Writer& reply);
+  void LoadState(Reader& request);
+  void Ledger(Reader& request, Writer& reply);
+
+  vesper_prepared_library* Open(Reader& request);
+  void WriteLaws(vesper_library_id library, Writer& reply);
+  void ProtectColumns();
+  vesper_provider* provider() { return vesper_engine_property_provider(engine_.get()); }
+  static void Log(void* user, uint32_t level, const char* message);
+
+  int client_;
+  Control& control_;
+  std::vector<std::byte> request_;  // a copy, because the reply overwrites the mailbox
+  Columns columns_;                 // outlives the engine
+  std::vector<std::string> accumulators_;
+  vesper_engine_config config_{};
+  std::unique_ptr<vesper_engine, EngineDeleter> engine_;
+  std::vector<vesper_library_id> libraries_;  // in load order
+  Mapping state_;                             // where the client reads saved states
+  uint64_t state_size_ = 0;                   // of the newest saved state
+  vesper_error error_{};
+};
+
+}  // namespace vesper::host
