@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Implementation of engine.h: each function checks pointers, catches exceptions, and calls the
 // engine.
+#include <algorithm>
 #include <cinttypes>
 #include <cstring>
 #include <memory>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "engine.hpp"
@@ -146,7 +149,48 @@ vesper_status vesper_library_prepare(const vesper_engine_config* config, const c
 void vesper_library_discard(vesper_prepared_library* prepared) noexcept { delete prepared; }
 
 const char* vesper_library_name(const vesper_prepared_library* prepared) noexcept {
-  return prepared == nullptr ? nullptr : prepared->table().name;
+  return prepared == nullptr ? nullptr : prepared->name();
+}
+
+vesper_status vesper_library_prepare_text(const char* source, const char* text, uint64_t size,
+                                          vesper_prepared_library** out,
+                                          vesper_error* error) noexcept {
+  return Guarded(error, [&] {
+    Required(out, "out");
+    Required(text, "text");
+    if (size > vesper::text::kMaxText) {
+      throw Failure(VESPER_LIBRARY_LOAD_FAILED, "%s: has %" PRIu64 " bytes, a text has at most %zu",
+                    source == nullptr ? "text" : source, size, vesper::text::kMaxText);
+    }
+    *out = new vesper_prepared_library(source == nullptr ? "text" : source,
+                                       std::string(text, static_cast<size_t>(size)));
+  });
+}
+
+vesper_status vesper_library_table(vesper_prepared_library* prepared,
+                                   const vesper_prototype* prototype,
+                                   const vesper_law_library** out, vesper_error* error) noexcept {
+  return Guarded(error, [&] {
+    Required(out, "out");
+    *out = &Required(prepared, "prepared")
+                .TableFor(vesper::Prototype(Required(prototype, "prototype")));
+  });
+}
+
+vesper_status vesper_text_check(const vesper_prototype* prototype, const char* source,
+                                const char* text, uint64_t size, char* report, uint64_t capacity,
+                                vesper_error* error) noexcept {
+  return Guarded(error, [&] {
+    Required(text, "text");
+    char* out = &Required(report, "report");
+    if (capacity == 0) throw Failure(VESPER_INVALID_ARGUMENT, "capacity is 0, expected 1 or more");
+    const std::string problems = vesper::text::Report(
+        source == nullptr ? "text" : source, std::string_view(text, static_cast<size_t>(size)),
+        vesper::Prototype(Required(prototype, "prototype")));
+    const size_t length = std::min<size_t>(problems.size(), capacity - 1);
+    std::memcpy(out, problems.data(), length);
+    out[length] = '\0';
+  });
 }
 
 vesper_status vesper_engine_load_prepared(vesper_engine* engine, vesper_prepared_library* prepared,

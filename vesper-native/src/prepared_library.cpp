@@ -11,6 +11,8 @@
 #include <cinttypes>
 #include <cstddef>
 #include <cstdio>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "elf_file.hpp"
@@ -29,18 +31,24 @@ Failure LoadFailure(const std::string& source, const char* what) {
   return Failure(VESPER_LIBRARY_LOAD_FAILED, "%s: %s", source.c_str(), what);
 }
 
+constexpr std::string_view kTextEnding = ".law";
+
 /// Returns the file for a bare name, from the first folder of the law path that contains it.
 std::string Search(const std::string& law_path, const std::string& name) {
-  if (!IsValidName(name.c_str())) {
+  const bool is_text = name.ends_with(kTextEnding);
+  const std::string bare = is_text ? name.substr(0, name.size() - kTextEnding.size()) : name;
+  if (!IsValidName(bare.c_str())) {
     throw Failure(VESPER_INVALID_ARGUMENT,
                   "law library '%.60s': a name is letters, digits, '_' and '-'; a path holds a '/'",
                   name.c_str());
   }
-  const std::string file = "libvesper_law_" + name + ".so";
+  const std::string file = is_text ? name : "libvesper_law_" + name + ".so";
   for (size_t begin = 0; begin < law_path.size();) {
     const size_t end = std::min(law_path.find(':', begin), law_path.size());
     const std::string candidate = law_path.substr(begin, end - begin) + "/" + file;
     if (end > begin && access(candidate.c_str(), F_OK) == 0) return candidate;
+    const std::string text = law_path.substr(begin, end - begin) + "/" + bare;
+    if (end > begin && access((text + ".law").c_str(), F_OK) == 0) return text + ".law";
     begin = end + 1;
   }
   throw Failure(VESPER_NOT_FOUND, "no %s in the law path '%s'", file.c_str(), law_path.c_str());
@@ -124,9 +132,7 @@ std::string LoaderMessage(const std::string& private_path) {
 
 }  // namespace
 
-SealedCopy::SealedCopy(const Config& config, const std::string& library) {
-  const bool is_path = library.find('/') != std::string::npos;
-  const std::string file = is_path ? library : Search(config.law_path, library);
+SealedCopy::SealedCopy(const std::string& file) {
   source_ = ShortPath(file);
   const std::vector<std::byte> bytes = ReadStable(file, source_);
   CheckSharedObject(bytes, source_);
@@ -141,8 +147,7 @@ SealedCopy::SealedCopy(const Config& config, const std::string& library) {
   path_ = "/proc/self/fd/" + std::to_string(memory_.get());
 }
 
-MappedLibrary::MappedLibrary(const Config& config, const std::string& library)
-    : copy_(config, library) {
+MappedLibrary::MappedLibrary(const Config& config, const std::string& file) : copy_(file) {
   ProbeLibrary(config, copy_);
   const FloatingPointGuard guard;
   handle_ = dlopen(copy_.path().c_str(), RTLD_NOW | RTLD_LOCAL);
@@ -173,3 +178,33 @@ LawTable MappedLibrary::Table() const {
 }
 
 }  // namespace vesper
+
+vesper_prepared_library::vesper_prepared_library(const vesper::Config& config,
+                                                 const std::string& library) {
+  using namespace vesper;
+  const bool is_path = library.find('/') != std::string::npos;
+  const std::string file = is_path ? library : Search(config.law_path, library);
+  if (!file.ends_with(kTextEnding)) {
+    mapped_ = std::make_unique<MappedLibrary>(config, file);
+    tables_.push_back(std::make_unique<LawTable>(mapped_->Table()));
+    return;
+  }
+  const std::vector<std::byte> bytes = ReadStable(file, ShortPath(file));
+  text_ = std::make_unique<text::TextLibrary>(
+      file.substr(file.rfind('/') + 1),
+      std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+}
+
+vesper_prepared_library::vesper_prepared_library(std::string source, std::string text)
+    : text_(std::make_unique<vesper::text::TextLibrary>(std::move(source), std::move(text))) {}
+
+const char* vesper_prepared_library::name() const {
+  return text_ != nullptr ? text_->name().c_str() : tables_.front()->library().name;
+}
+
+const vesper_law_library& vesper_prepared_library::TableFor(const vesper::Prototype& prototype) {
+  if (text_ == nullptr) return tables_.front()->library();
+  tables_.push_back(
+      std::make_unique<vesper::LawTable>(&text_->TableFor(prototype), text_->name().c_str()));
+  return tables_.back()->library();
+}

@@ -2,11 +2,15 @@
 // A law library between its file and its engine.
 #pragma once
 
+#include <memory>
 #include <string>
+#include <vector>
 
 #include "config.hpp"
 #include "descriptor.hpp"
 #include "law_table.hpp"
+#include "prototype.hpp"
+#include "text_library.hpp"
 #include "vesper/engine.h"
 
 namespace vesper {
@@ -15,8 +19,7 @@ namespace vesper {
 /// remains and no process can change it.
 class SealedCopy {
  public:
-  /// Copies `library`, given as in vesper_library_prepare.
-  SealedCopy(const Config& config, const std::string& library);
+  explicit SealedCopy(const std::string& file);
 
   int fd() const { return memory_.get(); }
   /// Returns the path under which the loader finds the copy. No two living copies share a path.
@@ -35,7 +38,7 @@ class SealedCopy {
 /// The copy as mapped by the loader. Unmaps it at destruction.
 class MappedLibrary {
  public:
-  MappedLibrary(const Config& config, const std::string& library);
+  MappedLibrary(const Config& config, const std::string& file);
   ~MappedLibrary();
   MappedLibrary(const MappedLibrary&) = delete;
   MappedLibrary& operator=(const MappedLibrary&) = delete;
@@ -50,14 +53,19 @@ class MappedLibrary {
 
 }  // namespace vesper
 
-/// A library that was probed, mapped and checked, but belongs to no engine yet.
+/// A library that was checked, but belongs to no engine yet: a mapped file or a text.
 struct vesper_prepared_library {
-  vesper_prepared_library(const vesper::Config& config, const std::string& library)
-      : mapped_(config, library), table_(mapped_.Table()) {}
+  /// Opens `library`, given as in vesper_library_prepare.
+  vesper_prepared_library(const vesper::Config& config, const std::string& library);
+  vesper_prepared_library(std::string source, std::string text);
 
-  const vesper_law_library& table() const { return table_.library(); }
+  const char* name() const;
+  /// Returns the table, which lives as long as this object. That of a text is compiled for the
+  /// prototype.
+  const vesper_law_library& TableFor(const vesper::Prototype& prototype);
 
  private:
-  vesper::MappedLibrary mapped_;
-  vesper::LawTable table_;
+  std::unique_ptr<vesper::MappedLibrary> mapped_;
+  std::unique_ptr<vesper::text::TextLibrary> text_;
+  std::vector<std::unique_ptr<vesper::LawTable>> tables_;
 };

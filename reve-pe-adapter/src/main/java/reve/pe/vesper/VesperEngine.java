@@ -40,6 +40,9 @@ import java.util.stream.Collectors;
  * on other threads.
  */
 public final class VesperEngine implements PhysicsEngine {
+    /** Maximum size of a report about a text [bytes]; more is cut off. */
+    private static final int MAX_REPORT = 16_384;
+
     private final Arena arena = Arena.ofShared();
     private final Prototype prototype;
     private final List<Path> lawPath;
@@ -133,11 +136,75 @@ public final class VesperEngine implements PhysicsEngine {
     public PreparedLibrary prepare(Path file) {
         checkOpen();
         try {
+            if (file.getFileName().toString().endsWith(PreparedLibrary.TEXT_ENDING)) {
+                return prepareText(file.getFileName().toString(), readText(file));
+            }
             return prepareUnchanged(file.toAbsolutePath());
         } catch (IOException e) {
             throw new PhysicsException(
                     Status.LIBRARY_LOAD_FAILED, file + " cannot be read: " + e.getMessage());
         }
+    }
+
+    @Override
+    public PreparedLibrary prepareText(String source, byte[] text) {
+        checkOpen();
+        try (Arena call = Arena.ofConfined()) {
+            MemorySegment handle = call.allocate(ADDRESS);
+            VesperErrors failure = new VesperErrors(call, id -> null);
+            int status =
+                    VesperLibrary.libraryPrepareText(
+                            VesperStrings.write(call, source),
+                            copy(call, text),
+                            handle,
+                            failure.segment());
+            if (status != 0) {
+                throw withReport(source, text, failure.exception(status));
+            }
+            return new VesperPreparedLibrary(handle.get(ADDRESS, 0), text, source);
+        }
+    }
+
+    @Override
+    public String checkText(String source, byte[] text) {
+        checkOpen();
+        try (Arena call = Arena.ofConfined()) {
+            MemorySegment report = call.allocate(MAX_REPORT);
+            VesperErrors failure = new VesperErrors(call, id -> null);
+            failure.check(
+                    VesperLibrary.textCheck(
+                            VesperPrototypes.write(call, prototype),
+                            VesperStrings.write(call, source),
+                            copy(call, text),
+                            report,
+                            failure.segment()));
+            return VesperStrings.readInline(report, 0, MAX_REPORT).stripTrailing();
+        }
+    }
+
+    private static MemorySegment copy(Arena arena, byte[] text) {
+        MemorySegment copy = arena.allocate(Math.max(1, text.length));
+        MemorySegment.copy(text, 0, copy, JAVA_BYTE, 0, text.length);
+        return copy.asSlice(0, text.length);
+    }
+
+    /** Returns the refusal of a text with all problems and their lines, if it has any. */
+    private PhysicsException withReport(String source, byte[] text, PhysicsException refusal) {
+        String report = checkText(source, text);
+        return report.isEmpty() ? refusal : new PhysicsException(refusal.status(), report);
+    }
+
+    private static byte[] readText(Path file) throws IOException {
+        if (Files.size(file) > PreparedLibrary.MAX_TEXT_BYTES) {
+            throw new PhysicsException(
+                    Status.LIBRARY_LOAD_FAILED,
+                    file
+                            + " has "
+                            + Files.size(file)
+                            + " bytes, expected a law text of at most "
+                            + PreparedLibrary.MAX_TEXT_BYTES);
+        }
+        return Files.readAllBytes(file);
     }
 
     @Override
@@ -150,14 +217,18 @@ public final class VesperEngine implements PhysicsEngine {
                             + "' was prepared by another kind of engine");
         }
         try (Arena call = Arena.ofConfined()) {
-            errors.check(
+            int status =
                     VesperLibrary.engineLoadPrepared(
                             engine,
                             library.handle(),
                             writeParameters(call, parameters),
                             parameters.size(),
                             out,
-                            errors.segment()));
+                            errors.segment());
+            if (status != 0 && library.source() != null) {
+                throw withReport(library.source(), library.bytes(), errors.exception(status));
+            }
+            errors.check(status);
         }
         library.taken();
         int id = out.get(JAVA_INT, 0);
@@ -329,7 +400,7 @@ public final class VesperEngine implements PhysicsEngine {
                         Status.LIBRARY_LOAD_FAILED,
                         file + " changed while it was being read; try again when it is complete");
             }
-            return new VesperPreparedLibrary(prepared, bytes);
+            return new VesperPreparedLibrary(prepared, bytes, null);
         } catch (IOException | RuntimeException e) {
             VesperLibrary.libraryDiscard(prepared);
             throw e;
