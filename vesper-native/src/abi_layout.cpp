@@ -81,6 +81,7 @@ constexpr vesper_layout_entry kLayout[] = {
     FIELD(vesper_host, context),
     FIELD(vesper_host, log),
     FIELD(vesper_host, parallel_for),
+    FIELD(vesper_host, user),
 
     STRUCT(vesper_step),
     FIELD(vesper_step, struct_size),
@@ -156,6 +157,7 @@ constexpr vesper_layout_entry kLayout[] = {
     FIELD(vesper_law_library, field_count),
     FIELD(vesper_law_library, reserved1),
     FIELD(vesper_law_library, fields),
+    FIELD(vesper_law_library, user),
 
     STRUCT(vesper_provided_property),
     FIELD(vesper_provided_property, struct_size),

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Implementation of engine.h: each function checks pointers, catches exceptions, and calls the
 // engine.
+#include <algorithm>
 #include <cinttypes>
 #include <cstring>
 #include <memory>
+#include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "engine.hpp"
@@ -140,8 +144,7 @@ vesper_status vesper_library_prepare(const vesper_engine_config* config, const c
   return Guarded(error, [&] {
     Required(out, "out");
     const Config checked(config);
-    *out = new vesper_prepared_library(checked,
-                                       vesper::SealedCopy(checked, &Required(library, "library")));
+    *out = new vesper_prepared_library(checked, &Required(library, "library"));
   });
 }
 
@@ -153,15 +156,56 @@ vesper_status vesper_library_prepare_bytes(const vesper_engine_config* config, c
     Required(out, "out");
     const Config checked(config);
     const auto* first = &Required(static_cast<const std::byte*>(bytes), "bytes");
-    *out = new vesper_prepared_library(
-        checked, vesper::SealedCopy({first, size}, &Required(source, "source")));
+    *out = new vesper_prepared_library(checked, std::span(first, static_cast<size_t>(size)),
+                                       &Required(source, "source"));
   });
 }
 
 void vesper_library_discard(vesper_prepared_library* prepared) noexcept { delete prepared; }
 
 const char* vesper_library_name(const vesper_prepared_library* prepared) noexcept {
-  return prepared == nullptr ? nullptr : prepared->table().name;
+  return prepared == nullptr ? nullptr : prepared->name();
+}
+
+vesper_status vesper_library_prepare_text(const char* source, const char* text, uint64_t size,
+                                          vesper_prepared_library** out,
+                                          vesper_error* error) noexcept {
+  return Guarded(error, [&] {
+    Required(out, "out");
+    Required(text, "text");
+    if (size > vesper::text::kMaxText) {
+      throw Failure(VESPER_LIBRARY_LOAD_FAILED, "%s: has %" PRIu64 " bytes, a text has at most %zu",
+                    source == nullptr ? "text" : source, size, vesper::text::kMaxText);
+    }
+    *out = new vesper_prepared_library(source == nullptr ? "text" : source,
+                                       std::string(text, static_cast<size_t>(size)));
+  });
+}
+
+vesper_status vesper_library_table(vesper_prepared_library* prepared,
+                                   const vesper_prototype* prototype,
+                                   const vesper_law_library** out, vesper_error* error) noexcept {
+  return Guarded(error, [&] {
+    Required(out, "out");
+    *out = &Required(prepared, "prepared")
+                .TableFor(vesper::Prototype(Required(prototype, "prototype")));
+  });
+}
+
+vesper_status vesper_text_check(const vesper_prototype* prototype, const char* source,
+                                const char* text, uint64_t size, char* report, uint64_t capacity,
+                                vesper_error* error) noexcept {
+  return Guarded(error, [&] {
+    Required(text, "text");
+    char* out = &Required(report, "report");
+    if (capacity == 0) throw Failure(VESPER_INVALID_ARGUMENT, "capacity is 0, expected 1 or more");
+    const std::string problems = vesper::text::Report(
+        source == nullptr ? "text" : source, std::string_view(text, static_cast<size_t>(size)),
+        vesper::Prototype(Required(prototype, "prototype")));
+    const size_t length = std::min<size_t>(problems.size(), capacity - 1);
+    std::memcpy(out, problems.data(), length);
+    out[length] = '\0';
+  });
 }
 
 vesper_status vesper_engine_load_prepared(vesper_engine* engine, vesper_prepared_library* prepared,
@@ -181,7 +225,7 @@ vesper_status vesper_engine_load_physics_law(vesper_engine* engine, const char* 
     vesper_engine& target = Required(engine, "engine");
     auto prepared =
         std::make_unique<vesper_prepared_library>(
-            target.config(), vesper::SealedCopy(target.config(), &Required(library, "library")));
+            target.config(), &Required(library, "library"));
     id = target.Load(*prepared, parameters, count);
     prepared.release();
   });

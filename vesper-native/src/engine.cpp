@@ -234,7 +234,7 @@ void vesper_engine::Touch(const char* const* names, uint32_t count) {
 vesper_library_id vesper_engine::Load(vesper_prepared_library& prepared,
                                       const vesper_parameter* parameters, uint32_t count) {
   const Turn turn(*this);
-  const vesper_law_library& table = prepared.table();
+  const vesper_law_library& table = prepared.TableFor(prototype_);
   for (const auto& library : libraries_) {
     if (library->name() != table.name) continue;
     throw Failure(VESPER_ALREADY_EXISTS, "library %s is loaded already; unload it first",

@@ -51,6 +51,7 @@ LawLibrary::~LawLibrary() {
 
 void LawLibrary::Create(const vesper_law_library& table,
                         const std::vector<std::vector<double>>& parameters) {
+  host_.user = table.user;
   if (table.open != nullptr) {
     const std::string label = "library " + name_;
     vesper_suite* suite = nullptr;

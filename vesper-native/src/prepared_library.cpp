@@ -11,6 +11,8 @@
 #include <cinttypes>
 #include <cstddef>
 #include <cstdio>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "elf_file.hpp"
@@ -35,18 +37,24 @@ Failure TooLarge(const std::string& source, uint64_t size) {
                  size, kMaxLibrarySize);
 }
 
+constexpr std::string_view kTextEnding = ".law";
+
 /// Returns the file for a bare name, from the first folder of the law path that contains it.
 std::string Search(const std::string& law_path, const std::string& name) {
-  if (!IsValidName(name.c_str())) {
+  const bool is_text = name.ends_with(kTextEnding);
+  const std::string bare = is_text ? name.substr(0, name.size() - kTextEnding.size()) : name;
+  if (!IsValidName(bare.c_str())) {
     throw Failure(VESPER_INVALID_ARGUMENT,
                   "law library '%.60s': a name is letters, digits, '_' and '-'; a path holds a '/'",
                   name.c_str());
   }
-  const std::string file = "libvesper_law_" + name + ".so";
+  const std::string file = is_text ? name : "libvesper_law_" + name + ".so";
   for (size_t begin = 0; begin < law_path.size();) {
     const size_t end = std::min(law_path.find(':', begin), law_path.size());
     const std::string candidate = law_path.substr(begin, end - begin) + "/" + file;
     if (end > begin && access(candidate.c_str(), F_OK) == 0) return candidate;
+    const std::string text = law_path.substr(begin, end - begin) + "/" + bare;
+    if (end > begin && access((text + ".law").c_str(), F_OK) == 0) return text + ".law";
     begin = end + 1;
   }
   throw Failure(VESPER_NOT_FOUND, "no %s in the law path '%s'", file.c_str(), law_path.c_str());
@@ -118,6 +126,13 @@ void WriteAll(int fd, std::span<const std::byte> bytes) {
   }
 }
 
+std::string TextOf(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+/// Returns whether the bytes begin as a shared object does.
+bool IsElf(std::span<const std::byte> bytes) { return TextOf(bytes).starts_with("\x7f" "ELF"); }
+
 /// Returns the loader's message without the private name of the copy.
 std::string LoaderMessage(const std::string& private_path) {
   const char* message = dlerror();
@@ -127,12 +142,6 @@ std::string LoaderMessage(const std::string& private_path) {
 }
 
 }  // namespace
-
-SealedCopy::SealedCopy(const Config& config, const std::string& library) {
-  const bool is_path = library.find('/') != std::string::npos;
-  const std::string file = is_path ? library : Search(config.law_path, library);
-  *this = SealedCopy(ReadStable(file, ShortPath(file)), file);
-}
 
 SealedCopy::SealedCopy(std::span<const std::byte> bytes, const std::string& source)
     : source_(ShortPath(source)) {
@@ -180,3 +189,46 @@ LawTable MappedLibrary::Table() const {
 }
 
 }  // namespace vesper
+
+vesper_prepared_library::vesper_prepared_library(const vesper::Config& config,
+                                                 const std::string& library) {
+  using namespace vesper;
+  const bool is_path = library.find('/') != std::string::npos;
+  const std::string file = is_path ? library : Search(config.law_path, library);
+  const std::vector<std::byte> bytes = ReadStable(file, ShortPath(file));
+  if (file.ends_with(kTextEnding)) {
+    text_ = std::make_unique<text::TextLibrary>(file.substr(file.rfind('/') + 1), TextOf(bytes));
+  } else {
+    Map(config, bytes, file);
+  }
+}
+
+vesper_prepared_library::vesper_prepared_library(const vesper::Config& config,
+                                                 std::span<const std::byte> bytes,
+                                                 const std::string& source) {
+  if (vesper::IsElf(bytes)) {
+    Map(config, bytes, source);
+  } else {
+    text_ = std::make_unique<vesper::text::TextLibrary>(source, vesper::TextOf(bytes));
+  }
+}
+
+vesper_prepared_library::vesper_prepared_library(std::string source, std::string text)
+    : text_(std::make_unique<vesper::text::TextLibrary>(std::move(source), std::move(text))) {}
+
+void vesper_prepared_library::Map(const vesper::Config& config, std::span<const std::byte> bytes,
+                                  const std::string& source) {
+  mapped_ = std::make_unique<vesper::MappedLibrary>(config, vesper::SealedCopy(bytes, source));
+  tables_.push_back(std::make_unique<vesper::LawTable>(mapped_->Table()));
+}
+
+const char* vesper_prepared_library::name() const {
+  return text_ != nullptr ? text_->name().c_str() : tables_.front()->library().name;
+}
+
+const vesper_law_library& vesper_prepared_library::TableFor(const vesper::Prototype& prototype) {
+  if (text_ == nullptr) return tables_.front()->library();
+  tables_.push_back(
+      std::make_unique<vesper::LawTable>(&text_->TableFor(prototype), text_->name().c_str()));
+  return tables_.back()->library();
+}

@@ -3,13 +3,16 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <span>
 #include <string>
-#include <utility>
+#include <vector>
 
 #include "config.hpp"
 #include "descriptor.hpp"
 #include "law_table.hpp"
+#include "prototype.hpp"
+#include "text_library.hpp"
 #include "vesper/engine.h"
 
 namespace vesper {
@@ -18,8 +21,6 @@ namespace vesper {
 /// remains and no process can change it.
 class SealedCopy {
  public:
-  /// Copies `library`, given as in vesper_library_prepare.
-  SealedCopy(const Config& config, const std::string& library);
   /// Copies `bytes` of a file that messages call `source`.
   SealedCopy(std::span<const std::byte> bytes, const std::string& source);
 
@@ -55,14 +56,25 @@ class MappedLibrary {
 
 }  // namespace vesper
 
-/// A library that was probed, mapped and checked, but belongs to no engine yet.
+/// A library that was checked, but belongs to no engine yet: a mapped file or a text.
 struct vesper_prepared_library {
-  vesper_prepared_library(const vesper::Config& config, vesper::SealedCopy copy)
-      : mapped_(config, std::move(copy)), table_(mapped_.Table()) {}
+  /// Opens `library`, given as in vesper_library_prepare.
+  vesper_prepared_library(const vesper::Config& config, const std::string& library);
+  /// Opens a shared object or a text from its bytes.
+  vesper_prepared_library(const vesper::Config& config, std::span<const std::byte> bytes,
+                          const std::string& source);
+  vesper_prepared_library(std::string source, std::string text);
 
-  const vesper_law_library& table() const { return table_.library(); }
+  const char* name() const;
+  /// Returns the table, which lives as long as this object. That of a text is compiled for the
+  /// prototype.
+  const vesper_law_library& TableFor(const vesper::Prototype& prototype);
 
  private:
-  vesper::MappedLibrary mapped_;
-  vesper::LawTable table_;
+  void Map(const vesper::Config& config, std::span<const std::byte> bytes,
+           const std::string& source);
+
+  std::unique_ptr<vesper::MappedLibrary> mapped_;
+  std::unique_ptr<vesper::text::TextLibrary> text_;
+  std::vector<std::unique_ptr<vesper::LawTable>> tables_;
 };

@@ -246,19 +246,40 @@ VESPER_API vesper_status vesper_provider_touch(vesper_provider* provider, const 
                                                uint32_t count, vesper_error* error) VESPER_NOEXCEPT;
 
 /** Opens a law library without an engine, on any thread. Searches a bare name `x` as
- *  `libvesper_law_x.so` in `config->law_path`, and uses a name that contains '/' as a path.
- *  Checks that the ELF file is complete and copies it to a private file named by its content.
+ *  `libvesper_law_x.so`, then as `x.law`, in each folder of `config->law_path`, and a name `x.law`
+ *  as this file; uses a name that contains '/' as a path. A file whose name ends in `.law` is a
+ *  text, see docs/laws-as-text.md. Otherwise
+ *  checks that the ELF file is complete and copies it to a private file named by its content.
  *  Opens the copy in a separate probe process, then in this process, and checks its tables. */
 VESPER_API vesper_status vesper_library_prepare(const vesper_engine_config* config,
                                                 const char* library, vesper_prepared_library** out,
                                                 vesper_error* error) VESPER_NOEXCEPT;
-/** Opens a law library from its bytes, which are copied, in the same way. `source` names it in
- *  messages. Since 1.1. */
+/** Opens a law library from its bytes, which are copied, in the same way. Bytes that are no shared
+ *  object are a text, as in vesper_library_prepare_text. `source` names it in messages. Since 1.1. */
 VESPER_API vesper_status vesper_library_prepare_bytes(const vesper_engine_config* config,
                                                       const void* bytes, uint64_t size,
                                                       const char* source,
                                                       vesper_prepared_library** out,
                                                       vesper_error* error) VESPER_NOEXCEPT;
+/** Opens a law library from a text of `size` bytes, on any thread; see docs/laws-as-text.md. A text
+ *  is safe by construction, so no probe process runs. `source` names the text in messages; null:
+ *  "text". Finds errors of syntax; names and units are checked when the library is loaded, because
+ *  they depend on the prototype. Since 1.2. */
+VESPER_API vesper_status vesper_library_prepare_text(const char* source, const char* text,
+                                                     uint64_t size, vesper_prepared_library** out,
+                                                     vesper_error* error) VESPER_NOEXCEPT;
+/** Returns in `out` the table of a prepared library. The table of a text depends on the prototype,
+ *  and this call checks the text against it; other libraries ignore `prototype`. The table lives as
+ *  long as `prepared`. Since 1.2. */
+VESPER_API vesper_status vesper_library_table(vesper_prepared_library* prepared,
+                                              const vesper_prototype* prototype,
+                                              const vesper_law_library** out,
+                                              vesper_error* error) VESPER_NOEXCEPT;
+/** Checks a text against a prototype and writes all problems to `report` (capacity), with the lines
+ *  concerned, NUL-terminated and cut off at `capacity`. Empty if the text is right. Since 1.2. */
+VESPER_API vesper_status vesper_text_check(const vesper_prototype* prototype, const char* source,
+                                           const char* text, uint64_t size, char* report,
+                                           uint64_t capacity, vesper_error* error) VESPER_NOEXCEPT;
 /** Closes a prepared library that was not loaded into an engine. Accepts null. */
 VESPER_API void vesper_library_discard(vesper_prepared_library* prepared) VESPER_NOEXCEPT;
 /** Returns the name in the library's own table. The string lives as long as `prepared` or the

@@ -54,6 +54,7 @@ typedef struct vesper_host {
    *  chooses the length. `body` must not throw and must not call the host. */
   void (*parallel_for)(void* context, uint64_t count, uint64_t grain,
                        void (*body)(void* user, uint64_t begin, uint64_t end), void* user);
+  const void* user; /**< The `user` of the table of the law's library. Since 1.2. */
 } vesper_host;
 
 /** One step, as passed to laws. Owned by the engine, valid during the call. */
@@ -204,6 +205,9 @@ typedef struct vesper_law_library {
   uint32_t field_count;
   uint32_t reserved1;
   const vesper_field_desc* fields; /**< (field_count). */
+  /** Passed to the laws in `vesper_host`; for tables that are made while a program runs, such as
+   *  those of laws as text. Since 1.2. */
+  const void* user;
 } vesper_law_library;
 
 /** The only exported symbol of a law library. The engine calls it once for each copy of the

@@ -26,7 +26,7 @@ extern "C" {
  *  `vesper_law_library`). */
 #define VESPER_ABI_MAJOR 1u
 /** Raised when a field or function is appended; a law may be older or newer than the engine. */
-#define VESPER_ABI_MINOR 1u
+#define VESPER_ABI_MINOR 2u
 /** Major and minor version in one number, the major one in the upper 16 bits. */
 #define VESPER_ABI_VERSION ((VESPER_ABI_MAJOR << 16) | VESPER_ABI_MINOR)
 

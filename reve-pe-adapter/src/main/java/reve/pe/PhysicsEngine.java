@@ -31,8 +31,27 @@ public interface PhysicsEngine extends AutoCloseable {
     /** Opens and checks a law library from a file, like {@link #prepare(String)}. */
     PreparedLibrary prepare(Path file);
 
+    /**
+     * Opens a law library from a text, see docs/laws-as-text.md. Finds errors of syntax; {@link
+     * #loadPhysicsLaw} checks names and units. The message of a refusal has a line for each
+     * problem, with the lines of the text. Any thread.
+     *
+     * @param source name of the text for messages, such as "wind.law"
+     * @param text in UTF-8
+     */
+    PreparedLibrary prepareText(String source, byte[] text);
+
+    /**
+     * Checks a text against the prototype of this engine, without loading it, and returns all
+     * problems with their lines; empty if there are none. Any thread.
+     */
+    String checkText(String source, byte[] text);
+
     /** Opens and checks a law library from its bytes, like {@link #prepare(String)}. */
     default PreparedLibrary prepare(byte[] library) {
+        if (PreparedLibrary.isText(library)) {
+            return prepareText("text", library);
+        }
         try {
             Path copy = Files.createTempFile("reve-law-", ".so");
             try {

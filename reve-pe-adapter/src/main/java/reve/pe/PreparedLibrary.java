@@ -10,6 +10,24 @@ public interface PreparedLibrary extends AutoCloseable {
     /** Maximum size of a law library [bytes]. */
     int MAX_BYTES = 1 << 28;
 
+    /** Maximum size of a law as text [bytes]. */
+    int MAX_TEXT_BYTES = 65_536;
+
+    /** End of the names of files with a law as text. */
+    String TEXT_ENDING = ".law";
+
+    /**
+     * Returns whether a library is a text, which is safe by construction, and not native code: such
+     * a library begins with the sign of ELF files.
+     */
+    static boolean isText(byte[] library) {
+        return library.length < 4
+                || library[0] != 0x7f
+                || library[1] != 'E'
+                || library[2] != 'L'
+                || library[3] != 'F';
+    }
+
     /** Returns the library's own name. */
     String name();
 

@@ -32,7 +32,7 @@ import java.util.stream.Stream;
  * and checks libraries; the world's thread only activates prepared ones, as commands of origin
  * {@value #ORIGIN}. Each refusal becomes one "fault" event.
  *
- * <p>Files whose name ends in ".so" count, once two scans found the same size and time. A file that
+ * <p>Files whose name ends in ".so" or ".law" count, once two scans found the same size and time. A file that
  * cannot be loaded is reported only if it is unchanged for some further scans, because it may still
  * be incomplete.
  */
@@ -168,10 +168,14 @@ public final class LawFolder implements AutoCloseable {
     private Map<String, Path> list() throws IOException {
         Map<String, Path> present = new TreeMap<>();
         try (Stream<Path> entries = Files.list(folder)) {
-            entries.filter(file -> file.getFileName().toString().endsWith(".so"))
+            entries.filter(file -> isLaw(file.getFileName().toString()))
                     .forEach(file -> present.put(file.getFileName().toString(), file));
         }
         return present;
+    }
+
+    private static boolean isLaw(String name) {
+        return name.endsWith(".so") || name.endsWith(PreparedLibrary.TEXT_ENDING);
     }
 
     private void lookAtMissing(String name, WatchedFile file) {

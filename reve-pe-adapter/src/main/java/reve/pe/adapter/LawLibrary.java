@@ -32,6 +32,11 @@ public record LawLibrary(String name, String sha256, Map<String, Double> paramet
         return new LawLibrary(name, sha256, all, bytes);
     }
 
+    /** Returns whether it is a text, and not native code. */
+    public boolean isText() {
+        return PreparedLibrary.isText(bytes);
+    }
+
     /** Returns whether both have the same bytes and the same parameters. */
     boolean isSame(LawLibrary other) {
         return sha256.equals(other.sha256) && parameters.equals(other.parameters);

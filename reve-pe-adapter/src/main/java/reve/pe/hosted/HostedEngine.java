@@ -11,6 +11,7 @@ import reve.pe.PhysicsLaw;
 import reve.pe.PreparedLibrary;
 import reve.pe.Prototype;
 import reve.pe.Status;
+import reve.pe.vesper.LawText;
 import reve.pe.vesper.LibraryFile;
 import reve.pe.vesper.VesperConfig;
 import reve.pe.vesper.VesperLog;
@@ -160,6 +161,9 @@ public final class HostedEngine implements PhysicsEngine {
     @Override
     public PreparedLibrary prepare(Path file) {
         try {
+            if (file.getFileName().toString().endsWith(PreparedLibrary.TEXT_ENDING)) {
+                return prepareText(file.getFileName().toString(), LawText.read(file));
+            }
             return prepare(file.toString(), LibraryFile.read(file));
         } catch (IOException e) {
             throw new PhysicsException(
@@ -169,7 +173,22 @@ public final class HostedEngine implements PhysicsEngine {
 
     @Override
     public PreparedLibrary prepare(byte[] library) {
-        return prepare("a law library", library);
+        return PreparedLibrary.isText(library)
+                ? prepareText("text", library)
+                : prepare("a law library", library);
+    }
+
+    @Override
+    public PreparedLibrary prepareText(String source, byte[] text) {
+        checkOpen();
+        String name = LawText.name(prototype, source, text);
+        return new HostedLibrary(source, text).named(name);
+    }
+
+    @Override
+    public String checkText(String source, byte[] text) {
+        checkOpen();
+        return LawText.check(prototype, source, text);
     }
 
     /** Opens the library, and creates and destroys its laws, in a host for this use only. */
@@ -226,7 +245,7 @@ public final class HostedEngine implements PhysicsEngine {
         Loaded added = new Loaded(nextId, library, parameters);
         try {
             Calls calls = calls(host(), REQUEST.toNanos(), config.log());
-            load(calls, added);
+            loadWithReport(calls, added);
             library.taken();
             libraries.put(added.id, added);
             nextId++;
@@ -242,6 +261,18 @@ public final class HostedEngine implements PhysicsEngine {
                             + lost.getMessage()
                             + " while it was loaded"
                             + (lost.late ? "" : "; the engine goes on in a new process"));
+        }
+    }
+
+    /** Loads a library; the refusal of a text has all its problems. */
+    private void loadWithReport(Calls calls, Loaded added) throws HostLost {
+        try {
+            load(calls, added);
+        } catch (PhysicsException refused) {
+            throw PreparedLibrary.isText(added.library.bytes())
+                    ? LawText.withReport(
+                            prototype, added.library.source(), added.library.bytes(), refused)
+                    : refused;
         }
     }
 

@@ -33,8 +33,16 @@ public final class LibraryFile {
         if (library.contains("/")) {
             return existing(library, List.of(Path.of(library)));
         }
-        String file = "libvesper_law_" + library + ".so";
-        return existing(library, lawPath.stream().map(folder -> folder.resolve(file)).toList());
+        String text = PreparedLibrary.TEXT_ENDING;
+        List<String> files =
+                library.endsWith(text)
+                        ? List.of(library)
+                        : List.of("libvesper_law_" + library + ".so", library + text);
+        return existing(
+                library,
+                lawPath.stream()
+                        .flatMap(folder -> files.stream().map(folder::resolve))
+                        .toList());
     }
 
     private static Path existing(String library, List<Path> candidates) {

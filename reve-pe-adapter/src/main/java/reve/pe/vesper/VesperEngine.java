@@ -34,12 +34,6 @@ import java.util.Map;
 import java.util.TreeMap;
 import java.util.stream.Collectors;
 
-/**
- * The Vesper engine. It uses the arrays of its provider in place, and {@link #advance} is one
- * native call. Before the engine is closed, close prepared libraries, and let {@code prepare} end
- * on other threads.
- */
-public final class VesperEngine implements PhysicsEngine {
     private final Arena arena = Arena.ofShared();
     private final Prototype prototype;
     private final List<Path> lawPath;
@@ -133,11 +127,26 @@ public final class VesperEngine implements PhysicsEngine {
     public PreparedLibrary prepare(Path file) {
         checkOpen();
         try {
+            if (file.getFileName().toString().endsWith(PreparedLibrary.TEXT_ENDING)) {
+                return prepareText(file.getFileName().toString(), LawText.read(file));
+            }
             return prepareUnchanged(file.toAbsolutePath());
         } catch (IOException e) {
             throw new PhysicsException(
                     Status.LIBRARY_LOAD_FAILED, file + " cannot be read: " + e.getMessage());
         }
+    }
+
+    @Override
+    public PreparedLibrary prepareText(String source, byte[] text) {
+        checkOpen();
+        return new VesperPreparedLibrary(LawText.prepare(prototype, source, text), text, source);
+    }
+
+    @Override
+    public String checkText(String source, byte[] text) {
+        checkOpen();
+        return LawText.check(prototype, source, text);
     }
 
     @Override
@@ -150,14 +159,19 @@ public final class VesperEngine implements PhysicsEngine {
                             + "' was prepared by another kind of engine");
         }
         try (Arena call = Arena.ofConfined()) {
-            errors.check(
+            int status =
                     VesperLibrary.engineLoadPrepared(
                             engine,
                             library.handle(),
                             writeParameters(call, parameters),
                             parameters.size(),
                             out,
-                            errors.segment()));
+                            errors.segment());
+            if (status != 0 && library.source() != null) {
+                throw LawText.withReport(
+                        prototype, library.source(), library.bytes(), errors.exception(status));
+            }
+            errors.check(status);
         }
         library.taken();
         int id = out.get(JAVA_INT, 0);
@@ -317,7 +331,7 @@ public final class VesperEngine implements PhysicsEngine {
         try {
             byte[] bytes = Files.readAllBytes(file);
             LibraryFile.requireUnchanged(file, before);
-            return new VesperPreparedLibrary(prepared, bytes);
+            return new VesperPreparedLibrary(prepared, bytes, null);
         } catch (IOException | RuntimeException e) {
             VesperLibrary.libraryDiscard(prepared);
             throw e;

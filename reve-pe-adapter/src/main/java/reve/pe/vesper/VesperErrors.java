@@ -56,7 +56,8 @@ final class VesperErrors {
         }
     }
 
-    private PhysicsException exception(int status) {
+    /** Returns the content of the error struct. */
+    PhysicsException exception(int status) {
         int library = segment.get(JAVA_INT, LIBRARY_ID);
         LibraryNames names = libraries.apply(library);
         return new PhysicsException(

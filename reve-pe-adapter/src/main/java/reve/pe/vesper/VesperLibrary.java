@@ -77,6 +77,26 @@ final class VesperLibrary {
             function("vesper_provider_touch", JAVA_INT, ADDRESS, ADDRESS, JAVA_INT, ADDRESS);
     private static final MethodHandle LIBRARY_PREPARE =
             function("vesper_library_prepare", JAVA_INT, ADDRESS, ADDRESS, ADDRESS, ADDRESS);
+    private static final MethodHandle LIBRARY_PREPARE_TEXT =
+            function(
+                    "vesper_library_prepare_text",
+                    JAVA_INT,
+                    ADDRESS,
+                    ADDRESS,
+                    JAVA_LONG,
+                    ADDRESS,
+                    ADDRESS);
+    private static final MethodHandle TEXT_CHECK =
+            function(
+                    "vesper_text_check",
+                    JAVA_INT,
+                    ADDRESS,
+                    ADDRESS,
+                    ADDRESS,
+                    JAVA_LONG,
+                    ADDRESS,
+                    JAVA_LONG,
+                    ADDRESS);
     private static final MethodHandle LIBRARY_DISCARD =
             procedure("vesper_library_discard", ADDRESS);
     private static final MethodHandle LIBRARY_NAME =
@@ -277,6 +297,37 @@ final class VesperLibrary {
             MemorySegment config, MemorySegment library, MemorySegment out, MemorySegment error) {
         try {
             return (int) LIBRARY_PREPARE.invokeExact(config, library, out, error);
+        } catch (Throwable t) {
+            throw rethrown(t);
+        }
+    }
+
+    static int libraryPrepareText(
+            MemorySegment source, MemorySegment text, MemorySegment out, MemorySegment error) {
+        try {
+            return (int)
+                    LIBRARY_PREPARE_TEXT.invokeExact(source, text, text.byteSize(), out, error);
+        } catch (Throwable t) {
+            throw rethrown(t);
+        }
+    }
+
+    static int textCheck(
+            MemorySegment prototype,
+            MemorySegment source,
+            MemorySegment text,
+            MemorySegment report,
+            MemorySegment error) {
+        try {
+            return (int)
+                    TEXT_CHECK.invokeExact(
+                            prototype,
+                            source,
+                            text,
+                            text.byteSize(),
+                            report,
+                            report.byteSize(),
+                            error);
         } catch (Throwable t) {
             throw rethrown(t);
         }

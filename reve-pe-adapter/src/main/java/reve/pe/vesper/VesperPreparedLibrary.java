@@ -12,10 +12,15 @@ final class VesperPreparedLibrary implements PreparedLibrary {
     private final String name;
     private final String sha256;
     private final byte[] bytes;
+    private final @Nullable String source;
     private @Nullable MemorySegment prepared;
 
-    VesperPreparedLibrary(MemorySegment prepared, byte[] bytes) {
+    /**
+     * @param source name of a text for messages; null for a compiled library
+     */
+    VesperPreparedLibrary(MemorySegment prepared, byte[] bytes, @Nullable String source) {
         this.prepared = prepared;
+        this.source = source;
         this.name = VesperStrings.read(VesperLibrary.libraryName(prepared));
         this.sha256 = LibraryFile.sha256(bytes);
         this.bytes = bytes;
@@ -34,6 +39,11 @@ final class VesperPreparedLibrary implements PreparedLibrary {
     @Override
     public byte[] bytes() {
         return bytes;
+    }
+
+    /** Returns the name of a text for messages; null for a compiled library. */
+    @Nullable String source() {
+        return source;
     }
 
     /** Returns the handle for C; throws after it was taken or closed. */

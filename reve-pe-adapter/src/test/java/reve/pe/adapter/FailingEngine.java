@@ -53,6 +53,16 @@ final class FailingEngine implements PhysicsEngine {
     }
 
     @Override
+    public PreparedLibrary prepareText(String source, byte[] text) {
+        return engine.prepareText(source, text);
+    }
+
+    @Override
+    public String checkText(String source, byte[] text) {
+        return engine.checkText(source, text);
+    }
+
+    @Override
     public PreparedLibrary prepare(Path file) {
         if (file.endsWith("odd.so")) {
             throw new IllegalStateException("odd name");

@@ -85,7 +85,7 @@ final class LawFiles {
             if (!Files.isDirectory(folder)) {
                 continue;
             }
-            try (DirectoryStream<Path> libraries = Files.newDirectoryStream(folder, "*.so")) {
+            try (DirectoryStream<Path> libraries = Files.newDirectoryStream(folder, "*.{so,law}")) {
                 for (Path library : libraries) {
                     if (Files.isRegularFile(library)
                             && Files.isReadable(library)

@@ -66,7 +66,12 @@ public record LawPath(
     }
 
     /** The file found for a name. */
-    public record Found(Path file, Origin origin) {}
+    public record Found(Path file, Origin origin) {
+        /** Returns whether it is a law as text, which is safe by construction. */
+        boolean isText() {
+            return file.toString().endsWith(PreparedLibrary.TEXT_ENDING);
+        }
+    }
 
     /** Returns a path of the shipped laws only. */
     public static LawPath ofShipped() {
@@ -86,14 +91,22 @@ public record LawPath(
      *     folder
      */
     public Found find(String name) {
-        String file = fileOf(name);
+        List<String> files = filesOf(name);
         for (Map.Entry<Path, Origin> place : operatorsPlaces().entrySet()) {
-            Path candidate = place.getKey().resolve(file);
-            if (Files.exists(candidate)) {
-                return new Found(candidate.toAbsolutePath(), place.getValue());
+            List<Path> candidates =
+                    files.stream()
+                            .map(place.getKey()::resolve)
+                            .filter(Files::exists)
+                            .map(Path::toAbsolutePath)
+                            .toList();
+            if (place.getValue() != Origin.SHIPPED) {
+                requireOne(name, candidates);
+            }
+            if (!candidates.isEmpty()) {
+                return new Found(candidates.getFirst(), place.getValue());
             }
         }
-        return worldsOwn(file)
+        return worldsOwn(name)
                 .map(own -> new Found(own, Origin.WORLD))
                 .orElseThrow(
                         () ->
@@ -109,7 +122,8 @@ public record LawPath(
     /** Returns whether the law is in the world's own folder and must not be opened. */
     public boolean needsTrust(String name) {
         try {
-            return !trusted && find(name).origin() == Origin.WORLD;
+            Found found = find(name);
+            return !trusted && found.origin() == Origin.WORLD && !found.isText();
         } catch (PhysicsException refused) {
             return false;
         }
@@ -122,7 +136,7 @@ public record LawPath(
                 + "' comes with the world, in "
                 + WORLDS_OWN
                 + "/"
-                + fileOf(name)
+                + filesOf(name).getFirst()
                 + ": native code, which runs with all of your rights and is opened only with "
                 + "--trust";
     }
@@ -134,7 +148,7 @@ public record LawPath(
     Optional<String> hidden(String name, Found found) {
         try {
             Optional<Path> own =
-                    found.origin() == Origin.WORLD ? Optional.empty() : worldsOwn(fileOf(name));
+                    found.origin() == Origin.WORLD ? Optional.empty() : worldsOwn(name);
             return own.isEmpty() || Files.mismatch(own.get(), found.file()) < 0
                     ? Optional.empty()
                     : Optional.of(
@@ -146,7 +160,7 @@ public record LawPath(
                                     + " comes first; give it a name of its own");
         } catch (IOException | PhysicsException unreadable) {
             return Optional.of(
-                    WORLDS_OWN + "/" + fileOf(name) + " is not used: " + unreadable.getMessage());
+                    WORLDS_OWN + "/" + name + " is not used: " + unreadable.getMessage());
         }
     }
 
@@ -157,7 +171,7 @@ public record LawPath(
      *     operator does not trust the world
      */
     PreparedLibrary prepare(PhysicsEngine engine, String name, Found found) {
-        if (found.origin() == Origin.WORLD && !trusted) {
+        if (found.origin() == Origin.WORLD && !trusted && !found.isText()) {
             throw new PhysicsException(Status.LIBRARY_LOAD_FAILED, untrusted(name));
         }
         return engine.prepare(found.file());
@@ -172,6 +186,9 @@ public record LawPath(
      */
     void requireOwnName(String name, Path file, byte[] library) {
         Path ships = shipped.resolve(PREFIX + name + SUFFIX);
+        if (!Files.exists(ships)) {
+            ships = shipped.resolve(name + PreparedLibrary.TEXT_ENDING);
+        }
         if (NAME.matcher(name).matches() && Files.exists(ships) && !holds(shipped, library)) {
             throw new PhysicsException(
                     Status.ALREADY_EXISTS,
@@ -191,7 +208,7 @@ public record LawPath(
      * @throws PhysicsException naming it
      */
     void requireKnown(LawLibrary library) {
-        if (!trusted && !isOperators(library) && !KnownLaws.contains(library.sha256())) {
+        if (!trusted && !library.isText() && !isOperators(library) && !KnownLaws.contains(library.sha256())) {
             throw new PhysicsException(
                     Status.LIBRARY_LOAD_FAILED,
                     "the law library '"
@@ -248,15 +265,54 @@ public record LawPath(
     private static List<String> namesIn(Path folder) {
         try (Stream<Path> files = Files.list(folder)) {
             return files.map(file -> file.getFileName().toString())
-                    .filter(file -> file.startsWith(PREFIX) && file.endsWith(SUFFIX))
-                    .map(file -> file.substring(PREFIX.length(), file.length() - SUFFIX.length()))
+                    .filter(
+                            file ->
+                                    (file.startsWith(PREFIX) && file.endsWith(SUFFIX))
+                                            || file.endsWith(PreparedLibrary.TEXT_ENDING))
+                    .map(
+                            file ->
+                                    file.startsWith(PREFIX)
+                                            ? file.substring(
+                                                    PREFIX.length(),
+                                                    file.length() - SUFFIX.length())
+                                            : file.substring(
+                                                    0,
+                                                    file.length()
+                                                            - PreparedLibrary.TEXT_ENDING
+                                                                    .length()))
                     .toList();
         } catch (IOException unreadable) {
             return List.of(); // an unreadable folder offers no suggestion
         }
     }
 
-    private static String fileOf(String name) {
+    /** Refuses two files for one name in a folder that does not ship. */
+    private static void requireOne(String name, List<Path> candidates) {
+        if (candidates.size() > 1) {
+            throw new PhysicsException(
+                    Status.ALREADY_EXISTS,
+                    "law '"
+                            + name
+                            + "' is there twice, as "
+                            + candidates.getFirst()
+                            + " and as "
+                            + candidates.getLast()
+                            + "; remove one of them, or write "
+                            + name
+                            + PreparedLibrary.TEXT_ENDING
+                            + " for the text");
+        }
+    }
+
+    /**
+     * Returns the names of the files for a law, the first before the others: the compiled library,
+     * then the text. A name that ends in ".law" is that text.
+     */
+    private static List<String> filesOf(String name) {
+        if (name.endsWith(PreparedLibrary.TEXT_ENDING)) {
+            filesOf(name.substring(0, name.length() - PreparedLibrary.TEXT_ENDING.length()));
+            return List.of(name);
+        }
         if (!NAME.matcher(name).matches()) {
             throw new PhysicsException(
                     Status.INVALID_ARGUMENT,
@@ -265,11 +321,18 @@ public record LawPath(
                             + "' is no name of a "
                             + "law: expected letters, digits, _ and -, 47 of them at most");
         }
-        return PREFIX + name + SUFFIX;
+        return List.of(PREFIX + name + SUFFIX, name + PreparedLibrary.TEXT_ENDING);
+    }
+
+    private Optional<Path> worldsOwn(String name) {
+        List<Path> found =
+                filesOf(name).stream().map(this::worldsOwnFile).flatMap(Optional::stream).toList();
+        requireOne(name, found);
+        return found.stream().findFirst();
     }
 
     /** Returns a regular file in the world's own folder. A link must not lead out of the folder. */
-    private Optional<Path> worldsOwn(String file) {
+    private Optional<Path> worldsOwnFile(String file) {
         if (world.isEmpty()
                 || !Files.exists(
                         world.get().resolve(WORLDS_OWN).resolve(file), LinkOption.NOFOLLOW_LINKS)) {

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.pe.vesper;
+
+import static java.lang.foreign.ValueLayout.ADDRESS;
+import static java.lang.foreign.ValueLayout.JAVA_BYTE;
+
+import reve.pe.PhysicsException;
+import reve.pe.PreparedLibrary;
+import reve.pe.Prototype;
+import reve.pe.Status;
+
+import java.io.IOException;
+import java.lang.foreign.Arena;
+import java.lang.foreign.MemorySegment;
+import java.nio.file.Files;
+import java.nio.file.Path;
+
+/** A law library that is a text. It is safe by construction, so no other process opens it first. */
+public final class LawText {
+
+    /** Maximum size of the report of all problems [bytes]. */
+    private static final int MAX_REPORT = 16_384;
+
+    private LawText() {}
+
+    /**
+     * Reads a text.
+     *
+     * @throws PhysicsException if it is too large
+     */
+    public static byte[] read(Path file) throws IOException {
+        if (Files.size(file) > PreparedLibrary.MAX_TEXT_BYTES) {
+            throw new PhysicsException(
+                    Status.LIBRARY_LOAD_FAILED,
+                    file
+                            + " has "
+                            + Files.size(file)
+                            + " bytes, expected a law text of at most "
+                            + PreparedLibrary.MAX_TEXT_BYTES);
+        }
+        return Files.readAllBytes(file);
+    }
+
+    /**
+     * Returns the name of the library.
+     *
+     * @param source name of the text for messages
+     * @throws PhysicsException with a line for each problem, if the syntax is wrong
+     */
+    public static String name(Prototype prototype, String source, byte[] text) {
+        MemorySegment prepared = prepare(prototype, source, text);
+        try {
+            return VesperStrings.read(VesperLibrary.libraryName(prepared));
+        } finally {
+            VesperLibrary.libraryDiscard(prepared);
+        }
+    }
+
+    /** Returns all problems of a text with their lines; empty if there are none. */
+    public static String check(Prototype prototype, String source, byte[] text) {
+        try (Arena call = Arena.ofConfined()) {
+            MemorySegment report = call.allocate(MAX_REPORT);
+            VesperErrors failure = new VesperErrors(call, id -> null);
+            failure.check(
+                    VesperLibrary.textCheck(
+                            VesperPrototypes.write(call, prototype),
+                            VesperStrings.write(call, source),
+                            copy(call, text),
+                            report,
+                            failure.segment()));
+            return VesperStrings.readInline(report, 0, MAX_REPORT).stripTrailing();
+        }
+    }
+
+    /** Opens a text; the caller discards the result, or gives it to an engine. */
+    static MemorySegment prepare(Prototype prototype, String source, byte[] text) {
+        try (Arena call = Arena.ofConfined()) {
+            MemorySegment handle = call.allocate(ADDRESS);
+            VesperErrors failure = new VesperErrors(call, id -> null);
+            int status =
+                    VesperLibrary.libraryPrepareText(
+                            VesperStrings.write(call, source),
+                            copy(call, text),
+                            handle,
+                            failure.segment());
+            if (status != 0) {
+                throw withReport(prototype, source, text, failure.exception(status));
+            }
+            return handle.get(ADDRESS, 0);
+        }
+    }
+
+    /** Returns the refusal of a text with all its problems and their lines, if it has any. */
+    public static PhysicsException withReport(
+            Prototype prototype, String source, byte[] text, PhysicsException refusal) {
+        String report = check(prototype, source, text);
+        return report.isEmpty() ? refusal : new PhysicsException(refusal.status(), report);
+    }
+
+    private static MemorySegment copy(Arena arena, byte[] text) {
+        MemorySegment copy = arena.allocate(Math.max(1, text.length));
+        MemorySegment.copy(text, 0, copy, JAVA_BYTE, 0, text.length);
+        return copy.asSlice(0, text.length);
+    }
+}

@@ -1,0 +1,430 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "evaluator.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "problem.hpp"
+
+namespace vesper::text {
+namespace {
+
+constexpr uint64_t kGrain = 16 * kBlock;  // rows of a chunk of a thread, at least
+
+template <class Body>
+void ParallelFor(const vesper_host& host, uint64_t count, uint64_t grain, Body& body) {
+  host.parallel_for(
+      host.context, count, grain,
+      [](void* user, uint64_t begin, uint64_t end) { (*static_cast<Body*>(user))(begin, end); },
+      &body);
+}
+
+}  // namespace
+
+template <class Real>
+Evaluator<Real>::Evaluator(const LawCode& law, std::string_view source, std::string_view text,
+                           const vesper_host& host, const double* parameters,
+                           const Kernels<Real>& kernels)
+    : law_(law),
+      source_(source),
+      text_(text),
+      host_(host),
+      kernels_(kernels),
+      parameters_(parameters, parameters + law.parameters.size()),
+      columns_(law.properties.size()),
+      places_(kPlaces) {
+  size_t constants = 0;
+  for (const PassCode& code : law.passes) {
+    Pass& pass = passes_.emplace_back(Pass{&code, Compile(law, code, false), std::nullopt});
+    if (code.energy != kNoNode) pass.energy = Compile(law, code, true);
+    for (const Program* program : {&pass.program, pass.energy ? &*pass.energy : nullptr}) {
+      if (program == nullptr) continue;
+      constants = std::max(constants, program->uniforms());
+    }
+  }
+  constants_.resize(constants);
+  size_t registers = 0;
+  for (const Pass& pass : passes_) {
+    registers = std::max<size_t>(registers, pass.program.registers);
+    if (pass.energy) registers = std::max<size_t>(registers, pass.energy->registers);
+  }
+  for (Place& place : places_) {
+    place.memory.assign(registers * (kBlock + kPadding) + kPadding, Real(0));
+    place.registers.resize(registers);
+    place.uniforms.resize(constants);
+    for (auto& rows : place.rows) rows.resize(kBlock);
+  }
+}
+
+template <class Real>
+void Evaluator<Real>::Bind(const vesper_property* properties) {
+  for (size_t i = 0; i < columns_.size(); ++i) {
+    const vesper_property& property = properties[i];
+    Column& column = columns_[i];
+    column = {};
+    column.count = property.row_count;
+    column.components = law_.properties[i].components;
+    if (law_.properties[i].is_reference) {
+      column.rows = static_cast<const uint32_t*>(property.data);
+    } else {
+      column.data = static_cast<Real*>(property.data);
+    }
+  }
+  uint64_t paired = 0;
+  size_t split = 0, sums = 0;
+  shares_ = 0;
+  for (const Pass& pass : passes_) {
+    if (pass.code->kind != BlockKind::kPairs) continue;
+    const uint64_t rows = RowsOf(pass.code->rows);
+    if (pass.code->within != kNoNode) {
+      neighbours_.Reserve(rows);
+      continue;
+    }
+    paired = std::max(paired, rows);
+    for (const Program* program : {&pass.program, pass.energy ? &*pass.energy : nullptr}) {
+      if (program == nullptr) continue;
+      split = std::max(split, program->loads.size() * 4);
+      sums = std::max(sums, program->results.size() * 4);
+    }
+  }
+  if (paired == 0) return;
+  shares_ = std::clamp<uint64_t>(paired / 1024, 1, kPlaces);
+  split_.assign(split, std::vector<Real>(paired + kBlock + kPadding));
+  sums_.assign(shares_ * sums, std::vector<Real>(paired + kBlock + kPadding));
+}
+
+template <class Real>
+uint64_t Evaluator<Real>::RowsOf(const std::string& kind) const {
+  for (size_t i = 0; i < columns_.size(); ++i) {
+    const bool present = columns_[i].data != nullptr || columns_[i].rows != nullptr;
+    if (law_.properties[i].kind == kind && present) return columns_[i].count;
+  }
+  return 0;
+}
+
+/// Points the registers to the memory of the place and fills those that are the same for all rows.
+template <class Real>
+void Evaluator<Real>::Prepare(Place& place, const Program& program) const {
+  for (size_t i = 0; i < place.registers.size(); ++i) {
+    place.registers[i] = place.memory.data() + i * (kBlock + kPadding);
+  }
+  for (const Fill& fill : program.fills) {
+    std::fill_n(place.registers[fill.to], kBlock + kPadding, place.uniforms[fill.from]);
+  }
+}
+
+template <class Real>
+void Evaluator<Real>::ComputeConstants(const Program& program, const vesper_step& step) {
+  const Graph& graph = law_.graph;
+  std::vector<double>& constants = constants_;
+  const auto value_of = [&](NodeId id) {
+    if (id == kNoNode) return 0.0;
+    const auto at = std::lower_bound(program.constants.begin(), program.constants.end(), id);
+    return constants[static_cast<size_t>(at - program.constants.begin())];
+  };
+  for (size_t i = 0; i < program.constants.size(); ++i) {
+    const Node& node = graph[program.constants[i]];
+    switch (node.operation) {
+      case Operation::kConstant:
+        constants[i] = node.value;
+        break;
+      case Operation::kParameter:
+        constants[i] = parameters_[node.index];
+        break;
+      case Operation::kTime:
+        constants[i] = step.time;
+        break;
+      case Operation::kStep:
+        constants[i] = step.dt;
+        break;
+      case Operation::kStage:
+        constants[i] = step.stage;
+        break;
+      case Operation::kLoad: {
+        const Column& column = columns_[node.load.property];
+        constants[i] = column.data == nullptr || column.count == 0
+                           ? 0
+                           : static_cast<double>(column.data[node.load.component]);
+        break;
+      }
+      default:
+        constants[i] = ComputeIn<double>(node.operation, value_of(node.a), value_of(node.b),
+                                         value_of(node.c));
+        break;
+    }
+  }
+}
+
+template <class Real>
+void Evaluator<Real>::FillUniforms(const Program& program, Place& place) const {
+  for (size_t i = 0; i < program.constants.size(); ++i) {
+    place.uniforms[i] = static_cast<Real>(constants_[i]);
+  }
+}
+
+template <class Real>
+void Evaluator<Real>::LoadRows(const Program& program, uint64_t begin, size_t count,
+                               Place& place) const {
+  Real* const* registers = place.registers.data();
+  for (const LoadGroup& group : program.loads) {
+    if (group.participant != kOwnRow) continue;
+    const Column& column = columns_[group.property];
+    if (column.data == nullptr) {
+      for (const uint16_t to : group.to) {
+        if (to != kNothing) std::fill_n(registers[to], kBlock + kPadding, Real(0));
+      }
+      continue;
+    }
+    const Real* from = column.data + begin * column.components;
+    if (column.components == 1) {
+      if (count == kBlock) {
+        place.registers[group.to[0]] = const_cast<Real*>(from);  // loads are never overwritten
+      } else {
+        place.registers[group.to[0]] =
+            place.memory.data() + group.to[0] * (kBlock + kPadding);
+        std::copy_n(from, count, place.registers[group.to[0]]);
+      }
+      continue;
+    }
+    if (column.components == 3 && group.to[0] != kNothing && group.to[1] != kNothing &&
+        group.to[2] != kNothing) {
+      kernels_.split3(from, count, registers[group.to[0]], registers[group.to[1]],
+                      registers[group.to[2]]);
+      continue;
+    }
+    for (uint32_t k = 0; k < column.components; ++k) {
+      if (group.to[k] == kNothing) continue;
+      for (size_t i = 0; i < count; ++i) registers[group.to[k]][i] = from[i * column.components + k];
+    }
+  }
+}
+
+template <class Real>
+void Evaluator<Real>::LoadParticipants(const Program& program, size_t count, Place& place) const {
+  for (const LoadGroup& group : program.loads) {
+    if (group.participant == kOwnRow) continue;
+    const Column& column = columns_[group.property];
+    const uint32_t* rows = place.rows[group.participant - kFirst].data();
+    for (uint32_t k = 0; k < column.components; ++k) {
+      if (group.to[k] == kNothing) continue;
+      Real* to = place.registers[group.to[k]];
+      if (column.data == nullptr) {
+        std::fill_n(to, count, Real(0));
+        continue;
+      }
+      for (size_t i = 0; i < count; ++i) to[i] = column.data[uint64_t{rows[i]} * column.components + k];
+    }
+  }
+}
+
+template <class Real>
+void Evaluator<Real>::StoreRows(const Program& program, uint64_t begin, size_t count,
+                                Place& place) const {
+  for (const ResultGroup& group : program.results) {
+    if (group.participant != kOwnRow) continue;
+    const Column& column = columns_[group.property];
+    if (column.data == nullptr) continue;
+    Real* to = column.data + begin * column.components;
+    const auto from = [&](size_t k) { return place.registers[group.from[k]]; };
+    const bool whole = group.from[0] != kNothing && group.from[1] != kNothing &&
+                       group.from[2] != kNothing;
+    if (column.components == 3 && whole) {
+      (group.add ? kernels_.add3 : kernels_.join3)(to, count, from(0), from(1), from(2));
+      continue;
+    }
+    if (column.components == 1) {
+      if (group.add) {
+        kernels_.add1(to, count, from(0));
+      } else {
+        std::memmove(to, from(0), count * sizeof(Real));
+      }
+      continue;
+    }
+    for (uint32_t k = 0; k < column.components; ++k) {
+      if (group.from[k] == kNothing) continue;
+      for (size_t i = 0; i < count; ++i) {
+        Real& value = to[i * column.components + k];
+        value = group.add ? value + from(k)[i] : from(k)[i];
+      }
+    }
+  }
+}
+
+template <class Real>
+void Evaluator<Real>::AddToParticipants(const Program& program, size_t count, Place& place) const {
+  for (const ResultGroup& group : program.results) {
+    if (group.participant == kOwnRow) continue;
+    const Column& column = columns_[group.property];
+    if (column.data == nullptr) continue;
+    const uint32_t* rows = place.rows[group.participant - kFirst].data();
+    for (uint32_t k = 0; k < column.components; ++k) {
+      if (group.from[k] == kNothing) continue;
+      const Real* from = place.registers[group.from[k]];
+      for (size_t i = 0; i < count; ++i) column.data[uint64_t{rows[i]} * column.components + k] += from[i];
+    }
+  }
+}
+
+template <class Real>
+bool Evaluator<Real>::ResultsAreFinite(const Program& program, size_t count,
+                                       const Place& place) const {
+  for (const ResultGroup& group : program.results) {
+    for (const uint16_t from : group.from) {
+      if (from != kNothing && !kernels_.finite(place.registers[from], count)) return false;
+    }
+  }
+  return true;
+}
+
+template <class Real>
+void Evaluator<Real>::NoteFault(std::optional<Fault> fault) {
+  if (!fault) return;
+  while (fault_taken_.test_and_set(std::memory_order_acquire)) {
+  }
+  if (!fault_ || fault->row < fault_->row) fault_ = std::move(fault);
+  fault_taken_.clear(std::memory_order_release);
+}
+
+/// Computes what is the same for all rows. Returns false if there is nothing to do.
+template <class Real>
+bool Evaluator<Real>::Begin(const PassCode& pass, const Program& program, const vesper_step& step,
+                            Place& place) {
+  if (RowsOf(pass.rows) == 0) return false;
+  ComputeConstants(program, step);
+  FillUniforms(program, place);
+  Prepare(place, program);
+  return program.within == kNothing || constants_[program.within] > 0;
+}
+
+template <class Real>
+std::optional<Fault> Evaluator<Real>::Advance(const vesper_step& step) {
+  last_step_ = step;
+  for (Pass& pass : passes_) {
+    if (pass.code->stage && *pass.code->stage != step.stage) continue;
+    if (!Begin(*pass.code, pass.program, step, places_[0])) continue;
+    fault_.reset();
+    std::optional<Fault> fault;
+    if (pass.code->kind == BlockKind::kRows) {
+      fault = RunRows(pass);
+    } else if (pass.code->kind == BlockKind::kPairs && pass.code->within == kNoNode) {
+      fault = RunAllPairs(pass);
+    } else {
+      fault = RunScattered(pass);
+    }
+    if (fault) return fault;
+  }
+  return std::nullopt;
+}
+
+template <class Real>
+std::optional<Fault> Evaluator<Real>::RunRows(Pass& pass) {
+  const Program& program = pass.program;
+  const uint64_t count = RowsOf(pass.code->rows);
+  // At most as many chunks as there are places to work at.
+  const uint64_t blocks = (count + kPlaces * kBlock - 1) / (kPlaces * kBlock);
+  const uint64_t grain = std::max(kGrain, blocks * kBlock);
+  auto body = [&](uint64_t begin, uint64_t end) {
+    size_t at = 0;
+    while (taken_[at].test_and_set(std::memory_order_acquire)) at = (at + 1) % kPlaces;
+    Place& place = places_[at];
+    FillUniforms(program, place);
+    Prepare(place, program);
+    for (uint64_t row = begin; row < end; row += kBlock) {
+      const auto rows = static_cast<size_t>(std::min<uint64_t>(kBlock, end - row));
+      LoadRows(program, row, rows, place);
+      kernels_.run(program.code, place.registers.data(), place.uniforms.data(), rows);
+      if (!ResultsAreFinite(program, rows, place)) {
+        NoteFault(Explain(*pass.code, program, rows, row, place));
+      }
+      StoreRows(program, row, rows, place);
+    }
+    taken_[at].clear(std::memory_order_release);
+  };
+  ParallelFor(host_, count, grain, body);
+  return std::move(fault_);
+}
+
+/// Rows with those that they refer to, and pairs within a distance: several of them may add to one
+/// row, so they do it in order.
+template <class Real>
+std::optional<Fault> Evaluator<Real>::RunScattered(Pass& pass) {
+  const Program& program = pass.program;
+  Place& place = places_[0];
+  ForEachBlock(*pass.code, program, place, [&](uint64_t begin, size_t count) {
+    if (fault_) return;
+    if (!ResultsAreFinite(program, count, place)) {
+      NoteFault(Explain(*pass.code, program, count, begin, place));
+    }
+    if (pass.code->kind == BlockKind::kJoined) StoreRows(program, begin, count, place);
+    AddToParticipants(program, count, place);
+  });
+  return std::move(fault_);
+}
+
+template <class Real>
+void Evaluator<Real>::LoadReferences(const PassCode& pass, uint64_t begin, size_t count,
+                                     Place& place) const {
+  for (size_t k = 0; k < pass.references.size(); ++k) {
+    const Load& reference = pass.references[k];
+    const Column& column = columns_[reference.property];
+    for (size_t i = 0; i < count; ++i) {
+      place.rows[k][i] = column.rows[(begin + i) * column.components + reference.component];
+    }
+  }
+}
+
+template <class Real>
+template <class Use>
+void Evaluator<Real>::ForEachBlock(const PassCode& pass, const Program& program, Place& place,
+                                   Use&& use) {
+  const uint64_t rows = RowsOf(pass.rows);
+  const auto run = [&](uint64_t begin, size_t count) {
+    LoadParticipants(program, count, place);
+    kernels_.run(program.code, place.registers.data(), place.uniforms.data(), count);
+    use(begin, count);
+  };
+  if (pass.kind == BlockKind::kPairs && pass.within != kNoNode) {
+    neighbours_.ForEach(columns_[pass.position].data, rows, constants_[program.within],
+                        place.rows[0].data(), place.rows[1].data(), kBlock,
+                        [&](size_t count) { run(0, count); });
+  } else if (pass.kind == BlockKind::kPairs) {
+    SplitSecond(program, rows);
+    for (uint64_t first = 0; first < rows; ++first) {
+      ForEachRowOfSecond(program, first, rows, place, use);
+    }
+  } else {
+    for (uint64_t begin = 0; begin < rows; begin += kBlock) {
+      const auto count = static_cast<size_t>(std::min<uint64_t>(kBlock, rows - begin));
+      LoadReferences(pass, begin, count, place);
+      LoadRows(program, begin, count, place);
+      run(begin, count);
+    }
+  }
+}
+
+template <class Real>
+double Evaluator<Real>::PotentialEnergy() {
+  double energy = 0;
+  for (Pass& pass : passes_) {
+    if (!pass.energy) continue;
+    Place& place = places_[0];
+    if (!Begin(*pass.code, *pass.energy, last_step_, place)) continue;
+    ForEachBlock(*pass.code, *pass.energy, place, [&](uint64_t, size_t count) {
+      const Real* values = place.registers[pass.energy->energy];
+      for (size_t i = 0; i < count; ++i) energy += static_cast<double>(values[i]);
+    });
+  }
+  return energy;
+}
+
+}  // namespace vesper::text
+
+#include "evaluator_pairs-inl.hpp"
+
+namespace vesper::text {
+
+template class Evaluator<float>;
+template class Evaluator<double>;
+
+}  // namespace vesper::text

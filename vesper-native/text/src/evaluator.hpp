@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+// One law of a text at work on the columns of an engine.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "kernels.hpp"
+#include "law_code.hpp"
+#include "neighbours.hpp"
+#include "program.hpp"
+#include "vesper/law.h"
+
+namespace vesper::text {
+
+/// Rows that one row may refer to.
+inline constexpr size_t kMostParticipants = 8;
+
+/// A value that is not finite: where the formula made it.
+struct Fault {
+  std::string message;
+  std::string property;
+  uint64_t row;
+};
+
+/// A law in one precision. `advance` allocates no memory.
+template <class Real>
+class Evaluator {
+ public:
+  /// `source` and `text` name the text in messages; all arguments outlive the object.
+  Evaluator(const LawCode& law, std::string_view source, std::string_view text,
+            const vesper_host& host, const double* parameters,
+            const Kernels<Real>& kernels = AvailableKernels<Real>().front());
+
+  void Bind(const vesper_property* properties);
+  /// Applies the law; returns the first value that is not finite although its operands are.
+  std::optional<Fault> Advance(const vesper_step& step);
+  double PotentialEnergy();
+
+ private:
+  struct Column {
+    Real* data = nullptr;            // null: absent, zero everywhere
+    const uint32_t* rows = nullptr;  // of a reference
+    uint64_t count = 0;
+    uint32_t components = 1;
+  };
+
+  /// Memory of one thread at work.
+  struct Place {
+    std::vector<Real> memory;
+    std::vector<Real*> registers;
+    std::array<std::vector<uint32_t>, kMostParticipants> rows;  // of each participant in a block
+    std::vector<Real> uniforms;
+  };
+  struct Pass {
+    const PassCode* code;
+    Program program;
+    std::optional<Program> energy;
+  };
+
+  void Prepare(Place& place, const Program& program) const;
+  void FillUniforms(const Program& program, Place& place) const;
+  void ComputeConstants(const Program& program, const vesper_step& step);
+  uint64_t RowsOf(const std::string& kind) const;
+  void LoadRows(const Program& program, uint64_t begin, size_t count, Place& place) const;
+  void LoadParticipants(const Program& program, size_t count, Place& place) const;
+  void StoreRows(const Program& program, uint64_t begin, size_t count, Place& place) const;
+  void AddToParticipants(const Program& program, size_t count, Place& place) const;
+  bool ResultsAreFinite(const Program& program, size_t count, const Place& place) const;
+  std::optional<Fault> Explain(const PassCode& pass, const Program& program, size_t count,
+                               uint64_t begin, const Place& place) const;
+  Fault MakeFault(const PassCode& pass, NodeId node, const std::vector<Real>& values,
+                  const Load& to, const std::vector<uint64_t>& rows) const;
+
+  std::optional<Fault> RunRows(Pass& pass);
+  std::optional<Fault> RunScattered(Pass& pass);
+  std::optional<Fault> RunAllPairs(Pass& pass);
+  void RunShare(Pass& pass, uint64_t share, uint64_t shares);
+  void AddShares(const Pass& pass, uint64_t shares);
+  /// Evaluates a program on all rows or pairs of a pass in a fixed order, on the calling thread.
+  /// Calls `use(begin, count)` behind each block.
+  template <class Use>
+  void ForEachBlock(const PassCode& pass, const Program& program, Place& place, Use&& use);
+  template <class Use>
+  void ForEachRowOfSecond(const Program& program, uint64_t first, uint64_t rows, Place& place,
+                          Use&& use);
+  void LoadReferences(const PassCode& pass, uint64_t begin, size_t count, Place& place) const;
+  void LoadFirst(const Program& program, uint64_t row, Place& place) const;
+  void SplitSecond(const Program& program, uint64_t rows);
+  bool Begin(const PassCode& pass, const Program& program, const vesper_step& step, Place& place);
+  void NoteFault(std::optional<Fault> fault);
+
+  const LawCode& law_;
+  std::string_view source_;
+  std::string_view text_;
+  const vesper_host& host_;
+  const Kernels<Real>& kernels_;
+  std::vector<double> parameters_;
+  std::vector<Column> columns_;
+  std::vector<Pass> passes_;
+  std::vector<double> constants_;
+  vesper_step last_step_{};
+
+  static constexpr size_t kPlaces = 16;
+  std::vector<Place> places_;
+  std::unique_ptr<std::atomic_flag[]> taken_ = std::make_unique<std::atomic_flag[]>(kPlaces);
+  std::atomic_flag fault_taken_;
+  std::optional<Fault> fault_;
+
+  Neighbours<Real> neighbours_;
+  // All pairs: components of the second of a pair as columns, and sums of each share.
+  std::vector<std::vector<Real>> split_;
+  std::vector<std::vector<Real>> sums_;
+  uint64_t shares_ = 0;
+};
+
+}  // namespace vesper::text

@@ -1,0 +1,456 @@
+// SPDX-License-Identifier: Apache-2.0
+// Highway includes this file once for each instruction set.
+#include "kernels.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+// On x86 the remaining targets are the baseline, AVX2 and AVX-512.
+#define HWY_DISABLED_TARGETS \
+  (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "kernels.cpp"
+#include "hwy/foreach_target.h"
+#include "hwy/highway.h"
+
+#include "elementary-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace vesper::text {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+template <class Real>
+using Lanes = hn::CappedTag<Real, 16>;
+
+/// An operand: a block of values, or one value for all rows.
+template <class Real>
+struct Block {
+  const Real* values;
+  HWY_INLINE auto operator()(Lanes<Real> d, size_t i) const { return hn::LoadU(d, values + i); }
+};
+template <class Real>
+struct Same {
+  hn::Vec<Lanes<Real>> value;
+  HWY_INLINE auto operator()(Lanes<Real>, size_t) const { return value; }
+};
+
+template <class Real, class Body>
+HWY_INLINE void Each(size_t count, Real* to, Body&& body) {
+  const Lanes<Real> d;
+  for (size_t i = 0; i < count; i += hn::Lanes(d)) hn::StoreU(body(d, i), d, to + i);
+}
+
+template <class Real>
+struct Operands {
+  Real* const* registers;
+  const Real* uniforms;
+
+  bool IsUniform(uint16_t operand) const { return operand >= kUniform; }
+  Block<Real> Values(uint16_t operand) const { return {registers[operand]}; }
+  Same<Real> One(uint16_t operand) const {
+    return {hn::Set(Lanes<Real>(), uniforms[operand - kUniform])};
+  }
+  /// Calls `body` with the operands as blocks or single values. Not both are single.
+  template <class Body>
+  HWY_INLINE void Two(uint16_t a, uint16_t b, Body&& body) const {
+    if (IsUniform(a)) {
+      body(One(a), Values(b));
+    } else if (IsUniform(b)) {
+      body(Values(a), One(b));
+    } else {
+      body(Values(a), Values(b));
+    }
+  }
+};
+
+template <class Real, class Function>
+HWY_INLINE void Binary(const Operands<Real>& all, const Instruction& step, size_t count,
+                       Function&& function) {
+  Real* to = all.registers[step.to];
+  all.Two(step.a, step.b, [&](auto a, auto b) {
+    Each(count, to, [&](auto d, size_t i) { return function(d, a(d, i), b(d, i)); });
+  });
+}
+
+template <class Real, class Function>
+HWY_INLINE void Unary(const Operands<Real>& all, const Instruction& step, size_t count,
+                      Function&& function) {
+  const Block<Real> a = all.Values(step.a);
+  Each(count, all.registers[step.to], [&](auto d, size_t i) { return function(d, a(d, i)); });
+}
+
+template <class D, class M>
+HWY_INLINE hn::Vec<D> Truth(D d, M mask) {
+  return hn::IfThenElseZero(mask, hn::Set(d, hn::TFromD<D>(1)));
+}
+
+template <class Real>
+HWY_INLINE void Select(const Operands<Real>& all, const Instruction& step, size_t count) {
+  Real* to = all.registers[step.to];
+  const auto choose = [&](auto condition, auto b, auto c) {
+    Each(count, to, [&](auto d, size_t i) {
+      return hn::IfThenElse(hn::Ne(condition(d, i), hn::Zero(d)), b(d, i), c(d, i));
+    });
+  };
+  const auto with = [&](auto condition) {
+    if (all.IsUniform(step.b) && all.IsUniform(step.c)) {
+      choose(condition, all.One(step.b), all.One(step.c));
+    } else {
+      all.Two(step.b, step.c, [&](auto b, auto c) { choose(condition, b, c); });
+    }
+  };
+  if (all.IsUniform(step.a)) {
+    with(all.One(step.a));
+  } else {
+    with(all.Values(step.a));
+  }
+}
+
+/// Applies a function on doubles to values of any precision.
+template <class Real, class Function>
+HWY_INLINE void InDouble(const Operands<Real>& all, const Instruction& step, size_t count,
+                         Function&& function) {
+  Real* to = all.registers[step.to];
+  const hn::CappedTag<double, 8> d;
+  const size_t lanes = hn::Lanes(d);
+  const auto load = [&](uint16_t operand, size_t i) {
+    if (all.IsUniform(operand)) {
+      return hn::Set(d, static_cast<double>(all.uniforms[operand - kUniform]));
+    }
+    if constexpr (sizeof(Real) == sizeof(double)) {
+      return hn::LoadU(d, all.registers[operand] + i);
+    } else {
+      const hn::Rebind<Real, decltype(d)> narrow;
+      return hn::PromoteTo(d, hn::LoadU(narrow, all.registers[operand] + i));
+    }
+  };
+  for (size_t i = 0; i < count; i += lanes) {
+    const auto a = load(step.a, i);
+    const auto b = step.b == 0xffff ? hn::Zero(d) : load(step.b, i);
+    const auto value = function(d, a, b);
+    if constexpr (sizeof(Real) == sizeof(double)) {
+      hn::StoreU(value, d, to + i);
+    } else {
+      const hn::Rebind<Real, decltype(d)> narrow;
+      hn::StoreU(hn::DemoteTo(narrow, value), narrow, to + i);
+    }
+  }
+}
+
+template <class D>
+HWY_INLINE V64<D> OfDoubles(D d, Operation operation, V64<D> a, V64<D> b) {
+  V64<D> sine, cosine;
+  switch (operation) {
+    case Operation::kExp:
+      return Exp(d, a);
+    case Operation::kLn:
+      return Ln(d, a);
+    case Operation::kSin:
+      SinCos(d, a, sine, cosine);
+      return sine;
+    case Operation::kCos:
+      SinCos(d, a, sine, cosine);
+      return cosine;
+    case Operation::kTan:
+      SinCos(d, a, sine, cosine);
+      return hn::Div(sine, cosine);
+    case Operation::kAsin:
+    case Operation::kAcos: {
+      const auto one = hn::Set(d, 1.0);
+      const auto other = hn::Sqrt(hn::Mul(hn::Sub(one, a), hn::Add(one, a)));
+      return operation == Operation::kAsin ? Atan2(d, a, other) : Atan2(d, other, a);
+    }
+    case Operation::kAtan:
+      return Atan(d, a);
+    case Operation::kAtan2:
+      return Atan2(d, a, b);
+    case Operation::kTanh:
+      return Tanh(d, a);
+    default:
+      return Pow(d, a, b);
+  }
+}
+
+template <class Real>
+void Run(std::span<const Instruction> program, Real* const* registers, const Real* uniforms,
+         size_t count) {
+  const Operands<Real> all{registers, uniforms};
+  for (const Instruction& step : program) {
+    switch (step.operation) {
+      case Operation::kAdd:
+        Binary(all, step, count, [](auto, auto a, auto b) { return hn::Add(a, b); });
+        break;
+      case Operation::kSubtract:
+        Binary(all, step, count, [](auto, auto a, auto b) { return hn::Sub(a, b); });
+        break;
+      case Operation::kMultiply:
+        Binary(all, step, count, [](auto, auto a, auto b) { return hn::Mul(a, b); });
+        break;
+      case Operation::kDivide:
+        Binary(all, step, count, [](auto, auto a, auto b) { return hn::Div(a, b); });
+        break;
+      case Operation::kNegate:
+        Unary(all, step, count, [](auto, auto a) { return hn::Neg(a); });
+        break;
+      case Operation::kSqrt:
+        Unary(all, step, count, [](auto, auto a) { return hn::Sqrt(a); });
+        break;
+      case Operation::kAbs:
+        Unary(all, step, count, [](auto, auto a) { return hn::Abs(a); });
+        break;
+      case Operation::kFloor:
+        Unary(all, step, count, [](auto, auto a) { return hn::Floor(a); });
+        break;
+      case Operation::kMin:
+        Binary(all, step, count,
+               [](auto, auto a, auto b) { return hn::IfThenElse(hn::Lt(b, a), b, a); });
+        break;
+      case Operation::kMax:
+        Binary(all, step, count,
+               [](auto, auto a, auto b) { return hn::IfThenElse(hn::Lt(a, b), b, a); });
+        break;
+      case Operation::kLess:
+        Binary(all, step, count, [](auto d, auto a, auto b) { return Truth(d, hn::Lt(a, b)); });
+        break;
+      case Operation::kLessOrEqual:
+        Binary(all, step, count, [](auto d, auto a, auto b) { return Truth(d, hn::Le(a, b)); });
+        break;
+      case Operation::kEqual:
+        Binary(all, step, count, [](auto d, auto a, auto b) { return Truth(d, hn::Eq(a, b)); });
+        break;
+      case Operation::kAnd:
+        Binary(all, step, count, [](auto d, auto a, auto b) {
+          return Truth(d, hn::And(hn::Ne(a, hn::Zero(d)), hn::Ne(b, hn::Zero(d))));
+        });
+        break;
+      case Operation::kOr:
+        Binary(all, step, count, [](auto d, auto a, auto b) {
+          return Truth(d, hn::Or(hn::Ne(a, hn::Zero(d)), hn::Ne(b, hn::Zero(d))));
+        });
+        break;
+      case Operation::kNot:
+        Unary(all, step, count, [](auto d, auto a) { return Truth(d, hn::Eq(a, hn::Zero(d))); });
+        break;
+      case Operation::kSelect:
+        Select(all, step, count);
+        break;
+      default:
+        InDouble(all, step, count,
+                 [&](auto d, auto a, auto b) { return OfDoubles(d, step.operation, a, b); });
+        break;
+    }
+  }
+}
+
+template <class Real>
+void Split3(const Real* rows, size_t count, Real* x, Real* y, Real* z) {
+  const Lanes<Real> d;
+  const size_t lanes = hn::Lanes(d);
+  size_t i = 0;
+  for (; i + lanes <= count; i += lanes) {
+    hn::Vec<Lanes<Real>> vx, vy, vz;
+    hn::LoadInterleaved3(d, rows + 3 * i, vx, vy, vz);
+    hn::StoreU(vx, d, x + i);
+    hn::StoreU(vy, d, y + i);
+    hn::StoreU(vz, d, z + i);
+  }
+  for (; i < count; ++i) {
+    x[i] = rows[3 * i];
+    y[i] = rows[3 * i + 1];
+    z[i] = rows[3 * i + 2];
+  }
+}
+
+template <class Real>
+void Join3(Real* rows, size_t count, const Real* x, const Real* y, const Real* z) {
+  const Lanes<Real> d;
+  const size_t lanes = hn::Lanes(d);
+  size_t i = 0;
+  for (; i + lanes <= count; i += lanes) {
+    hn::StoreInterleaved3(hn::LoadU(d, x + i), hn::LoadU(d, y + i), hn::LoadU(d, z + i), d,
+                          rows + 3 * i);
+  }
+  for (; i < count; ++i) {
+    rows[3 * i] = x[i];
+    rows[3 * i + 1] = y[i];
+    rows[3 * i + 2] = z[i];
+  }
+}
+
+template <class Real>
+void Add3(Real* rows, size_t count, const Real* x, const Real* y, const Real* z) {
+  const Lanes<Real> d;
+  const size_t lanes = hn::Lanes(d);
+  size_t i = 0;
+  for (; i + lanes <= count; i += lanes) {
+    hn::Vec<Lanes<Real>> vx, vy, vz;
+    hn::LoadInterleaved3(d, rows + 3 * i, vx, vy, vz);
+    hn::StoreInterleaved3(hn::Add(vx, hn::LoadU(d, x + i)), hn::Add(vy, hn::LoadU(d, y + i)),
+                          hn::Add(vz, hn::LoadU(d, z + i)), d, rows + 3 * i);
+  }
+  for (; i < count; ++i) {
+    rows[3 * i] += x[i];
+    rows[3 * i + 1] += y[i];
+    rows[3 * i + 2] += z[i];
+  }
+}
+
+template <class Real>
+void Add1(Real* rows, size_t count, const Real* x) {
+  const Lanes<Real> d;
+  const size_t lanes = hn::Lanes(d);
+  size_t i = 0;
+  for (; i + lanes <= count; i += lanes) {
+    hn::StoreU(hn::Add(hn::LoadU(d, rows + i), hn::LoadU(d, x + i)), d, rows + i);
+  }
+  for (; i < count; ++i) rows[i] += x[i];
+}
+
+template <class Real>
+Real Sum(Real* values, size_t count) {
+  constexpr size_t kLanes = 16;  // for all sets
+  const Lanes<Real> d;
+  const size_t lanes = hn::Lanes(d);
+  const size_t padded = (count + kLanes - 1) / kLanes * kLanes;
+  std::fill(values + count, values + padded, Real(0));
+  HWY_ALIGN Real sums[kLanes] = {};
+  for (size_t lane = 0; lane < kLanes; lane += lanes) {
+    auto sum = hn::Zero(d);
+    for (size_t i = lane; i < padded; i += kLanes) sum = hn::Add(sum, hn::LoadU(d, values + i));
+    hn::StoreU(sum, d, sums + lane);
+  }
+  for (size_t half = kLanes / 2; half > 0; half /= 2) {
+    for (size_t i = 0; i < half; ++i) sums[i] += sums[i + half];
+  }
+  return sums[0];
+}
+
+template <class Real>
+bool Finite(const Real* values, size_t count) {
+  const Lanes<Real> d;
+  const size_t lanes = hn::Lanes(d);
+  auto difference = hn::Zero(d);  // NaN if a value is not finite
+  size_t i = 0;
+  for (; i + lanes <= count; i += lanes) {
+    const auto value = hn::LoadU(d, values + i);
+    difference = hn::Add(difference, hn::Sub(value, value));
+  }
+  bool finite = hn::AllTrue(d, hn::Eq(difference, hn::Zero(d)));
+  for (; i < count; ++i) finite = finite && std::isfinite(values[i]);
+  return finite;
+}
+
+template <class Real>
+Kernels<Real> All(const char* name) {
+  return {name, Run<Real>, Split3<Real>, Join3<Real>, Add3<Real>, Add1<Real>, Sum<Real>, Finite<Real>};
+}
+
+Kernels<float> AllF32(const char* name) { return All<float>(name); }
+Kernels<double> AllF64(const char* name) { return All<double>(name); }
+
+double ElementaryOnOne(Operation operation, double a, double b) {
+  const hn::CappedTag<double, 1> d;
+  return hn::GetLane(OfDoubles(d, operation, hn::Set(d, a), hn::Set(d, b)));
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace vesper::text
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace vesper::text {
+namespace {
+
+#if HWY_ARCH_X86_64
+#define VESPER_TEXT_SETS(function)                                            \
+  std::vector sets{HWY_STATIC_DISPATCH(function)("baseline")};                \
+  if (HasAvx2()) sets.insert(sets.begin(), N_AVX2::function("AVX2"));         \
+  if (HasAvx2() && HasAvx512()) sets.insert(sets.begin(), N_AVX3::function("AVX-512")); \
+  return sets
+
+// Features of Highway's two targets; the compiler's test also checks the operating system.
+bool HasAvx2() {
+  return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
+         __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("f16c") &&
+         __builtin_cpu_supports("aes") && __builtin_cpu_supports("pclmul");
+}
+bool HasAvx512() {
+  return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
+         __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512dq") &&
+         __builtin_cpu_supports("avx512vl");
+}
+#else
+#define VESPER_TEXT_SETS(function) return std::vector{HWY_STATIC_DISPATCH(function)("baseline")}
+#endif
+
+std::vector<Kernels<float>> FindF32() { VESPER_TEXT_SETS(AllF32); }
+std::vector<Kernels<double>> FindF64() { VESPER_TEXT_SETS(AllF64); }
+
+}  // namespace
+
+template <>
+const std::vector<Kernels<float>>& AvailableKernels<float>() {
+  static const std::vector<Kernels<float>> sets = FindF32();
+  return sets;
+}
+
+template <>
+const std::vector<Kernels<double>>& AvailableKernels<double>() {
+  static const std::vector<Kernels<double>> sets = FindF64();
+  return sets;
+}
+
+double Elementary(Operation operation, double a, double b) {
+  return HWY_STATIC_DISPATCH(ElementaryOnOne)(operation, a, b);
+}
+
+template <class Real>
+Real ComputeIn(Operation operation, Real a, Real b, Real c) {
+  switch (operation) {
+    case Operation::kAdd:
+      return a + b;
+    case Operation::kSubtract:
+      return a - b;
+    case Operation::kMultiply:
+      return a * b;
+    case Operation::kDivide:
+      return a / b;
+    case Operation::kNegate:
+      return -a;
+    case Operation::kSqrt:
+      return std::sqrt(a);
+    case Operation::kAbs:
+      return std::abs(a);
+    case Operation::kMin:
+      return b < a ? b : a;
+    case Operation::kMax:
+      return a < b ? b : a;
+    case Operation::kFloor:
+      return std::floor(a);
+    case Operation::kLess:
+      return a < b ? Real(1) : Real(0);
+    case Operation::kLessOrEqual:
+      return a <= b ? Real(1) : Real(0);
+    case Operation::kEqual:
+      return a == b ? Real(1) : Real(0);
+    case Operation::kAnd:
+      return a != 0 && b != 0 ? Real(1) : Real(0);
+    case Operation::kOr:
+      return a != 0 || b != 0 ? Real(1) : Real(0);
+    case Operation::kNot:
+      return a != 0 ? Real(0) : Real(1);
+    case Operation::kSelect:
+      return a != 0 ? b : c;
+    default:
+      return static_cast<Real>(Elementary(operation, a, b));
+  }
+}
+
+template float ComputeIn(Operation, float, float, float);
+template double ComputeIn(Operation, double, double, double);
+
+}  // namespace vesper::text
+#endif  // HWY_ONCE

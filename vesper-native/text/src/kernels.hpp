@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// Loops of the evaluator over blocks of rows, compiled for several instruction sets.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "graph.hpp"
+
+namespace vesper::text {
+
+/// Rows of a block. Blocks of registers stay in the first-level cache.
+inline constexpr size_t kBlock = 256;
+/// Rows beyond a block that loops may read and write.
+inline constexpr size_t kPadding = 16;
+
+/// One operation on registers. Operands from kUniform on are numbers that are the same for all rows
+/// of the block.
+struct Instruction {
+  Operation operation;
+  uint16_t to;
+  uint16_t a;
+  uint16_t b;
+  uint16_t c;
+};
+inline constexpr uint16_t kUniform = 0x8000;
+
+/// The loops for one instruction set and one type. All sets give the same bits.
+template <class Real>
+struct Kernels {
+  const char* name;
+  /// Executes a program on `count` rows; registers are (kBlock + kPadding) long.
+  void (*run)(std::span<const Instruction> program, Real* const* registers, const Real* uniforms,
+              size_t count);
+  /// Splits rows of three components.
+  void (*split3)(const Real* rows, size_t count, Real* x, Real* y, Real* z);
+  /// Joins rows of three components.
+  void (*join3)(Real* rows, size_t count, const Real* x, const Real* y, const Real* z);
+  /// Adds to rows of three components.
+  void (*add3)(Real* rows, size_t count, const Real* x, const Real* y, const Real* z);
+  void (*add1)(Real* rows, size_t count, const Real* x);
+  /// Returns the sum of values, in an order that is the same for all sets.
+  Real (*sum)(Real* values, size_t count);
+  /// Returns true if no value is NaN or infinite.
+  bool (*finite)(const Real* values, size_t count);
+};
+
+/// Returns the loops for the sets that this processor supports, the best first.
+template <class Real>
+const std::vector<Kernels<Real>>& AvailableKernels();
+
+/// Computes one operation in the precision of `Real`, with the bits of the loops.
+template <class Real>
+Real ComputeIn(Operation operation, Real a, Real b, Real c);
+
+/// Computes an elementary function with the bits of the loops.
+double Elementary(Operation operation, double a, double b);
+
+}  // namespace vesper::text

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pairs of rows within a distance.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+namespace vesper::text {
+
+/// Finds pairs by cells whose side is the distance. The order of the pairs depends on the positions
+/// and rows only.
+template <class Real>
+class Neighbours {
+ public:
+  /// Reserves memory for a number of rows.
+  void Reserve(uint64_t rows);
+
+  /// Passes all pairs (a, b) with a < b whose distance is at most `within` > 0 to `take`, in
+  /// portions of at most `most` pairs. `positions`: (rows x 3).
+  template <class Take>
+  void ForEach(const Real* positions, uint64_t rows, double within, uint32_t* a, uint32_t* b,
+               size_t most, Take&& take);
+
+ private:
+  struct Row {
+    uint64_t cell;
+    uint32_t row;
+    bool operator<(const Row& other) const {
+      return cell != other.cell ? cell < other.cell : row < other.row;
+    }
+  };
+  static constexpr int kBits = 21;  // of a coordinate of a cell
+
+  void Sort(const Real* positions, uint64_t rows, double within);
+
+  std::vector<Row> sorted_;
+  std::vector<Real> x_, y_, z_;  // in the order of sorted_
+};
+
+}  // namespace vesper::text
+
+#include "neighbours-inl.hpp"

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// Problems of a law text, with their places.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace vesper::text {
+
+/// Part of a text, in bytes.
+struct Span {
+  uint32_t begin = 0;
+  uint32_t end = 0;
+};
+
+/// Returns the smallest span that contains both.
+inline Span Join(Span a, Span b) {
+  return {a.begin < b.begin ? a.begin : b.begin, a.end > b.end ? a.end : b.end};
+}
+
+/// A place in a text, counted from 1; columns count characters.
+struct Place {
+  uint32_t line;
+  uint32_t column;
+};
+
+Place PlaceOf(std::string_view text, uint32_t offset);
+
+/// What is wrong with a text, and what would make it right.
+struct Problem {
+  Span span;
+  std::string message;  // what was found and what was expected
+  std::string hint;     // what to do; may be empty
+};
+
+/// Thrown at a problem after which the reader cannot continue in the same statement.
+struct Abandon {};
+
+/// The problems of one text, at most `kMost`, one for each line.
+class Problems {
+ public:
+  static constexpr size_t kMost = 20;
+
+  void Add(Span span, std::string message, std::string hint = {});
+  /// Adds a problem and throws Abandon.
+  [[noreturn]] void Fail(Span span, std::string message, std::string hint = {});
+  bool empty() const { return problems_.empty(); }
+  bool full() const { return problems_.size() >= kMost; }
+  const std::vector<Problem>& list() const { return problems_; }
+
+  /// Returns "wind.law:5:15: message; hint" of the first problem.
+  std::string FirstLine(std::string_view source, std::string_view text) const;
+  /// Returns all problems in the order of the text, each with its line, a mark below the part, and
+  /// the hint.
+  std::string Report(std::string_view source, std::string_view text) const;
+
+ private:
+  std::vector<Problem> problems_;
+};
+
+}  // namespace vesper::text

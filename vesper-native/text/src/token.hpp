@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// The words, numbers and signs of a law text.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "problem.hpp"
+
+namespace vesper::text {
+
+enum class TokenKind { kName, kNumber, kText, kSign, kLineEnd, kIndent, kDedent, kEnd };
+
+struct Token {
+  TokenKind kind;
+  Span span;
+  std::string word;  // name, text or sign; Greek letters and signs of print in ASCII
+  double number = 0;
+
+  bool Is(std::string_view expected) const {
+    return (kind == TokenKind::kSign || kind == TokenKind::kName) && word == expected;
+  }
+};
+
+/// Splits a text into tokens. Blocks are marked by kIndent and kDedent; a line that begins with an
+/// operator, and lines inside brackets, continue the previous line. Raised digits become the signs
+/// "^" and a number.
+std::vector<Token> Tokens(std::string_view text, Problems& problems);
+
+/// Returns "'force'", "the end of the line" and the like.
+std::string Found(const Token& token);
+
+}  // namespace vesper::text
