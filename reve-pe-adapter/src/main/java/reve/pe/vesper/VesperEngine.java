@@ -34,6 +34,12 @@ import java.util.Map;
 import java.util.TreeMap;
 import java.util.stream.Collectors;
 
+/**
+ * The Vesper engine. It uses the arrays of its provider in place, and {@link #advance} is one
+ * native call. Before the engine is closed, close prepared libraries, and let {@code prepare} end
+ * on other threads.
+ */
+public final class VesperEngine implements PhysicsEngine {
     private final Arena arena = Arena.ofShared();
     private final Prototype prototype;
     private final List<Path> lawPath;
