@@ -127,8 +127,7 @@ final class Browser implements AutoCloseable, WebSocket.Listener {
 
     private void note(String method, JsonNode event) {
         switch (method) {
-            case "Network.requestWillBeSent" ->
-                    requests.add(event.at("/request/url").asString(""));
+            case "Network.requestWillBeSent" -> requests.add(event.at("/request/url").asString(""));
             case "Network.webSocketCreated" -> requests.add(event.path("url").asString(""));
             case "Runtime.exceptionThrown" ->
                     errors.add(event.at("/exceptionDetails/exception/description").asString("?"));

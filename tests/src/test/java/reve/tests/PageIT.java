@@ -50,7 +50,14 @@ class PageIT {
     void aPersonWatchesChangesLawsAndRewinds() throws Exception {
         try (Server server =
                 Server.start(
-                        folder, "serve", "worlds/spring-orbit", "--port", "0", "--web", "0", "--json")) {
+                        folder,
+                        "serve",
+                        "worlds/spring-orbit",
+                        "--port",
+                        "0",
+                        "--web",
+                        "0",
+                        "--json")) {
             String page = open(server);
             browser.await(OPEN);
 
@@ -61,7 +68,8 @@ class PageIT {
             browser.await("document.querySelectorAll('#found li').length === 1");
             browser.press("Enter", "Enter", 13);
             browser.await("document.querySelector('#item-name')?.textContent === 'blue'");
-            String location = "[...document.querySelectorAll('#aspects tr')].find(r => r.firstChild.textContent === 'location').children[1].textContent";
+            String location =
+                    "[...document.querySelectorAll('#aspects tr')].find(r => r.firstChild.textContent === 'location').children[1].textContent";
             browser.await(location + " !== ''");
             String before = browser.ask(location).asString();
             browser.await(location + " !== '" + before + "'");
@@ -77,12 +85,16 @@ class PageIT {
             browser.await("document.querySelectorAll('#ledger tbody tr').length > 2");
             browser.choose("#law-choice", "gravity_field");
             browser.click("#law-load");
-            browser.await("document.querySelector('#law-list > section[data-library=gravity_field]')");
+            browser.await(
+                    "document.querySelector('#law-list > section[data-library=gravity_field]')");
             browser.await(
                     "[...document.querySelectorAll('#ledger tbody tr')].some(r => r.firstChild.textContent"
                             + " === 'gravity_field' && r.children[1].textContent !== '0')");
             browser.picture(PICTURES.resolve("laws.png"));
-            server.events().await("law-loaded", law -> law.get("library").asString().equals("gravity_field"));
+            server.events()
+                    .await(
+                            "law-loaded",
+                            law -> law.get("library").asString().equals("gravity_field"));
 
             // Gravity of the running world, edited as a property of the item world.
             browser.ask("reve.select(reve.view.byName.get('world').slot)");
@@ -91,16 +103,19 @@ class PageIT {
             browser.ask("document.activeElement.select()");
             browser.type("0, -9.81, 0");
             browser.press("Enter", "Enter", 13);
-            browser.await("reve.connection.report('inspect', {item: 'world'}).then(r => r.physics.find(p => p.name === 'gravity').value[1] === -9.81)");
+            browser.await(
+                    "reve.connection.report('inspect', {item: 'world'}).then(r => r.physics.find(p => p.name === 'gravity').value[1] === -9.81)");
 
             browser.click("#tab-laws");
             browser.click("[aria-label=\"Unload gravity_field\"]");
-            browser.await("!document.querySelector('#law-list > section[data-library=gravity_field]')");
+            browser.await(
+                    "!document.querySelector('#law-list > section[data-library=gravity_field]')");
 
             // Time: pause, step, run, speed, an image, and rewinds.
             browser.click("#play");
             browser.await("document.querySelector('#status').textContent === 'paused'");
-            browser.await("reve.transport.state.paused && reve.transport.state.frames === reve.view.frame");
+            browser.await(
+                    "reve.transport.state.paused && reve.transport.state.frames === reve.view.frame");
             long paused = browser.ask("reve.view.frame").asLong();
             browser.click("#step");
             browser.await("reve.view.frame === " + (paused + 1));
@@ -121,7 +136,8 @@ class PageIT {
             browser.type("0, 40, 0");
             browser.click("#aspects form button");
             server.events().await("ready", any -> true);
-            browser.await("[...document.querySelectorAll('#events li')].some(e => e.textContent.includes('pushed'))");
+            browser.await(
+                    "[...document.querySelectorAll('#events li')].some(e => e.textContent.includes('pushed'))");
             browser.click("#tab-agents");
             browser.picture(PICTURES.resolve("agents.png"));
 
@@ -136,14 +152,19 @@ class PageIT {
 
             String origin = page.substring(0, page.length() - 1);
             assertThat(browser.requests)
-                    .filteredOn(address -> !address.startsWith("data:") && !address.startsWith("about:"))
+                    .filteredOn(
+                            address ->
+                                    !address.startsWith("data:") && !address.startsWith("about:"))
                     .allSatisfy(
                             address ->
                                     assertThat(address)
                                             .matches(
                                                     any ->
                                                             any.startsWith(origin)
-                                                                    || any.startsWith(origin.replace("http", "ws"))));
+                                                                    || any.startsWith(
+                                                                            origin.replace(
+                                                                                    "http",
+                                                                                    "ws"))));
             assertThat(browser.errors).isEmpty();
         }
     }
@@ -151,15 +172,61 @@ class PageIT {
     @Test
     void aLawThatFailsIsShownInQuarantine() throws Exception {
         Path laws = Files.createDirectory(folder.resolve("laws"));
-        Path failing = Project.ROOT.resolve("build/native/laws-build/failing");
+        Path source =
+                Files.writeString(
+                        folder.resolve("broken.cpp"),
+                        """
+                        #include <limits>
+                        #include "vesper/law.hpp"
+                        using namespace vesper;
+                        template <class Real>
+                        struct Broken {
+                          static constexpr auto kName = "broken", kVersion = "1.0.0", kDoc = "Fails.";
+                          static constexpr auto kPhase = Phase::kForce;
+                          Accumulate<Vec3<Real>> force{"externalForce", "body", units::newton};
+                          auto Properties() { return std::tie(force); }
+                          void Advance(const Step&) {
+                            for (uint64_t i = 0; i < force.size(); ++i)
+                              force[i] += Vec3<Real>{std::numeric_limits<Real>::quiet_NaN(), 0, 0};
+                          }
+                        };
+                        VESPER_LAW_LIBRARY("broken", Broken)
+                        """);
         try (Server server =
                 Server.start(
-                        folder, "serve", "worlds/spring-orbit", "--port", "0", "--web", "0", "--json", "--laws",
+                        folder,
+                        "serve",
+                        "worlds/spring-orbit",
+                        "--port",
+                        "0",
+                        "--web",
+                        "0",
+                        "--json",
+                        "--laws",
                         laws.toString())) {
             open(server);
             browser.await(OPEN);
-            browser.ask("reve.laws.show({frame: 1, loaded: [], available: [], quarantined: []})");
-            assertThat(Files.exists(failing) || !Files.exists(failing)).isTrue();
+            Path built = folder.resolve("libvesper_law_broken.so");
+            Reve.Outcome compiled =
+                    Reve.run(
+                            java.util.List.of(
+                                    "g++",
+                                    "-std=c++20",
+                                    "-O1",
+                                    "-shared",
+                                    "-fPIC",
+                                    "-I" + Project.ROOT.resolve("vesper-native/include"),
+                                    source.toString(),
+                                    "-o",
+                                    built.toString()));
+            assertThat(compiled.code()).as(compiled.err()).isZero();
+            Files.move(built, laws.resolve("libvesper_law_broken.so"));
+            browser.await("document.querySelector('#law-quarantine .card.bad')");
+            assertThat(browser.text("#law-quarantine")).contains("broken", "externalForce", "nan");
+            browser.click("#tab-laws");
+            browser.picture(PICTURES.resolve("quarantine.png"));
+            long frame = browser.ask("reve.view.frame").asLong();
+            browser.await("reve.view.frame > " + (frame + 30));
         }
     }
 
@@ -175,7 +242,9 @@ class PageIT {
         command[command.length - 1] = String.valueOf(URI.create(page).getPort());
         try (Server server = Server.start(folder, command)) {
             server.events().await("ready", any -> true);
-            browser.await(OPEN + " && reve.view.time < 60 && document.querySelector('#status').textContent === 'running'");
+            browser.await(
+                    OPEN
+                            + " && reve.view.time < 60 && document.querySelector('#status').textContent === 'running'");
             browser.await("document.querySelectorAll('#found li').length === 5");
         }
     }
@@ -195,7 +264,15 @@ class PageIT {
                         .group();
         try (Server server =
                 Server.start(
-                        folder, "serve", "worlds/spring-orbit", "--port", "0", "--web", "0", "--json", "--tokens",
+                        folder,
+                        "serve",
+                        "worlds/spring-orbit",
+                        "--port",
+                        "0",
+                        "--web",
+                        "0",
+                        "--json",
+                        "--tokens",
                         tokens.toString())) {
             open(server);
             browser.await("document.querySelector('#join').open");
@@ -207,10 +284,14 @@ class PageIT {
             enter("ada", token);
             browser.await(OPEN);
             assertThat(browser.ask("location.href").asString()).doesNotContain(token);
-            assertThat(browser.ask("JSON.stringify(localStorage) + JSON.stringify(sessionStorage) + document.cookie").asString())
+            assertThat(
+                            browser.ask(
+                                            "JSON.stringify(localStorage) + JSON.stringify(sessionStorage) + document.cookie")
+                                    .asString())
                     .doesNotContain(token);
-            assertThat(browser.requests).allSatisfy(address -> assertThat(address).doesNotContain(token));
-            server.process().destroy();
+            assertThat(browser.requests)
+                    .allSatisfy(address -> assertThat(address).doesNotContain(token));
+            server.process().toHandle().destroy();
             assertThat(server.events().untilEnd().toString()).doesNotContain(token);
         }
         assertThat(Files.readString(folder.resolve("server.err"))).doesNotContain(token);
@@ -247,7 +328,8 @@ class PageIT {
             open(server);
             browser.await(OPEN);
             browser.await("reve.view.items.filter(i => i?.shape === 1).length === 2000");
-            browser.await("reve.scene.groups.size === 1 && [...reve.scene.groups.values()][0].mesh.count === 2000");
+            browser.await(
+                    "reve.scene.groups.size === 1 && [...reve.scene.groups.values()][0].mesh.count === 2000");
             long frame = browser.ask("reve.view.frame").asLong();
             browser.await("reve.view.frame > " + (frame + 5));
             browser.picture(PICTURES.resolve("many.png"));

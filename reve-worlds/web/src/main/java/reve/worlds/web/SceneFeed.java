@@ -48,8 +48,7 @@ final class SceneFeed implements AutoCloseable {
                         .daemon()
                         .name("page of world " + port.world())
                         .start(this::encode);
-        this.subscription =
-                port.bus().subscribe(FramePhase.PUBLISH, "page", frame -> published());
+        this.subscription = port.bus().subscribe(FramePhase.PUBLISH, "page", frame -> published());
     }
 
     /** Called on the world's thread. */

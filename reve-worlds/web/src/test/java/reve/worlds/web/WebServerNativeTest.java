@@ -58,7 +58,7 @@ class WebServerNativeTest {
             agents:
               body:
                 physical: {shape: box, size: [0.5, 1, 0.5], location: [0, 0.5, 0]}
-                sensors: [{name: eyes, range: 2 m}]
+                sensors: {eyes: {range: 2 m}}
             items:
               - name: ball
                 physical: {shape: sphere, radius: 0.5, location: [1, 100, 0], colour: "#336699"}
@@ -67,6 +67,7 @@ class WebServerNativeTest {
                 physical: {shape: box, size: [1, 2, 3], location: [5, 1, 0]}
               - name: anchor
                 physical: {location: [0, 3, 0]}
+                physics: {mass: 0}
               - {name: rope, kind: spring, physics: {end1: anchor, end2: ball, length: 1}}
               - {name: floor, physical: {shape: plane, size: [20, 20]}}
             """;
@@ -95,10 +96,7 @@ class WebServerNativeTest {
                         SqliteStore.Durability.NORMAL);
         var plan =
                 new WorldPlan(
-                        description,
-                        Long.MAX_VALUE,
-                        persistence,
-                        new Pictures(folder, List.of()));
+                        description, Long.MAX_VALUE, persistence, new Pictures(folder, List.of()));
         InetSocketAddress any = new InetSocketAddress(InetAddress.ofLiteral("127.0.0.1"), 0);
         server =
                 new WorldServer(
@@ -138,7 +136,8 @@ class WebServerNativeTest {
         assertThat(index.statusCode()).isEqualTo(200);
         assertThat(index.headers().firstValue("Content-Security-Policy").orElseThrow())
                 .contains("default-src 'none'", "connect-src 'self'", "frame-ancestors 'none'");
-        Matcher files = Pattern.compile("(?:src|href|from)[= ]*[\"'](?!#)([^\"']+)").matcher(index.body());
+        Matcher files =
+                Pattern.compile("(?:src|href|from)[= ]*[\"'](?!#)([^\"']+)").matcher(index.body());
         int found = 0;
         while (files.find()) {
             assertThat(get(files.group(1)).statusCode()).as(files.group(1)).isEqualTo(200);
@@ -160,7 +159,12 @@ class WebServerNativeTest {
     @Test
     void noOtherFileIsServed() throws Exception {
         for (String path :
-                List.of("WebServer.class", "..%2findex.html", "%2e%2e/style.css", "page", "etc/passwd")) {
+                List.of(
+                        "WebServer.class",
+                        "..%2findex.html",
+                        "%2e%2e/style.css",
+                        "page",
+                        "etc/passwd")) {
             assertThat(get(path).statusCode()).as(path).isIn(400, 404);
         }
     }
@@ -188,8 +192,7 @@ class WebServerNativeTest {
                             "GET / HTTP/1.1\r\nHost: evil.example\r\nConnection: close\r\n\r\n"
                                     .getBytes(StandardCharsets.US_ASCII));
             String answer =
-                    new String(
-                            socket.getInputStream().readAllBytes(), StandardCharsets.ISO_8859_1);
+                    new String(socket.getInputStream().readAllBytes(), StandardCharsets.ISO_8859_1);
             assertThat(answer).startsWith("HTTP/1.1 421 ").doesNotContain("<script");
         }
     }
@@ -203,15 +206,16 @@ class WebServerNativeTest {
             PageClient.Frame first = client.frame();
             assertThat(first.structure().at("/camera/eye/2").doubleValue()).isEqualTo(9);
             var items = new java.util.TreeMap<String, JsonNode>();
-            first.structure().get("items").forEach(item -> items.put(item.get("name").asString(), item));
+            first.structure()
+                    .get("items")
+                    .forEach(item -> items.put(item.get("name").asString(), item));
             assertThat(items).containsKeys("ball", "stone", "rope", "floor", "world");
             int ball = items.get("ball").get("slot").asInt();
             int stone = items.get("stone").get("slot").asInt();
             assertThat(items.get("ball").get("shape").asInt()).isEqualTo(1);
             assertThat(items.get("rope").get("refers").get(1).asInt()).isEqualTo(ball);
             assertThat(column(first, SceneColumns.SIZE).get(stone)).containsExactly(1, 2, 3);
-            int colour =
-                    Float.floatToRawIntBits(column(first, SceneColumns.COLOUR).get(ball)[0]);
+            int colour = Float.floatToRawIntBits(column(first, SceneColumns.COLOUR).get(ball)[0]);
             assertThat(colour).isEqualTo(0xff996633);
             // Free fall by semi-implicit Euler: y(n) = 100 - g dt² n (n + 1) / 2.
             client.watch(1);
@@ -262,7 +266,8 @@ class WebServerNativeTest {
             client.watch(3);
             client.say("{\"t\":\"perceive\",\"id\":7}");
             JsonNode perception = client.answer(7);
-            assertThat(perception.get("items")).extracting(item -> item.get("name").asString())
+            assertThat(perception.get("items"))
+                    .extracting(item -> item.get("name").asString())
                     .contains("ada")
                     .doesNotContain("stone", "ball");
             client.say("{\"t\":\"inspect\",\"id\":8,\"item\":\"ball\"}");
@@ -309,7 +314,9 @@ class WebServerNativeTest {
             assertThat(client.await("bye").get("code").asString()).isEqualTo("bad-token");
         }
         String hello =
-                "{\"t\":\"hello\",\"protocol\":1,\"name\":\"eve\",\"token\":\"" + token + "\",\"role\":";
+                "{\"t\":\"hello\",\"protocol\":1,\"name\":\"eve\",\"token\":\""
+                        + token
+                        + "\",\"role\":";
         try (var client = new PageClient(page.address())) {
             client.say(hello + "\"control\"}");
             assertThat(client.await("bye").get("code").asString()).isEqualTo("not-permitted");
@@ -332,21 +339,23 @@ class WebServerNativeTest {
             JsonNode laws = client.answer(1).get("content");
             assertThat(laws.at("/loaded/0/library").asString()).isEqualTo("gravity_field");
             JsonNode use = laws.at("/loaded/0/laws/0/uses");
-            assertThat(use).anySatisfy(
-                    each -> {
-                        assertThat(each.get("name").asString()).isEqualTo("gravity");
-                        assertThat(each.get("unit").asString()).isEqualTo("m/s^2");
-                        assertThat(each.get("access").get(0).asString()).isEqualTo("read");
-                    });
+            assertThat(use)
+                    .anySatisfy(
+                            each -> {
+                                assertThat(each.get("name").asString()).isEqualTo("gravity");
+                                assertThat(each.get("unit").asString()).isEqualTo("m/s^2");
+                                assertThat(each.get("access").get(0).asString()).isEqualTo("read");
+                            });
             assertThat(laws.get("available")).extracting(JsonNode::asString).contains("drag");
             client.say("{\"t\":\"inspect\",\"id\":2,\"item\":\"ball\"}");
             JsonNode ball = client.answer(2).get("content");
-            assertThat(ball.get("physics")).anySatisfy(
-                    each -> {
-                        assertThat(each.get("name").asString()).isEqualTo("mass");
-                        assertThat(each.get("value").doubleValue()).isEqualTo(2);
-                        assertThat(each.get("unit").asString()).isEqualTo("kg");
-                    });
+            assertThat(ball.get("physics"))
+                    .anySatisfy(
+                            each -> {
+                                assertThat(each.get("name").asString()).isEqualTo("mass");
+                                assertThat(each.get("value").doubleValue()).isEqualTo(2);
+                                assertThat(each.get("unit").asString()).isEqualTo("kg");
+                            });
             assertThat(ball.at("/physical/2/value").asString()).isEqualTo("sphere");
             client.say("{\"t\":\"ledger\",\"id\":3,\"open\":true}");
             assertThat(client.answer(3).at("/content/open").booleanValue()).isTrue();

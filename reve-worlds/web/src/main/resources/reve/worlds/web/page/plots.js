@@ -6,6 +6,11 @@ import { h, number } from "./dom.js";
 const POINTS = 600;
 const COLOURS = ["#4fd1c5", "#f6ad55", "#fc8181", "#90cdf4", "#b794f4", "#68d391", "#f687b3", "#faf089", "#a0aec0"];
 
+/** Shows a number of an axis in few characters. */
+function short(value) {
+  return Math.abs(value) >= 1e5 ? value.toExponential(1).replace("e+", "e") : number(value);
+}
+
 class Plot {
   constructor(title, unit, holder, onremove) {
     this.title = title;
@@ -42,15 +47,15 @@ class Plot {
     const style = getComputedStyle(document.documentElement);
     const quiet = style.getPropertyValue("--quiet").trim();
     const line = style.getPropertyValue("--line").trim();
-    const axis = { stroke: quiet, grid: { stroke: line, width: 1 }, ticks: { stroke: line, width: 1 }, font: "11px system-ui", size: 54 };
+    const axis = { stroke: quiet, grid: { stroke: line, width: 1 }, ticks: { stroke: line, width: 1 }, font: "11px system-ui", size: 58 };
     this.chart = new uPlot(
       {
         width: Math.max(160, this.element.clientWidth - 18), height: 170, legend: { live: true },
         cursor: { points: { size: 5 } },
         scales: { x: { time: false } },
-        axes: [{ ...axis, size: 30, values: (_, ticks) => ticks.map((t) => `${number(t)} s`) }, { ...axis, values: (_, ticks) => ticks.map(number) }],
+        axes: [{ ...axis, size: 30, values: (_, ticks) => ticks.map((t) => `${number(t)} s`) }, { ...axis, values: (_, ticks) => ticks.map(short) }],
         series: [{ label: "time", value: (_, v) => (v === null ? "–" : `${number(v)} s`) },
-          ...this.names.map((name, i) => ({ label: name, stroke: COLOURS[i % COLOURS.length], width: 1.5, value: (_, v) => (v === null || v === undefined ? "–" : number(v)) }))],
+          ...this.names.map((name, i) => ({ label: name, stroke: COLOURS[i % COLOURS.length], width: 1.5, points: { show: false }, value: (_, v) => (v === null || v === undefined ? "–" : number(v)) }))],
       },
       this.data, this.body);
   }
