@@ -251,7 +251,7 @@ public final class ServeCommand implements Callable<Integer> {
         for (int i = 0; i < server.ports().size(); i++) {
             worlds.add(new PageWorld(server.ports().get(i), server.descriptions().get(i).camera()));
         }
-        return WebServer.start(address.get(), agents.security().tls(), server.agents(), worlds);
+        return WebServer.start(address.get(), agents.security(), server.agents(), worlds);
     }
 
     private List<WorldPlan> plans() throws IOException, WorldFileException {

@@ -108,7 +108,7 @@ class WebServerNativeTest {
         page =
                 WebServer.start(
                         any,
-                        Optional.empty(),
+                        security,
                         server.agents(),
                         List.of(new PageWorld(server.ports().getFirst(), description.camera())));
         world = Thread.ofPlatform().name("world of the test").start(server::run);
@@ -154,6 +154,29 @@ class WebServerNativeTest {
         assertThat(get("three/three.module.js").statusCode()).isEqualTo(200);
         assertThat(get("three/three.core.min.js").statusCode()).isEqualTo(200);
         assertThat(get("uplot/uPlot.js").statusCode()).isEqualTo(200);
+    }
+
+    @Test
+    void supervisorsReadHealthAndCounters() throws Exception {
+        assertThat(get("health").body()).isEqualTo("ok\n");
+        long frame = server.ports().getFirst().loop().frame();
+        while (server.ports().getFirst().loop().frame() < frame + 10) {
+            Thread.sleep(10);
+        }
+        HttpResponse<String> counters = get("metrics");
+        assertThat(counters.headers().firstValue("Content-Type").orElseThrow())
+                .startsWith("text/plain; version=0.0.4");
+        Matcher frames =
+                Pattern.compile("reve_frames_total\\{world=\"pond\"} ([0-9.]+)")
+                        .matcher(counters.body());
+        assertThat(frames.find()).as(counters.body()).isTrue();
+        assertThat(Double.parseDouble(frames.group(1))).isGreaterThanOrEqualTo(frame + 10);
+        assertThat(counters.body())
+                .contains("reve_phase_seconds_total{phase=\"physics\",world=\"pond\"}")
+                .contains("reve_agents 0.0");
+        server.stop();
+        world.join();
+        assertThat(get("health").statusCode()).isEqualTo(503);
     }
 
     @Test
@@ -328,6 +351,26 @@ class WebServerNativeTest {
             assertThat(client.frame().structure().get("items")).isNotEmpty();
             client.say("{\"t\":\"pause\",\"id\":1}");
             assertThat(client.answer(1).get("code").asString()).isEqualTo("not-permitted");
+        }
+        assertThat(get("health").statusCode()).isEqualTo(200);
+        assertThat(get("metrics").statusCode()).isEqualTo(401);
+        try (HttpClient http = HttpClient.newHttpClient()) {
+            HttpRequest.Builder request =
+                    HttpRequest.newBuilder(URI.create(page.address() + "metrics"));
+            assertThat(
+                            http.send(
+                                            request.setHeader("Authorization", "Bearer wrong")
+                                                    .build(),
+                                            HttpResponse.BodyHandlers.ofString())
+                                    .statusCode())
+                    .isEqualTo(401);
+            assertThat(
+                            http.send(
+                                            request.setHeader("Authorization", "Bearer " + token)
+                                                    .build(),
+                                            HttpResponse.BodyHandlers.ofString())
+                                    .body())
+                    .contains("reve_frames_total");
         }
     }
 
