@@ -27,6 +27,7 @@ from .protocol import (
     Message,
     Perception,
     Pong,
+    Report,
     Result,
     ServerMessage,
     Welcome,
@@ -336,7 +337,7 @@ class Agent(Client):
         return self._talk.observation()
 
 
-class Control(Client, Commands[Awaitable[Result]]):
+class Control(Client, Commands[Awaitable[Result], Awaitable[Report]]):
     """A controller of a world, created by `control`; as `reve.Control`."""
 
     async def __aenter__(self) -> Control:
@@ -345,6 +346,11 @@ class Control(Client, Commands[Awaitable[Result]]):
     async def foresee(self, frames: int) -> Perception:
         """Returns the predicted perception that many frames from now, without further actions."""
         return await self._answer(self._talk.fork(frames), self._talk.foreseen)
+
+    def _report(self, t: str, **fields: object) -> Awaitable[Report]:
+        return self._answer(
+            self._talk.question(lambda id: protocol.command(id, t, **fields)), self._talk.reported
+        )
 
     def _command(self, t: str, **fields: object) -> Awaitable[Result]:
         return self._ask(lambda id: protocol.command(id, t, **fields), Result)

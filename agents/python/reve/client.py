@@ -35,6 +35,7 @@ from .protocol import (
     Message,
     Perception,
     Pong,
+    Report,
     Result,
     ServerMessage,
     Welcome,
@@ -412,7 +413,7 @@ class Agent(Client):
                     return self._talk.observation()
 
 
-class Control(Client, Commands[Result]):
+class Control(Client, Commands[Result, Report]):
     """A controller of a world: perceives everything, and each command waits for its result."""
 
     def __enter__(self) -> Control:
@@ -440,6 +441,12 @@ class Control(Client, Commands[Result]):
 
     def _result(self, number: int) -> Result:
         return self._answer_to(number, lambda n: self._talk.answer(n, Result))
+
+    def _report(self, t: str, **fields: object) -> Report:
+        return self._answer(
+            lambda: self._talk.question(lambda number: protocol.command(number, t, **fields)),
+            self._talk.reported,
+        )
 
     def _command(self, t: str, **fields: object) -> Result:
         return self._ask(lambda number: protocol.command(number, t, **fields), Result)

@@ -10,10 +10,12 @@ from .protocol import Argument, Item
 
 R = TypeVar("R")
 """A Result, or an awaitable one."""
+Q = TypeVar("Q")
+"""A Report, or an awaitable one."""
 
 
-class Commands(ABC, Generic[R]):
-    """The commands of the role control. Each has a result.
+class Commands(ABC, Generic[R, Q]):
+    """The commands of the role control, each with a result, and questions about the world.
 
     While the world is paused, `edit`, `load_law`, `unload_law` and `picture` wait for its next
     frame.
@@ -31,6 +33,10 @@ class Commands(ABC, Generic[R]):
     def run(self) -> R:
         """Lets a paused world continue."""
         return self._command("run")
+
+    def speed(self, factor: float) -> R:
+        """Sets the world time per time of the clock: 0.5 is half the speed, 2 is double."""
+        return self._command("speed", factor=factor)
 
     def snapshot(self, image: str) -> R:
         """Stores the state of the world under that name, for `rewind`.
@@ -62,6 +68,10 @@ class Commands(ABC, Generic[R]):
         """Loads a law library that the server knows by that name; parameters are in SI units."""
         return self._command("load-law", library=library, parameters=parameters)
 
+    def set_law(self, library: str, **parameters: float) -> R:
+        """Changes parameters of a loaded law library, in SI units; the others keep their values."""
+        return self._command("set-law", library=library, parameters=parameters)
+
     def unload_law(self, library: str) -> R:
         return self._command("unload-law", library=library)
 
@@ -69,9 +79,35 @@ class Commands(ABC, Generic[R]):
         """Saves a picture of the next frame in the server's folder for pictures."""
         return self._command("picture")
 
+    def state(self) -> Q:
+        """Returns the state of the frame loop, its times, the kept images and the clients.
+
+        The roles observer and control may ask this, `inspect` and `laws`.
+        """
+        return self._report("state")
+
+    def inspect(self, item: Union[str, Item]) -> Q:
+        """Returns the four aspects of an item, with units."""
+        return self._report("inspect", item=item if isinstance(item, str) else item.name)
+
+    def laws(self) -> Q:
+        """Returns the loaded laws with uses, units, parameters and times, those in quarantine, and
+        the names that `load_law` knows."""
+        return self._report("laws")
+
+    def ledger(self, open: Optional[bool] = None) -> Q:
+        """Returns the energy and the momentum that each law added since the ledger was opened.
+
+        True opens it or starts it again, False closes it.
+        """
+        return self._report("ledger", **({} if open is None else {"open": open}))
+
     def shut_down(self) -> R:
         """Ends the server."""
         return self._command("shut-down")
 
     @abstractmethod
     def _command(self, t: str, **fields: object) -> R: ...
+
+    @abstractmethod
+    def _report(self, t: str, **fields: object) -> Q: ...

@@ -23,6 +23,7 @@ from .protocol import (
     Perception,
     Ping,
     Pong,
+    Report,
     Result,
     ServerMessage,
     Update,
@@ -119,6 +120,15 @@ class Conversation:
             reason = answer.reason or "the server does not look ahead"
             raise ReveError(answer.code or "refused", reason)
         raise ProtocolError(f"expected a perception, got {answer}")
+
+    def reported(self, number: int) -> Report:
+        """Returns the answer to a question about the world, or raises the server's refusal."""
+        answer: object = self.answer(number, object)
+        if isinstance(answer, Report):
+            return answer
+        if isinstance(answer, Result):
+            raise ReveError(answer.code or "refused", answer.reason or "the server does not answer")
+        raise ProtocolError(f"expected a report, got {answer}")
 
     def has_answer(self, number: int) -> bool:
         return self._waiting[number] is not None
@@ -285,7 +295,7 @@ class Conversation:
             self._hear(message)
         elif isinstance(message, (Perception, Update)) and self._is_of_stream(message):
             self._show(message)
-        elif isinstance(message, (Perception, Image, Result, Pong, Error)):
+        elif isinstance(message, (Perception, Image, Report, Result, Pong, Error)):
             self._answer(message)
         return None
 
@@ -330,7 +340,7 @@ class Conversation:
         self._latest = self._known
         self._has_seen(message.frame)
 
-    def _answer(self, message: Union[Perception, Image, Result, Pong, Error]) -> None:
+    def _answer(self, message: Union[Perception, Image, Report, Result, Pong, Error]) -> None:
         if isinstance(message, Perception) and message.id not in self._ahead:
             self._has_seen(message.frame)
         if message.id is not None and message.id in self._waiting:

@@ -258,6 +258,16 @@ class Image:
 
 
 @dataclass(frozen=True)
+class Report:
+    """The answer to a question about the world; `of` is the type of the question."""
+
+    id: int
+    frame: int
+    of: str
+    content: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
 class Event:
     """An event in the world in that frame."""
 
@@ -300,7 +310,9 @@ class Bye:
     hint: Optional[str]
 
 
-ServerMessage = Union[Welcome, Perception, Update, Image, Result, Event, Error, Ping, Pong, Bye]
+ServerMessage = Union[
+    Welcome, Perception, Update, Image, Report, Result, Event, Error, Ping, Pong, Bye
+]
 
 
 def hello(
@@ -595,6 +607,10 @@ def _bytes(value: Union[str, bytes, None]) -> Optional[bytes]:
     return base64.b64decode(value, validate=True) if isinstance(value, str) else value
 
 
+def _report(message: Message) -> Report:
+    return Report(message["id"], message["frame"], message["of"], dict(message["content"]))
+
+
 def _result(message: Message) -> Result:
     if message["accepted"]:
         return Result(message["id"], True, frame=message["frame"])
@@ -605,6 +621,7 @@ _READERS: Mapping[str, Callable[[Message], ServerMessage]] = {
     "welcome": _welcome,
     "perception": _perception,
     "image": _image,
+    "report": _report,
     "result": _result,
     "event": lambda m: Event(m["frame"], m["type"], m["fields"]),
     "error": lambda m: Error(m.get("id"), m["code"], m["message"], m.get("hint")),

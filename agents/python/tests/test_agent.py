@@ -218,6 +218,22 @@ class AgentTest(unittest.TestCase):
             self.assertTrue(boss.unload_law("newton_motion"))
             self.assertTrue(boss.shut_down())
 
+    def test_control_asks_for_the_state_and_the_aspects_of_an_item(self):
+        with pond() as port, reve.control("127.0.0.1", port) as boss:
+            state = boss.state()
+            self.assertEqual(state.of, "state")
+            self.assertEqual([client["name"] for client in state.content["clients"]], ["control"])
+            self.assertTrue(boss.speed(2))
+            self.assertEqual(boss.state().content["speed"], 2)
+            duck = boss.inspect("duck").content
+            location = next(p for p in duck["physical"] if p["name"] == "location")
+            self.assertEqual(location["unit"], "m")
+            self.assertIn("push", [action["name"] for action in duck["access"]["actions"]])
+            with self.assertRaises(reve.ReveError) as refused:
+                boss.inspect("swan")
+            self.assertEqual(refused.exception.code, "no-such-item")
+            self.assertEqual(set(boss.laws().content), {"loaded", "quarantined", "available"})
+
     def test_control_goes_back_and_looks_ahead(self):
         with pond() as port, reve.control("127.0.0.1", port) as boss:
             self.assertTrue(boss.edit("duck", "physics.velocity", [0, 3, 0]))

@@ -7,10 +7,15 @@ import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 
+import tools.jackson.databind.JsonNode;
+import tools.jackson.databind.json.JsonMapper;
+
 import java.io.IOException;
 import java.net.InetAddress;
 import java.net.ServerSocket;
 import java.nio.file.Path;
+import java.util.ArrayList;
+import java.util.List;
 
 /** {@code ./reve control} and a server with two worlds, as processes. */
 @Tag("slow")
@@ -55,6 +60,72 @@ class ControlCommandIT {
                     .isZero();
             assertThat(server.exitCode()).isZero();
         }
+    }
+
+    @Test
+    void lawsAreAskedForAndTheirParametersChangeInPlace(@TempDir Path folder) throws Exception {
+        try (Server server =
+                Server.start(
+                        folder,
+                        "serve",
+                        Project.WORLDS.resolve("playground").toString(),
+                        "--port",
+                        "0",
+                        "--json")) {
+            String port = server.port();
+            JsonNode before = report(port, "laws").get("loaded");
+            assertThat(value(before, "stiffness")).isEqualTo(2e5);
+            assertThat(
+                            Reve.run(
+                                            "control",
+                                            "set-law",
+                                            "library=sphere_contact",
+                                            "parameters.stiffness=12345",
+                                            "--port",
+                                            port)
+                                    .code())
+                    .isZero();
+            JsonNode after = report(port, "laws").get("loaded");
+            assertThat(value(after, "stiffness")).isEqualTo(12345);
+            assertThat(value(after, "friction")).isEqualTo(value(before, "friction"));
+            assertThat(after.findValuesAsString("library"))
+                    .isEqualTo(before.findValuesAsString("library"));
+            Reve.Outcome refused =
+                    Reve.run(
+                            "control",
+                            "set-law",
+                            "library=sphere_contact",
+                            "parameters.stiffness=-1",
+                            "--port",
+                            port);
+            assertThat(refused.code()).isEqualTo(1);
+            assertThat(refused.err()).contains("law-refused", "stiffness");
+            assertThat(value(report(port, "laws").get("loaded"), "stiffness")).isEqualTo(12345);
+            assertThat(report(port, "inspect", "item=robot1").at("/physical/0/unit").asString())
+                    .isEqualTo("m");
+            assertThat(Reve.run("control", "inspect", "item=nobody", "--port", port).err())
+                    .contains("no-such-item", "nobody");
+        }
+    }
+
+    private static JsonNode report(String port, String... question) throws Exception {
+        List<String> command = new ArrayList<>(List.of("control"));
+        command.addAll(List.of(question));
+        command.addAll(List.of("--port", port));
+        Reve.Outcome outcome = Reve.run(command.toArray(String[]::new));
+        assertThat(outcome.code()).as(outcome.err()).isZero();
+        return new JsonMapper().readTree(outcome.out());
+    }
+
+    private static double value(JsonNode loaded, String parameter) {
+        for (JsonNode library : loaded) {
+            for (JsonNode each : library.at("/laws/0/parameters")) {
+                if (each.get("name").asString().equals(parameter)) {
+                    return each.get("value").doubleValue();
+                }
+            }
+        }
+        throw new AssertionError("no law has the parameter " + parameter);
     }
 
     @Test

@@ -144,6 +144,24 @@ class DependencyRulesTest {
     }
 
     @Test
+    void worldsKnowNoPageAndThePageKnowsNoCommandLine() {
+        noClasses()
+                .that()
+                .resideInAnyPackage("reve.worlds", "reve.worlds.server..", "reve.worlds.journal..")
+                .should()
+                .dependOnClassesThat()
+                .resideInAnyPackage("reve.worlds.web..", "reve.worlds.cli..")
+                .check(CLASSES);
+        noClasses()
+                .that()
+                .resideInAPackage("reve.worlds.web..")
+                .should()
+                .dependOnClassesThat()
+                .resideInAnyPackage("reve.worlds.cli..", "reve.pe..")
+                .check(CLASSES);
+    }
+
+    @Test
     void theWorldStoreAndTheAdapterBringNoReaderOfAFormat() throws IOException {
         Pattern readers =
                 Pattern.compile("(jackson|snakeyaml|msgpack|json-schema|jgltf|cel|icu4j)-.*");

@@ -22,6 +22,7 @@ final class Jars {
                     "reve-core-agents",
                     "reve-pe-adapter",
                     "reve-worlds-runtime",
+                    "reve-worlds-web",
                     "reve-worlds-app",
                     "agents-java");
 

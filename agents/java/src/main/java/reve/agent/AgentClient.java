@@ -167,14 +167,32 @@ public final class AgentClient implements AutoCloseable {
 
     /**
      * Executes a command of the role control and waits for the result: pause, step, run, snapshot,
-     * rewind, edit, load-law, unload-law, picture, save or shut-down, with the fields that the
-     * protocol defines.
+     * rewind, speed, edit, load-law, set-law, unload-law, picture, save or shut-down, with the
+     * fields that the protocol defines.
      *
      * @param fields by name: a Number, a double[] or List of Numbers, a String, a Boolean, or a Map
      *     of Numbers
      */
     public ActResult command(String type, Map<String, ?> fields) {
         return ask(id -> Protocol.command(id, type, fields), ActResult.class);
+    }
+
+    /**
+     * Asks a question about the world: state, inspect or laws for the roles observer and control,
+     * ledger for the role control, with the fields that the protocol defines.
+     *
+     * @throws AgentException with the server's code if it refuses the question
+     */
+    public Report report(String type, Map<String, ?> fields) {
+        return switch (ask(id -> Protocol.command(id, type, fields), ServerMessage.class)) {
+            case Report report -> report;
+            case ActResult refused ->
+                    throw new AgentException(
+                            refused.code().orElse("refused"),
+                            refused.reason().orElse("the server does not answer"),
+                            Optional.empty());
+            case ServerMessage other -> throw AgentException.unexpected(other);
+        };
     }
 
     /**

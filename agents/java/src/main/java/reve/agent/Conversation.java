@@ -256,6 +256,7 @@ final class Conversation {
                 answer(error.id(), error);
             }
             case Image image -> answer(OptionalLong.of(image.id()), image);
+            case Report report -> answer(OptionalLong.of(report.id()), report);
             case ActResult result -> answer(OptionalLong.of(result.id()), result);
             case Perception perception -> perceive(perception);
             case Update update -> perceive(update);

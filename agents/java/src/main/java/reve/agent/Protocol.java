@@ -2,6 +2,7 @@
 package reve.agent;
 
 import tools.jackson.core.JacksonException;
+import tools.jackson.core.type.TypeReference;
 import tools.jackson.databind.JsonNode;
 import tools.jackson.databind.json.JsonMapper;
 import tools.jackson.databind.node.ObjectNode;
@@ -220,6 +221,14 @@ final class Protocol {
             case "welcome" -> welcome(message);
             case "perception" -> message.has("since") ? update(message) : perception(message);
             case "image" -> image(message);
+            case "report" ->
+                    new Report(
+                            message.required("id").longValue(),
+                            message.required("frame").longValue(),
+                            text(message, "of"),
+                            JSON.convertValue(
+                                    message.required("content"),
+                                    new TypeReference<Map<String, Object>>() {}));
             case "result" -> result(message);
             case "event" ->
                     new WorldEvent(

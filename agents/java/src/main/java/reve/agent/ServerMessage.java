@@ -12,6 +12,7 @@ public sealed interface ServerMessage
                 Perception,
                 Update,
                 Image,
+                Report,
                 ActResult,
                 WorldEvent,
                 ServerMessage.Error,

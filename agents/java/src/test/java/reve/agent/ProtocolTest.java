@@ -342,6 +342,12 @@ class ProtocolTest {
                                         json.put("items", base64(pixels))
                                                 .set("names", JSON.valueToTree(i.names())));
             }
+            case Report r ->
+                    json.put("t", "report")
+                            .put("id", r.id())
+                            .put("frame", r.frame())
+                            .put("of", r.of())
+                            .set("content", JSON.valueToTree(r.content()));
             case ActResult r -> {
                 json.put("t", "result").put("id", r.id()).put("accepted", r.accepted());
                 r.frame().ifPresent(frame -> json.put("frame", frame));

@@ -32,8 +32,9 @@ import java.util.concurrent.Callable;
 @Command(
         name = "control",
         description =
-                "Sends a command to a running world: pause, step, run, snapshot, rewind, "
-                        + "save, edit, load-law, unload-law, picture, shut-down. For example: "
+                "Sends a command to a running world: pause, step, run, speed, snapshot, rewind, "
+                        + "save, edit, load-law, set-law, unload-law, picture, shut-down; or asks: "
+                        + "state, laws, inspect, ledger. For example: "
                         + "control rewind image=calm, "
                         + "control edit item=blue property=physics.velocity value=0,3,0.")
 public final class ControlCommand implements Callable<Integer> {
@@ -54,10 +55,24 @@ public final class ControlCommand implements Callable<Integer> {
                             Map.entry("rewind", Set.of("image")),
                             Map.entry("save", Set.of("file")),
                             Map.entry("edit", Set.of("item", "property", "value")),
+                            Map.entry("speed", Set.of("factor")),
                             Map.entry("load-law", Set.of("library")),
+                            Map.entry("set-law", Set.of("library")),
                             Map.entry("unload-law", Set.of("library")),
                             Map.entry("picture", Set.of()),
                             Map.entry("shut-down", Set.of())));
+
+    private static final String PARAMETERS = "parameters.";
+    private static final Set<String> WITH_PARAMETERS = Set.of("load-law", "set-law");
+
+    /** Questions, which are answered by a report. */
+    private static final Map<String, Set<String>> QUESTIONS =
+            new TreeMap<>(
+                    Map.of(
+                            "state", Set.of(),
+                            "inspect", Set.of("item"),
+                            "laws", Set.of(),
+                            "ledger", Set.of("open")));
 
     @Spec private CommandSpec spec = CommandSpec.create();
 
@@ -120,6 +135,10 @@ public final class ControlCommand implements Callable<Integer> {
     public Integer call() throws IOException {
         Map<String, Object> fields = fields();
         try (AgentClient client = connect()) {
+            if (QUESTIONS.containsKey(command)) {
+                Json.print(spec, client.report(command, fields).content());
+                return ExitCode.OK;
+            }
             ActResult result = client.command(command, fields);
             tell(result);
             return result.accepted() ? ExitCode.OK : ExitCode.FAILURE;
@@ -152,15 +171,18 @@ public final class ControlCommand implements Callable<Integer> {
     }
 
     private Map<String, Object> fields() {
-        Set<String> known = COMMANDS.get(command);
+        Set<String> known = COMMANDS.getOrDefault(command, QUESTIONS.get(command));
         if (known == null) {
             throw wrong(
                     "'"
                             + command
                             + "' is no command of the role control, expected one of "
-                            + String.join(", ", COMMANDS.keySet()));
+                            + String.join(", ", COMMANDS.keySet())
+                            + ", "
+                            + String.join(", ", QUESTIONS.keySet()));
         }
         Map<String, Object> fields = new LinkedHashMap<>();
+        Map<String, Object> parameters = new LinkedHashMap<>();
         for (String each : given) {
             int equals = each.indexOf('=');
             if (equals < 1) {
@@ -172,6 +194,11 @@ public final class ControlCommand implements Callable<Integer> {
                                 + ", expected FIELD=VALUE, e.g. image=calm");
             }
             String field = each.substring(0, equals);
+            if (field.startsWith(PARAMETERS) && WITH_PARAMETERS.contains(command)) {
+                parameters.put(
+                        field.substring(PARAMETERS.length()), value(each.substring(equals + 1)));
+                continue;
+            }
             if (!known.contains(field)) {
                 throw wrong(
                         command
@@ -183,6 +210,9 @@ public final class ControlCommand implements Callable<Integer> {
                                         : String.join(", ", new TreeSet<>(known))));
             }
             fields.put(field, value(each.substring(equals + 1)));
+        }
+        if (!parameters.isEmpty()) {
+            fields.put("parameters", parameters);
         }
         return fields;
     }

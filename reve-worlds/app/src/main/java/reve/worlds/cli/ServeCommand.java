@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.worlds.cli;
 
+import org.jspecify.annotations.Nullable;
+
 import picocli.CommandLine.ArgGroup;
 import picocli.CommandLine.Command;
 import picocli.CommandLine.Mixin;
@@ -8,8 +10,6 @@ import picocli.CommandLine.Model.CommandSpec;
 import picocli.CommandLine.Option;
 import picocli.CommandLine.ParameterException;
 import picocli.CommandLine.Parameters;
-import org.jspecify.annotations.Nullable;
-
 import picocli.CommandLine.Spec;
 
 import reve.core.agent.AgentServerConfig;
@@ -250,10 +250,9 @@ public final class ServeCommand implements Callable<Integer> {
         }
         List<PageWorld> worlds = new ArrayList<>();
         for (int i = 0; i < server.ports().size(); i++) {
-            worlds.add(
-                    new PageWorld(server.ports().get(i), server.descriptions().get(i).camera()));
+            worlds.add(new PageWorld(server.ports().get(i), server.descriptions().get(i).camera()));
         }
-        return WebServer.start(address.get(), agents.security().tls(), server.agents(), worlds);
+        return WebServer.start(address.get(), agents.security(), server.agents(), worlds);
     }
 
     private List<WorldPlan> plans() throws IOException, WorldFileException {

@@ -18,8 +18,7 @@ final class LawEquations {
     private static final long MAX_BYTES = 1 << 18;
 
     private final Optional<Path> folder =
-            Optional.ofNullable(System.getProperty("reve.root"))
-                    .map(root -> Path.of(root, "laws"));
+            Optional.ofNullable(System.getProperty("reve.root")).map(root -> Path.of(root, "laws"));
     private final Map<String, Optional<String>> known = new ConcurrentHashMap<>();
 
     /** Reads the equations of these laws, unless they were read before. Blocks on file access. */

@@ -24,7 +24,8 @@ final class LawReport {
      * @param available names of libraries that can be loaded
      * @param faults whether to include messages of faults, which may name files of the server
      */
-    static Map<String, Object> of(Laws laws, List<String> available, LawEquations equations, boolean faults) {
+    static Map<String, Object> of(
+            Laws laws, List<String> available, LawEquations equations, boolean faults) {
         Map<String, Object> content = new LinkedHashMap<>();
         List<Object> libraries = new ArrayList<>();
         List<PhysicsLaw> loaded = laws.loaded();
@@ -58,7 +59,8 @@ final class LawReport {
         return fields;
     }
 
-    private static Map<String, Object> library(LawLibrary library, List<PhysicsLaw> laws, LawEquations equations) {
+    private static Map<String, Object> library(
+            LawLibrary library, List<PhysicsLaw> laws, LawEquations equations) {
         Map<String, Object> fields = new LinkedHashMap<>();
         fields.put("library", library.name());
         fields.put("sha256", library.sha256());

@@ -7,7 +7,6 @@ import org.eclipse.jetty.server.Handler;
 import org.eclipse.jetty.server.Request;
 import org.eclipse.jetty.server.Response;
 import org.eclipse.jetty.util.Callback;
-
 import org.jspecify.annotations.Nullable;
 
 import java.net.URI;
@@ -43,7 +42,8 @@ final class HostGuard extends Handler.Wrapper {
                     "this server is reached as 127.0.0.1 or localhost");
             return true;
         }
-        boolean upgrades = request.getHeaders().contains(HttpHeader.UPGRADE);
+        boolean upgrades =
+                "websocket".equalsIgnoreCase(request.getHeaders().get(HttpHeader.UPGRADE));
         if (upgrades && !isOwn(request.getHeaders().get(HttpHeader.ORIGIN), request, host)) {
             Response.writeError(
                     request,

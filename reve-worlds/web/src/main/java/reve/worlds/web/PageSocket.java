@@ -31,8 +31,7 @@ public final class PageSocket implements Session.Listener.AutoDemanding {
 
     private static final Logger LOG = LoggerFactory.getLogger("reve.page");
     private static final JsonMapper JSON = new JsonMapper();
-    private static final byte[] WELCOME =
-            "{\"t\":\"welcome\"".getBytes(StandardCharsets.US_ASCII);
+    private static final byte[] WELCOME = "{\"t\":\"welcome\"".getBytes(StandardCharsets.US_ASCII);
     private static final int FIRST_BYTES = 16 * 1024;
 
     private final AgentServer agents;
@@ -70,8 +69,7 @@ public final class PageSocket implements Session.Listener.AutoDemanding {
             return;
         }
         try {
-            ByteBuffer bytes =
-                    ByteBuffer.wrap((message + "\n").getBytes(StandardCharsets.UTF_8));
+            ByteBuffer bytes = ByteBuffer.wrap((message + "\n").getBytes(StandardCharsets.UTF_8));
             while (bytes.hasRemaining()) {
                 channel.write(bytes);
             }

@@ -207,7 +207,11 @@ final class Scene {
         boolean same =
                 bodies.rowCount() == ids.length
                         && MemorySegment.mismatch(
-                                        rows, 0, rows.byteSize(), MemorySegment.ofArray(ids), 0,
+                                        rows,
+                                        0,
+                                        rows.byteSize(),
+                                        MemorySegment.ofArray(ids),
+                                        0,
                                         rows.byteSize())
                                 < 0;
         if (!same) {
@@ -289,9 +293,7 @@ final class Scene {
 
     private void readReferences(TableSnapshot table) {
         List<ColumnSnapshot> columns =
-                table.columns().stream()
-                        .filter(column -> column.type() == ScalarType.REF)
-                        .toList();
+                table.columns().stream().filter(column -> column.type() == ScalarType.REF).toList();
         if (columns.isEmpty()) {
             return;
         }

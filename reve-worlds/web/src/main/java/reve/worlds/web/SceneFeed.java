@@ -5,8 +5,6 @@ import org.slf4j.Logger;
 import org.slf4j.LoggerFactory;
 
 import reve.core.agent.port.WorldPort;
-import reve.core.frame.FramePhase;
-import reve.core.frame.Subscription;
 import reve.core.world.WorldSnapshot;
 
 import java.util.List;
@@ -16,7 +14,8 @@ import java.util.concurrent.locks.LockSupport;
 
 /**
  * The scene of one world for all watchers. One thread reads snapshots and encodes frames; it works
- * only while a watcher has requested a frame. The world's thread only wakes it.
+ * only while a watcher has requested a frame, and looks for new frames every few milliseconds, so
+ * that the world's thread never has to wake it.
  */
 final class SceneFeed implements AutoCloseable {
 
@@ -25,6 +24,9 @@ final class SceneFeed implements AutoCloseable {
     /** Minimum time between two frames for one watcher [ns]; a little less than 1/60 s. */
     private static final long MIN_INTERVAL_NANOS = 15_000_000;
 
+    /** Time between two looks for a new frame [ns]. */
+    private static final long LOOK_NANOS = 2_000_000;
+
     /** Maximum number of attempts to read a snapshot that is overwritten meanwhile. */
     private static final int ATTEMPTS = 4;
 
@@ -32,11 +34,7 @@ final class SceneFeed implements AutoCloseable {
     private final Scene scene = new Scene();
     private final SceneWriter writer;
     private final List<Watcher> watchers = new CopyOnWriteArrayList<>();
-    private final Subscription subscription;
     private final Thread encoder;
-
-    /** True while the encoder waits for the next frame of the world. */
-    private volatile boolean wantsFrame;
 
     private volatile boolean closed;
 
@@ -48,16 +46,6 @@ final class SceneFeed implements AutoCloseable {
                         .daemon()
                         .name("page of world " + port.world())
                         .start(this::encode);
-        this.subscription =
-                port.bus().subscribe(FramePhase.PUBLISH, "page", frame -> published());
-    }
-
-    /** Called on the world's thread. */
-    private void published() {
-        if (wantsFrame) {
-            wantsFrame = false;
-            LockSupport.unpark(encoder);
-        }
     }
 
     /** Adds a watcher, or notes that it has a new request. Any thread. */
@@ -115,18 +103,17 @@ final class SceneFeed implements AutoCloseable {
         if (due > 0) {
             return due;
         }
-        wantsFrame = true; // before the newest frame is read, so that no later one is missed
-        if (!read()) {
-            return 0;
+        if (port.loop().frame() != scene.frame() && !read()) {
+            return LOOK_NANOS;
         }
-        long next = -1;
+        long next = LOOK_NANOS;
         for (Watcher watcher : watchers) {
             if (watcher.isReady(scene.version())) {
                 long left = watcher.sentNanos() + MIN_INTERVAL_NANOS - now;
                 if (left <= 0) {
                     watcher.send(scene, writer, now);
                 } else {
-                    next = next < 0 ? left : Math.min(next, left);
+                    next = Math.min(next, left);
                 }
             }
         }
@@ -157,7 +144,6 @@ final class SceneFeed implements AutoCloseable {
     @Override
     public void close() {
         closed = true;
-        subscription.close();
         wake();
     }
 }

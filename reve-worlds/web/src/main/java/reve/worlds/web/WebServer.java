@@ -13,6 +13,7 @@ import org.eclipse.jetty.util.thread.VirtualThreadPool;
 import org.eclipse.jetty.websocket.server.WebSocketUpgradeHandler;
 
 import reve.core.agent.AgentServer;
+import reve.core.agent.auth.AgentSecurity;
 import reve.core.agent.auth.ServerTls;
 
 import java.io.IOException;
@@ -51,18 +52,19 @@ public final class WebServer implements AutoCloseable {
      * Starts the server.
      *
      * @param address port 0 selects a free port
-     * @param tls encryption of connections; required on addresses that other machines reach
+     * @param security as that of the agent server; TLS is required on addresses that other machines
+     *     reach
      * @param agents admits the page's clients
      * @param worlds that the page can show
      * @throws BindException naming the address if it is not available
      */
     public static WebServer start(
             InetSocketAddress address,
-            Optional<ServerTls> tls,
+            AgentSecurity security,
             AgentServer agents,
             List<PageWorld> worlds)
             throws IOException {
-        var server = new WebServer(address, tls, agents, worlds);
+        var server = new WebServer(address, security, agents, worlds);
         try {
             server.server.start();
         } catch (Exception failed) {
@@ -74,10 +76,11 @@ public final class WebServer implements AutoCloseable {
 
     private WebServer(
             InetSocketAddress address,
-            Optional<ServerTls> tls,
+            AgentSecurity security,
             AgentServer agents,
             List<PageWorld> worlds)
             throws IOException {
+        Optional<ServerTls> tls = security.tls();
         if (!address.getAddress().isLoopbackAddress() && tls.isEmpty()) {
             throw new IllegalArgumentException(
                     "the page cannot be served on "
@@ -125,7 +128,12 @@ public final class WebServer implements AutoCloseable {
                                     });
                         });
         sockets.setHandler(new PageFiles());
-        guard.setHandler(sockets);
+        var operations =
+                new Operations(
+                        new Metrics(worlds.stream().map(PageWorld::port).toList(), agents),
+                        security.tokens());
+        operations.setHandler(sockets);
+        guard.setHandler(operations);
         server.setHandler(guard);
     }
 

@@ -30,14 +30,7 @@ final class ItemReport {
 
     /** Columns of the physical aspect, which the table holds beside those of physics. */
     private static final Set<String> PHYSICAL =
-            Set.of(
-                    "position",
-                    "orientation",
-                    "size",
-                    "shape",
-                    "colour",
-                    "boundsMin",
-                    "boundsMax");
+            Set.of("position", "orientation", "size", "shape", "colour", "boundsMin", "boundsMax");
 
     private ItemReport() {}
 

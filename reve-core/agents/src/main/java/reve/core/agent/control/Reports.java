@@ -101,7 +101,8 @@ final class Reports {
         throw new ActionRefused("no-such-item", "the world has no item " + Text.quote(name));
     }
 
-    private void between(Requester requester, ClientMessage.Request query, WorldControl.Reading reading) {
+    private void between(
+            Requester requester, ClientMessage.Request query, WorldControl.Reading reading) {
         port.loop()
                 .betweenFrames(
                         () -> {

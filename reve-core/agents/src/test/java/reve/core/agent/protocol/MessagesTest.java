@@ -10,6 +10,7 @@ import org.junit.jupiter.params.provider.MethodSource;
 
 import reve.core.agent.port.Cameras;
 
+import tools.jackson.core.type.TypeReference;
 import tools.jackson.databind.JsonNode;
 import tools.jackson.databind.json.JsonMapper;
 import tools.jackson.databind.node.ObjectNode;
@@ -237,6 +238,15 @@ class MessagesTest {
                     rewind.image().ifPresent(image -> json.put("image", image));
             case ClientMessage.Save save -> json.put("file", save.file());
             case ClientMessage.Fork fork -> json.put("frames", fork.frames());
+            case ClientMessage.Speed speed -> json.put("factor", speed.factor());
+            case ClientMessage.SetLaw set ->
+                    json.put("library", set.library())
+                            .set("parameters", JSON.valueToTree(set.parameters()));
+            case ClientMessage.Ledger ledger ->
+                    ledger.open().ifPresent(open -> json.put("open", open));
+            case ClientMessage.Inspect inspect -> json.put("item", inspect.item());
+            case ClientMessage.State state -> {}
+            case ClientMessage.Laws laws -> {}
             case ClientMessage.Pause pause -> {}
             case ClientMessage.Run run -> {}
             case ClientMessage.Picture picture -> {}
@@ -313,6 +323,14 @@ class MessagesTest {
                             ? new ServerMessage.Accepted(id, json.get("frame").longValue())
                             : new ServerMessage.Refused(
                                     id, text(json, "code"), text(json, "reason"));
+            case "report" ->
+                    new ServerMessage.Report(
+                            id,
+                            json.get("frame").longValue(),
+                            text(json, "of"),
+                            JSON.convertValue(
+                                    json.get("content"),
+                                    new TypeReference<Map<String, Object>>() {}));
             case "image" ->
                     new ServerMessage.Image(
                             id,

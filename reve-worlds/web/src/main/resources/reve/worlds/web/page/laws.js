@@ -97,11 +97,15 @@ export class LawsPanel {
     const low = Number.isFinite(parameter.min) ? parameter.min : Math.min(0, 2 * parameter.value, -Math.abs(parameter.default));
     const high = Number.isFinite(parameter.max) && parameter.max < 1e6 ? parameter.max : Math.max(2 * Math.abs(parameter.value), 2 * Math.abs(parameter.default), 1);
     const unit = parameter.unit && parameter.unit !== "1" ? ` ${parameter.unit}` : "";
-    const output = h("output", null, number(parameter.value) + unit);
     const id = `p-${library.library}-${law.name}-${parameter.name}`;
+    const exact = h("input", { id, type: "number", step: "any", disabled: !control, className: "exact",
+      onfocus: () => (this.sliding = true),
+      onblur: () => (this.sliding = false),
+      onchange: () => Number.isFinite(exact.valueAsNumber) && send(exact.valueAsNumber) });
+    exact.value = +parameter.value.toPrecision(9);
     const send = async (value) => {
       this.sliding = false;
-      output.textContent = number(value) + unit;
+      exact.value = +value.toPrecision(9);
       try {
         await this.app.connection.ask("set-law", { library: library.library, parameters: { [`${law.name}.${parameter.name}`]: value } });
         this.app.plots.mark(`${law.name}.${parameter.name} = ${number(value)}`);
@@ -111,14 +115,14 @@ export class LawsPanel {
       }
       this.read();
     };
-    const slider = h("input", { id, type: "range", min: low, max: high, step: "any", disabled: !control,
+    const slider = h("input", { "aria-label": `${parameter.name}, slider`, type: "range", min: low, max: high, step: "any", disabled: !control,
       oninput: () => {
         this.sliding = true;
-        output.textContent = number(Number(slider.value)) + unit;
+        exact.value = +Number(slider.value).toPrecision(6);
       },
       onchange: () => send(Number(slider.value)) });
     slider.value = parameter.value;
-    return h("div", { className: "parameter" }, h("label", { htmlFor: id, title: parameter.doc }, h("span", null, parameter.name), output), slider);
+    return h("div", { className: "parameter" }, h("label", { htmlFor: id, title: parameter.doc }, h("span", null, parameter.name + (unit && ` [${unit.trim()}]`)), exact), slider);
   }
 
   cost(report) {

@@ -117,6 +117,8 @@ class App {
     $("status").className = "chip good";
     $("transport").hidden = welcome.role !== "control";
     this.view.clear();
+    this.scene.showGhost(null);
+    $("ahead").setAttribute("aria-pressed", "false");
     this.scene.selected = null;
     this.scene.wasFitted = this.scene.wasFitted && this.shownWorld === welcome.world;
     this.shownWorld = welcome.world;

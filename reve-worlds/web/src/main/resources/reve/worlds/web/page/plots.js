@@ -4,10 +4,18 @@ import uPlot from "uplot";
 import { h, number } from "./dom.js";
 
 const POINTS = 600;
+const MARKS = 24;
 const COLOURS = ["#4fd1c5", "#f6ad55", "#fc8181", "#90cdf4", "#b794f4", "#68d391", "#f687b3", "#faf089", "#a0aec0"];
 
+/** Shows a number of an axis in few characters. */
+function short(value) {
+  return Math.abs(value) >= 1e5 ? value.toExponential(1).replace("e+", "e") : number(value);
+}
+
 class Plot {
-  constructor(title, unit, holder, onremove) {
+  /** @param marks changes of the laws, shown as lines */
+  constructor(title, unit, holder, marks, onremove) {
+    this.marks = marks;
     this.title = title;
     this.unit = unit;
     this.names = [];
@@ -42,17 +50,36 @@ class Plot {
     const style = getComputedStyle(document.documentElement);
     const quiet = style.getPropertyValue("--quiet").trim();
     const line = style.getPropertyValue("--line").trim();
-    const axis = { stroke: quiet, grid: { stroke: line, width: 1 }, ticks: { stroke: line, width: 1 }, font: "11px system-ui", size: 54 };
+    const axis = { stroke: quiet, grid: { stroke: line, width: 1 }, ticks: { stroke: line, width: 1 }, font: "11px system-ui", size: 58 };
     this.chart = new uPlot(
       {
         width: Math.max(160, this.element.clientWidth - 18), height: 170, legend: { live: true },
         cursor: { points: { size: 5 } },
+        hooks: { draw: [(chart) => this.#drawMarks(chart, quiet)] },
         scales: { x: { time: false } },
-        axes: [{ ...axis, size: 30, values: (_, ticks) => ticks.map((t) => `${number(t)} s`) }, { ...axis, values: (_, ticks) => ticks.map(number) }],
+        axes: [{ ...axis, size: 30, values: (_, ticks) => ticks.map((t) => `${number(t)} s`) }, { ...axis, values: (_, ticks) => ticks.map(short) }],
         series: [{ label: "time", value: (_, v) => (v === null ? "–" : `${number(v)} s`) },
-          ...this.names.map((name, i) => ({ label: name, stroke: COLOURS[i % COLOURS.length], width: 1.5, value: (_, v) => (v === null || v === undefined ? "–" : number(v)) }))],
+          ...this.names.map((name, i) => ({ label: name, stroke: COLOURS[i % COLOURS.length], width: 1.5, points: { show: false }, value: (_, v) => (v === null || v === undefined ? "–" : number(v)) }))],
       },
       this.data, this.body);
+  }
+
+  #drawMarks(chart, colour) {
+    const { ctx, bbox } = chart;
+    ctx.save();
+    ctx.strokeStyle = ctx.fillStyle = colour;
+    ctx.font = `${10 * devicePixelRatio}px system-ui`;
+    ctx.setLineDash([4, 4]);
+    for (const { time, label } of this.marks) {
+      if (!(time >= chart.scales.x.min && time <= chart.scales.x.max)) continue;
+      const x = chart.valToPos(time, "x", true);
+      ctx.beginPath();
+      ctx.moveTo(x, bbox.top);
+      ctx.lineTo(x, bbox.top + bbox.height);
+      ctx.stroke();
+      ctx.fillText(label, x + 3, bbox.top + 10 * devicePixelRatio);
+    }
+    ctx.restore();
   }
 
   draw() {
@@ -76,7 +103,8 @@ export class PlotsPanel {
     this.hint = h("p", { className: "doc" }, "Press ∿ beside a property of an item to plot it. The ledger (tab Laws) adds a plot of energy.");
     panel.append(this.hint, this.holder);
     this.watched = new Map();
-    this.frame = new Plot("Frame time by phase", "ms", this.holder);
+    this.marks = [];
+    this.frame = new Plot("Frame time by phase", "ms", this.holder, []);
     setInterval(() => {
       for (const plot of [this.frame, this.energy, ...[...this.watched.values()].map((watch) => watch.plot)]) plot?.draw();
     }, 250);
@@ -86,6 +114,7 @@ export class PlotsPanel {
   clear() {
     this.before = null;
     for (const plot of [this.frame, this.energy]) if (plot) for (const column of plot.data) column.length = 0;
+    this.marks.length = 0;
   }
 
   theme() {
@@ -113,19 +142,22 @@ export class PlotsPanel {
       this.energy = null;
       return;
     }
-    this.energy ??= new Plot("Energy added by each law", "J", this.holder);
+    this.energy ??= new Plot("Energy added by each law", "J", this.holder, this.marks);
     const values = {};
     for (const line of report.lines) values[line.name] = line.energy + (line.potentialChange ?? 0);
     this.energy.add(time, values);
   }
 
-  /** Notes a change of the laws; shown in the title of the energy plot. */
-  mark() {}
+  /** Notes a change of the laws; plots over the world's time show it as a line. */
+  mark(label) {
+    this.marks.push({ time: this.app.view.time, label });
+    if (this.marks.length > MARKS) this.marks.shift();
+  }
 
   add(item, path, unit) {
     const key = `${item} ${path}`;
     if (this.watched.has(key)) return;
-    const plot = new Plot(`${item}: ${path}`, unit === "1" ? "" : unit, this.holder, () => {
+    const plot = new Plot(`${item}: ${path}`, unit === "1" ? "" : unit, this.holder, this.marks, () => {
       plot.remove();
       this.watched.delete(key);
     });

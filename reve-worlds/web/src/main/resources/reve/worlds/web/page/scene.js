@@ -9,6 +9,8 @@ const TRAIL_POINTS = 240;
 const TRAIL_ITEMS = 120;
 const MANY = 600;
 const SLOW_SECONDS = 0.09;
+/** Largest time that an arrow of a velocity stands for, so that bodies at rest have none [s]. */
+const MOST_SECONDS = 2;
 /** Bounds of objects whose parts move, so that none are computed. */
 const EVERYWHERE = new THREE.Sphere(new THREE.Vector3(), Infinity);
 const LINEAR = Float32Array.from({ length: 256 }, (_, i) => {
@@ -385,20 +387,20 @@ export class Scene {
       places.needsUpdate = colours.needsUpdate = true;
       this.surfaces.geometry.computeVertexNormals();
     }
-    this.#arrows(this.velocityLines, this.options.velocity, this.view.velocity);
-    this.#arrows(this.forceLines, this.options.force, this.view.force);
+    this.#arrows(this.velocityLines, this.options.velocity, this.view.velocity, MOST_SECONDS);
+    this.#arrows(this.forceLines, this.options.force, this.view.force, Infinity);
     this.#boxes();
     this.#trail();
   }
 
-  /** Lines from the bodies along a vector column; the longest is an eighth of the scene. */
-  #arrows(lines, on, column) {
+  /** Lines from the bodies along a vector column; the longest is an eighth of the scene, if `most` permits that scale. */
+  #arrows(lines, on, column, most) {
     lines.visible = on;
     if (!on) return;
     const { position } = this.view;
     let longest = 0;
     for (const slot of this.bodies) longest = Math.max(longest, Math.hypot(column[3 * slot], column[3 * slot + 1], column[3 * slot + 2]));
-    const scale = longest > 0 ? (this.radius ?? 10) / 4 / longest : 0;
+    const scale = longest > 0 ? Math.min((this.radius ?? 10) / 4 / longest, most) : 0;
     const attribute = this.#resize(lines, 18 * this.bodies.length);
     const to = attribute.array;
     const tip = new THREE.Vector3(), along = new THREE.Vector3(), side = new THREE.Vector3();
@@ -407,7 +409,7 @@ export class Scene {
       const s = 3 * slot;
       along.set(column[s], column[s + 1], column[s + 2]).multiplyScalar(scale);
       tip.set(position[s], position[s + 1], position[s + 2]).add(along);
-      side.crossVectors(along, this.camera.getWorldDirection(side)).multiplyScalar(0.12 / Math.max(1, along.length() / Math.max(along.length(), 1e-9)));
+      side.crossVectors(along, this.camera.getWorldDirection(side));
       side.setLength(along.length() * 0.1);
       const put = (x, y, z) => { to[at++] = x; to[at++] = y; to[at++] = z; };
       put(position[s], position[s + 1], position[s + 2]);
@@ -505,6 +507,16 @@ export class Scene {
     this.camera.fov = Math.min(100, (own.fov * 180) / Math.PI);
     this.controls.target.fromArray(own.target);
     this.#scale();
+    this.controls.update();
+    this.camera.updateMatrixWorld();
+    const sight = new THREE.Frustum().setFromProjectionMatrix(
+      new THREE.Matrix4().multiplyMatrices(this.camera.projectionMatrix, this.camera.matrixWorldInverse),
+    );
+    const place = new THREE.Vector3();
+    const seen = this.bodies.some(
+      (slot) => this.view.items[slot].shape !== PLANE && sight.containsPoint(place.fromArray(this.view.position, 3 * slot)),
+    );
+    if (!seen) this.fit(); // what the world began with has moved away
   }
 
   /** Draws less carefully on machines that are too slow, for example without a GPU. */
@@ -633,7 +645,7 @@ export class Scene {
     }
     const matrix = new THREE.Matrix4();
     placed.forEach((item, i) => {
-      matrix.compose(new THREE.Vector3(...item.location), new THREE.Quaternion(...(item.orientation ?? [0, 0, 0, 1])), new THREE.Vector3(...item.symbols.dimensions));
+      matrix.compose(new THREE.Vector3(...item.location), new THREE.Quaternion(...(item.orientation ?? [0, 0, 0, 1])), new THREE.Vector3(...item.symbols.dimensions).multiplyScalar(1.02));
       this.ghost.setMatrixAt(i, matrix);
     });
     this.ghost.count = placed.length;
@@ -697,13 +709,15 @@ export class Scene {
   #label() {
     const wanted = [];
     if (this.options.labels && this.bodies) {
-      const { position } = this.view;
+      const { position, size } = this.view;
       const place = new THREE.Vector3();
+      const up = new THREE.Vector3(0, 1, 0).applyQuaternion(this.camera.quaternion);
       const few = this.bodies.length <= LABELS ? this.bodies : [...new Set([...this.highlighted, ...(this.selected === null ? [] : [this.selected])])].slice(0, LABELS);
       for (const slot of few) {
         const item = this.view.items[slot];
         if (!item?.shape || (item.shape === PLANE && slot !== this.selected)) continue;
-        place.fromArray(position, 3 * slot).project(this.camera);
+        const radius = item.shape === PLANE ? 0 : Math.min(size[3 * slot], size[3 * slot + 1], size[3 * slot + 2]) / 2;
+        place.fromArray(position, 3 * slot).addScaledVector(up, -radius).project(this.camera);
         if (place.z > 1 || place.z < -1 || Math.abs(place.x) > 1 || Math.abs(place.y) > 1) continue;
         wanted.push([item.name, ((place.x + 1) / 2) * this.width, ((1 - place.y) / 2) * this.height, slot === this.selected]);
       }
@@ -715,7 +729,7 @@ export class Scene {
       const label = layer.children[i];
       if (label.textContent !== name) label.textContent = name;
       label.className = picked ? "picked" : "";
-      label.style.transform = `translate(${x.toFixed(1)}px, ${(y + 8).toFixed(1)}px) translateX(-50%)`;
+      label.style.transform = `translate(${x.toFixed(1)}px, ${(y + 4).toFixed(1)}px) translateX(-50%)`;
     });
   }
 }

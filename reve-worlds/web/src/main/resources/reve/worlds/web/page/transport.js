@@ -3,6 +3,7 @@
 import { $, toast } from "./dom.js";
 
 const READ_MILLISECONDS = 500;
+const AHEAD_SECONDS = 2;
 const RUN_ICON = "M4.5 2.5l9 5.5-9 5.5z";
 const PAUSE_ICON = "M4.5 3h2.5v10H4.5zM9 3h2.5v10H9z";
 
@@ -16,6 +17,7 @@ export class Transport {
     $("rewind").onclick = () => this.command("rewind", {}, "rewound to the start");
     $("speed").onchange = () => this.command("speed", { factor: Number($("speed").value) });
     $("keep").onclick = () => this.keep();
+    $("ahead").onclick = () => this.ahead();
     $("images").onchange = () => {
       const image = $("images").value;
       $("images").value = "";
@@ -43,6 +45,24 @@ export class Transport {
     if (this.app.role !== "control") return;
     if (!this.state?.paused) await this.command("pause", {});
     this.command("step", { frames: 1 });
+  }
+
+  /** Shows or hides where everything will be if there are no further actions. */
+  async ahead() {
+    const on = $("ahead").getAttribute("aria-pressed") !== "true";
+    $("ahead").setAttribute("aria-pressed", String(on));
+    if (!on) {
+      this.app.scene.showGhost(null);
+      return;
+    }
+    try {
+      const frames = Math.round(AHEAD_SECONDS * this.app.welcome.rate);
+      const perception = await this.app.connection.ask("fork", { frames });
+      this.app.scene.showGhost(perception.items);
+    } catch (refused) {
+      $("ahead").setAttribute("aria-pressed", "false");
+      toast(refused.message, true);
+    }
   }
 
   keep() {

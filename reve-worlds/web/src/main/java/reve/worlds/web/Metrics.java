@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.worlds.web;
+
+import io.prometheus.metrics.core.metrics.CounterWithCallback;
+import io.prometheus.metrics.core.metrics.GaugeWithCallback;
+import io.prometheus.metrics.expositionformats.PrometheusTextFormatWriter;
+import io.prometheus.metrics.model.registry.PrometheusRegistry;
+import io.prometheus.metrics.model.snapshots.Unit;
+
+import reve.core.agent.AgentServer;
+import reve.core.agent.AgentStats;
+import reve.core.agent.port.WorldPort;
+import reve.core.frame.FrameLoop;
+import reve.core.frame.FramePhase;
+import reve.core.frame.FrameProfile;
+
+import java.io.ByteArrayOutputStream;
+import java.io.IOException;
+import java.io.UncheckedIOException;
+import java.util.List;
+import java.util.Locale;
+import java.util.function.ToDoubleFunction;
+import java.util.function.ToLongFunction;
+
+/**
+ * The counters of a server in the text format of Prometheus. They are read when they are requested;
+ * frames do not contribute to them. Any thread.
+ */
+final class Metrics {
+
+    /** Content type of {@link #text}. */
+    static final String TYPE = "text/plain; version=0.0.4; charset=utf-8";
+
+    private final PrometheusRegistry registry = new PrometheusRegistry();
+    private final List<WorldPort> worlds;
+    private final AgentServer agents;
+
+    Metrics(List<WorldPort> worlds, AgentServer agents) {
+        this.worlds = List.copyOf(worlds);
+        this.agents = agents;
+        perFrame("reve_frames", "Completed frames.", FrameProfile::frames);
+        perFrame(
+                "reve_overruns",
+                "Frames that ended after the next one was due.",
+                FrameProfile::overruns);
+        perFrame(
+                "reve_dropped_frames",
+                "Frames by which the world gave up catching up with the clock.",
+                FrameProfile::droppedFrames);
+        phases();
+        perWorld("reve_paused", "1 while the world is paused.", loop -> loop.isPaused() ? 1 : 0);
+        perWorld("reve_speed", "World time per time of the clock.", FrameLoop::speed);
+        perWorld("reve_running", "1 while frames are made.", loop -> isRunning(loop) ? 1 : 0);
+        gauge("reve_connections", "Open connections.", AgentStats::open);
+        gauge("reve_agents", "Agents in the worlds.", AgentStats::agents);
+        counter("reve_joined", "Agents that have joined.", AgentStats::joined);
+        counter("reve_messages", "Messages of clients.", AgentStats::lines);
+        counter("reve_refused_messages", "Messages that were refused.", AgentStats::errors);
+        counter("reve_perceptions", "Perceptions that were sent.", AgentStats::perceptions);
+        counter("reve_acts_accepted", "Actions that took effect.", AgentStats::actsAccepted);
+        counter("reve_acts_refused", "Actions that were refused.", AgentStats::actsRefused);
+        counter("reve_disconnected", "Clients that the server disconnected.", AgentStats::cut);
+        counter("reve_unrecorded", "Messages without an audit record.", AgentStats::unrecorded);
+    }
+
+    /** Returns whether a thread makes the frames of the loop. */
+    static boolean isRunning(FrameLoop loop) {
+        return loop.thread() != null && !loop.isStopped();
+    }
+
+    private void phases() {
+        CounterWithCallback.builder()
+                .name("reve_phase_seconds")
+                .help("Time in each phase of the frame.")
+                .unit(Unit.SECONDS)
+                .labelNames("world", "phase")
+                .callback(
+                        callback -> {
+                            for (WorldPort world : worlds) {
+                                FrameProfile profile = world.loop().profile();
+                                for (FramePhase phase : FramePhase.values()) {
+                                    callback.call(
+                                            profile.phaseNanoseconds().getOrDefault(phase, 0L)
+                                                    / 1e9,
+                                            world.world(),
+                                            phase.name().toLowerCase(Locale.ROOT));
+                                }
+                            }
+                        })
+                .register(registry);
+    }
+
+    private void perFrame(String name, String help, ToLongFunction<FrameProfile> value) {
+        CounterWithCallback.builder()
+                .name(name)
+                .help(help)
+                .labelNames("world")
+                .callback(
+                        callback ->
+                                worlds.forEach(
+                                        world ->
+                                                callback.call(
+                                                        value.applyAsLong(world.loop().profile()),
+                                                        world.world())))
+                .register(registry);
+    }
+
+    private void perWorld(String name, String help, ToDoubleFunction<FrameLoop> value) {
+        GaugeWithCallback.builder()
+                .name(name)
+                .help(help)
+                .labelNames("world")
+                .callback(
+                        callback ->
+                                worlds.forEach(
+                                        world ->
+                                                callback.call(
+                                                        value.applyAsDouble(world.loop()),
+                                                        world.world())))
+                .register(registry);
+    }
+
+    private void gauge(String name, String help, ToLongFunction<AgentStats> value) {
+        GaugeWithCallback.builder()
+                .name(name)
+                .help(help)
+                .callback(callback -> callback.call(value.applyAsLong(agents.stats())))
+                .register(registry);
+    }
+
+    private void counter(String name, String help, ToLongFunction<AgentStats> value) {
+        CounterWithCallback.builder()
+                .name(name)
+                .help(help)
+                .callback(callback -> callback.call(value.applyAsLong(agents.stats())))
+                .register(registry);
+    }
+
+    /** Returns the present values. */
+    byte[] text() {
+        var out = new ByteArrayOutputStream();
+        try {
+            PrometheusTextFormatWriter.create().write(out, registry.scrape());
+        } catch (IOException e) {
+            throw new UncheckedIOException(e); // memory has no failures
+        }
+        return out.toByteArray();
+    }
+
+    /** Returns the names of worlds whose frames are no longer made. */
+    List<String> ended() {
+        return worlds.stream()
+                .filter(world -> !isRunning(world.loop()))
+                .map(WorldPort::world)
+                .toList();
+    }
+}

@@ -1,0 +1,423 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.worlds.web;
+
+import static org.assertj.core.api.Assertions.assertThat;
+import static org.assertj.core.api.Assertions.assertThatIOException;
+import static org.assertj.core.api.Assertions.within;
+
+import org.junit.jupiter.api.AfterEach;
+import org.junit.jupiter.api.BeforeEach;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+
+import reve.core.agent.AgentServerConfig;
+import reve.core.agent.auth.AgentSecurity;
+import reve.core.agent.auth.TokenFile;
+import reve.core.file.WorldDescription;
+import reve.core.file.WorldFile;
+import reve.core.frame.Pacing;
+import reve.worlds.journal.SqliteStore;
+import reve.worlds.server.Persistence;
+import reve.worlds.server.Pictures;
+import reve.worlds.server.WorldPlan;
+import reve.worlds.server.WorldServer;
+
+import tools.jackson.databind.JsonNode;
+
+import java.io.IOException;
+import java.net.InetAddress;
+import java.net.InetSocketAddress;
+import java.net.Socket;
+import java.net.URI;
+import java.net.http.HttpClient;
+import java.net.http.HttpRequest;
+import java.net.http.HttpResponse;
+import java.nio.charset.StandardCharsets;
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.nio.file.attribute.PosixFilePermissions;
+import java.security.MessageDigest;
+import java.util.HexFormat;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.concurrent.TimeUnit;
+import java.util.regex.Matcher;
+import java.util.regex.Pattern;
+
+/** The page's server, used through plain HTTP and WebSockets. */
+class WebServerNativeTest {
+
+    private static final String WORLD =
+            """
+            reve: 1
+            name: pond
+            laws: [gravity_field, newton_motion]
+            constants: {gravity: [0, -9.81, 0]}
+            camera: {eye: [0, 2, 9], target: [0, 1, 0]}
+            agents:
+              body:
+                physical: {shape: box, size: [0.5, 1, 0.5], location: [0, 0.5, 0]}
+                sensors: {eyes: {range: 2 m}}
+            items:
+              - name: ball
+                physical: {shape: sphere, radius: 0.5, location: [1, 100, 0], colour: "#336699"}
+                physics: {mass: 2 kg, velocity: [0.25, 0, 0]}
+              - name: stone
+                physical: {shape: box, size: [1, 2, 3], location: [5, 1, 0]}
+              - name: anchor
+                physical: {location: [0, 3, 0]}
+                physics: {mass: 0}
+              - {name: rope, kind: spring, physics: {end1: anchor, end2: ball, length: 1}}
+              - {name: floor, physical: {shape: plane, size: [20, 20]}}
+            """;
+
+    @TempDir private Path folder;
+
+    private WorldServer server;
+    private WebServer page;
+    private Thread world;
+
+    @BeforeEach
+    void start() throws Exception {
+        start(AgentSecurity.NONE);
+    }
+
+    private void start(AgentSecurity security) throws Exception {
+        Path file = Files.writeString(folder.resolve("pond.yaml"), WORLD);
+        WorldDescription description = WorldFile.load(file);
+        var persistence =
+                new Persistence(
+                        folder,
+                        Optional.empty(),
+                        Optional.empty(),
+                        Optional.empty(),
+                        10,
+                        SqliteStore.Durability.NORMAL);
+        var plan =
+                new WorldPlan(
+                        description, Long.MAX_VALUE, persistence, new Pictures(folder, List.of()));
+        InetSocketAddress any = new InetSocketAddress(InetAddress.ofLiteral("127.0.0.1"), 0);
+        server =
+                new WorldServer(
+                        List.of(plan),
+                        Pacing.REAL_TIME,
+                        AgentServerConfig.on(any, security),
+                        Optional.empty(),
+                        (event, fields) -> {});
+        page =
+                WebServer.start(
+                        any,
+                        security,
+                        server.agents(),
+                        List.of(new PageWorld(server.ports().getFirst(), description.camera())));
+        world = Thread.ofPlatform().name("world of the test").start(server::run);
+    }
+
+    @AfterEach
+    void stop() throws Exception {
+        page.close();
+        server.stop();
+        world.join();
+        server.close();
+    }
+
+    private HttpResponse<String> get(String path) throws IOException, InterruptedException {
+        try (HttpClient http = HttpClient.newHttpClient()) {
+            return http.send(
+                    HttpRequest.newBuilder(URI.create(page.address() + path)).build(),
+                    HttpResponse.BodyHandlers.ofString());
+        }
+    }
+
+    @Test
+    void thePageAsksNoOtherServer() throws Exception {
+        HttpResponse<String> index = get("");
+        assertThat(index.statusCode()).isEqualTo(200);
+        assertThat(index.headers().firstValue("Content-Security-Policy").orElseThrow())
+                .contains("default-src 'none'", "connect-src 'self'", "frame-ancestors 'none'");
+        Matcher files =
+                Pattern.compile("(?:src|href|from)[= ]*[\"'](?!#)([^\"']+)").matcher(index.body());
+        int found = 0;
+        while (files.find()) {
+            assertThat(get(files.group(1)).statusCode()).as(files.group(1)).isEqualTo(200);
+            found++;
+        }
+        assertThat(found).isGreaterThanOrEqualTo(4);
+        for (String script : OwnScripts.NAMES) {
+            HttpResponse<String> answer = get(script);
+            assertThat(answer.statusCode()).as(script).isEqualTo(200);
+            assertThat(answer.body()).doesNotContain("https://", "http://");
+            assertThat(answer.headers().firstValue("Content-Type").orElseThrow())
+                    .startsWith("text/javascript");
+        }
+        assertThat(get("three/three.module.js").statusCode()).isEqualTo(200);
+        assertThat(get("three/three.core.min.js").statusCode()).isEqualTo(200);
+        assertThat(get("uplot/uPlot.js").statusCode()).isEqualTo(200);
+    }
+
+    @Test
+    void supervisorsReadHealthAndCounters() throws Exception {
+        assertThat(get("health").body()).isEqualTo("ok\n");
+        long frame = server.ports().getFirst().loop().frame();
+        while (server.ports().getFirst().loop().frame() < frame + 10) {
+            Thread.sleep(10);
+        }
+        HttpResponse<String> counters = get("metrics");
+        assertThat(counters.headers().firstValue("Content-Type").orElseThrow())
+                .startsWith("text/plain; version=0.0.4");
+        Matcher frames =
+                Pattern.compile("reve_frames_total\\{world=\"pond\"} ([0-9.]+)")
+                        .matcher(counters.body());
+        assertThat(frames.find()).as(counters.body()).isTrue();
+        assertThat(Double.parseDouble(frames.group(1))).isGreaterThanOrEqualTo(frame + 10);
+        assertThat(counters.body())
+                .contains("reve_phase_seconds_total{phase=\"physics\",world=\"pond\"}")
+                .contains("reve_agents 0.0");
+        server.stop();
+        world.join();
+        assertThat(get("health").statusCode()).isEqualTo(503);
+    }
+
+    @Test
+    void noOtherFileIsServed() throws Exception {
+        for (String path :
+                List.of(
+                        "WebServer.class",
+                        "..%2findex.html",
+                        "%2e%2e/style.css",
+                        "page",
+                        "etc/passwd")) {
+            assertThat(get(path).statusCode()).as(path).isIn(400, 404);
+        }
+    }
+
+    @Test
+    void pagesOfOtherOriginsOpenNoWebSocket() {
+        for (String origin :
+                List.of(
+                        "http://example.com",
+                        "null",
+                        page.address().substring(0, page.address().length() - 1) + "1",
+                        page.address().replace("http", "https"))) {
+            assertThatIOException()
+                    .as(origin)
+                    .isThrownBy(() -> new PageClient(page.address(), origin).close());
+        }
+    }
+
+    @Test
+    void otherHostNamesLeadNowhere() throws Exception {
+        URI address = URI.create(page.address());
+        try (var socket = new Socket("127.0.0.1", address.getPort())) {
+            socket.getOutputStream()
+                    .write(
+                            "GET / HTTP/1.1\r\nHost: evil.example\r\nConnection: close\r\n\r\n"
+                                    .getBytes(StandardCharsets.US_ASCII));
+            String answer =
+                    new String(socket.getInputStream().readAllBytes(), StandardCharsets.ISO_8859_1);
+            assertThat(answer).startsWith("HTTP/1.1 421 ").doesNotContain("<script");
+        }
+    }
+
+    @Test
+    void anObserverSeesWhatTheProtocolReports() throws Exception {
+        try (var client = new PageClient(page.address())) {
+            JsonNode welcome = client.join("eye", "observer");
+            assertThat(welcome.get("world").asString()).isEqualTo("pond");
+            client.watch(1);
+            PageClient.Frame first = client.frame();
+            assertThat(first.structure().at("/camera/eye/2").doubleValue()).isEqualTo(9);
+            var items = new java.util.TreeMap<String, JsonNode>();
+            first.structure()
+                    .get("items")
+                    .forEach(item -> items.put(item.get("name").asString(), item));
+            assertThat(items).containsKeys("ball", "stone", "rope", "floor", "world");
+            int ball = items.get("ball").get("slot").asInt();
+            int stone = items.get("stone").get("slot").asInt();
+            assertThat(items.get("ball").get("shape").asInt()).isEqualTo(1);
+            assertThat(items.get("rope").get("refers").get(1).asInt()).isEqualTo(ball);
+            assertThat(column(first, SceneColumns.SIZE).get(stone)).containsExactly(1, 2, 3);
+            int colour = Float.floatToRawIntBits(column(first, SceneColumns.COLOUR).get(ball)[0]);
+            assertThat(colour).isEqualTo(0xff996633);
+            // Free fall by semi-implicit Euler: y(n) = 100 - g dt² n (n + 1) / 2.
+            client.watch(1);
+            PageClient.Frame later = client.frame();
+            assertThat(later.frame()).isGreaterThan(first.frame());
+            assertThat(column(later, SceneColumns.POSITION)).containsOnlyKeys(ball);
+            float[] place = column(later, SceneColumns.POSITION).get(ball);
+            double dt = later.time() / later.frame();
+            assertThat(place[0]).isCloseTo((float) (1 + 0.25 * later.time()), within(1e-4f));
+            assertThat((double) place[1])
+                    .isCloseTo(100 - 9.81 * later.time() * later.time() / 2, within(0.2));
+            assertThat(column(later, SceneColumns.VELOCITY).get(ball)[1])
+                    .isCloseTo((float) (-9.81 * later.time()), within(1e-2f));
+            assertThat(dt).isCloseTo(1 / 60.0, within(1e-9));
+        }
+    }
+
+    private static Map<Integer, float[]> column(PageClient.Frame frame, SceneColumns column) {
+        return frame.columns().getOrDefault(column.ordinal(), Map.of());
+    }
+
+    @Test
+    void oneRequestGetsOneFrameAndAHangingPageHoldsNothingUp() throws Exception {
+        try (var client = new PageClient(page.address())) {
+            client.join("slow", "control");
+            client.watch(0);
+            long first = client.frame().frame();
+            client.hang();
+            client.watch(0);
+            client.watch(0);
+            long before = server.ports().getFirst().loop().frame();
+            while (server.ports().getFirst().loop().frame() < before + 60) {
+                Thread.sleep(20);
+            }
+            client.readAgain();
+            long second = client.frame().frame();
+            assertThat(second).isGreaterThan(first);
+            while (client.frames.poll(300, TimeUnit.MILLISECONDS) != null) {}
+            client.watch(0);
+            assertThat(client.frame().frame()).isGreaterThan(before + 50);
+        }
+    }
+
+    @Test
+    void anAgentReceivesNoSceneBesideItsPerceptions() throws Exception {
+        try (var client = new PageClient(page.address())) {
+            client.join("ada", "agent");
+            client.watch(3);
+            client.say("{\"t\":\"perceive\",\"id\":7}");
+            JsonNode perception = client.answer(7);
+            assertThat(perception.get("items"))
+                    .extracting(item -> item.get("name").asString())
+                    .contains("ada")
+                    .doesNotContain("stone", "ball");
+            client.say("{\"t\":\"inspect\",\"id\":8,\"item\":\"ball\"}");
+            assertThat(client.answer(8).get("code").asString()).isEqualTo("not-permitted");
+            assertThat(client.frames.poll(500, TimeUnit.MILLISECONDS)).isNull();
+        }
+    }
+
+    @Test
+    void nothingIsSentBeforeAHello() throws Exception {
+        try (var client = new PageClient(page.address())) {
+            client.watch(3);
+            assertThat(client.frames.poll(500, TimeUnit.MILLISECONDS)).isNull();
+            assertThat(client.lines).isEmpty();
+        }
+    }
+
+    @Test
+    void aWrongTokenOpensNothing() throws Exception {
+        stop();
+        Path file = folder.resolve("tokens.json");
+        Files.createFile(
+                file,
+                PosixFilePermissions.asFileAttribute(PosixFilePermissions.fromString("rw-------")));
+        String token = "0123456789abcdef0123456789abcdef";
+        Files.writeString(
+                file,
+                "{\"reveTokens\":1,\"tokens\":[{\"name\":\"eve\",\"sha256\":\""
+                        + HexFormat.of()
+                                .formatHex(
+                                        MessageDigest.getInstance("SHA-256")
+                                                .digest(token.getBytes(StandardCharsets.US_ASCII)))
+                        + "\",\"roles\":[\"observer\"]}]}");
+        start(new AgentSecurity(Optional.of(TokenFile.open(file)), Optional.empty()));
+        try (var client = new PageClient(page.address())) {
+            client.say(
+                    "{\"t\":\"hello\",\"protocol\":1,\"name\":\"eve\",\"role\":\"control\",\"token\":\"x\"}");
+            client.watch(0);
+            assertThat(client.await("bye").get("code").asString()).isEqualTo("bad-token");
+            assertThat(client.frames.poll(300, TimeUnit.MILLISECONDS)).isNull();
+        }
+        try (var client = new PageClient(page.address())) {
+            client.say("{\"t\":\"hello\",\"protocol\":1,\"name\":\"eve\",\"role\":\"control\"}");
+            assertThat(client.await("bye").get("code").asString()).isEqualTo("bad-token");
+        }
+        String hello =
+                "{\"t\":\"hello\",\"protocol\":1,\"name\":\"eve\",\"token\":\""
+                        + token
+                        + "\",\"role\":";
+        try (var client = new PageClient(page.address())) {
+            client.say(hello + "\"control\"}");
+            assertThat(client.await("bye").get("code").asString()).isEqualTo("not-permitted");
+        }
+        try (var client = new PageClient(page.address())) {
+            client.say(hello + "\"observer\"}");
+            client.await("welcome");
+            client.watch(0);
+            assertThat(client.frame().structure().get("items")).isNotEmpty();
+            client.say("{\"t\":\"pause\",\"id\":1}");
+            assertThat(client.answer(1).get("code").asString()).isEqualTo("not-permitted");
+        }
+        assertThat(get("health").statusCode()).isEqualTo(200);
+        assertThat(get("metrics").statusCode()).isEqualTo(401);
+        try (HttpClient http = HttpClient.newHttpClient()) {
+            HttpRequest.Builder request =
+                    HttpRequest.newBuilder(URI.create(page.address() + "metrics"));
+            assertThat(
+                            http.send(
+                                            request.setHeader("Authorization", "Bearer wrong")
+                                                    .build(),
+                                            HttpResponse.BodyHandlers.ofString())
+                                    .statusCode())
+                    .isEqualTo(401);
+            assertThat(
+                            http.send(
+                                            request.setHeader("Authorization", "Bearer " + token)
+                                                    .build(),
+                                            HttpResponse.BodyHandlers.ofString())
+                                    .body())
+                    .contains("reve_frames_total");
+        }
+    }
+
+    @Test
+    void reportsTellLawsItemsAndTheLedger() throws Exception {
+        try (var client = new PageClient(page.address())) {
+            client.join("room", "control");
+            client.say("{\"t\":\"laws\",\"id\":1}");
+            JsonNode laws = client.answer(1).get("content");
+            assertThat(laws.at("/loaded/0/library").asString()).isEqualTo("gravity_field");
+            JsonNode use = laws.at("/loaded/0/laws/0/uses");
+            assertThat(use)
+                    .anySatisfy(
+                            each -> {
+                                assertThat(each.get("name").asString()).isEqualTo("gravity");
+                                assertThat(each.get("unit").asString()).isEqualTo("m/s^2");
+                                assertThat(each.get("access").get(0).asString()).isEqualTo("read");
+                            });
+            assertThat(laws.get("available")).extracting(JsonNode::asString).contains("drag");
+            client.say("{\"t\":\"inspect\",\"id\":2,\"item\":\"ball\"}");
+            JsonNode ball = client.answer(2).get("content");
+            assertThat(ball.get("physics"))
+                    .anySatisfy(
+                            each -> {
+                                assertThat(each.get("name").asString()).isEqualTo("mass");
+                                assertThat(each.get("value").doubleValue()).isEqualTo(2);
+                                assertThat(each.get("unit").asString()).isEqualTo("kg");
+                            });
+            assertThat(ball.at("/physical/2/value").asString()).isEqualTo("sphere");
+            client.say("{\"t\":\"ledger\",\"id\":3,\"open\":true}");
+            assertThat(client.answer(3).at("/content/open").booleanValue()).isTrue();
+            long from = server.ports().getFirst().loop().frame();
+            while (server.ports().getFirst().loop().frame() < from + 10) {
+                Thread.sleep(10);
+            }
+            client.say("{\"t\":\"ledger\",\"id\":4}");
+            JsonNode line = client.answer(4).at("/content/lines/0");
+            assertThat(line.get("name").asString()).isEqualTo("gravity_field");
+            assertThat(line.get("momentum").get(1).doubleValue()).isNegative();
+            client.say("{\"t\":\"state\",\"id\":5}");
+            JsonNode state = client.answer(5).get("content");
+            assertThat(state.get("clients").get(0).get("name").asString()).isEqualTo("room");
+            assertThat(state.at("/phaseSeconds/physics").doubleValue()).isPositive();
+            client.say("{\"t\":\"speed\",\"id\":6,\"factor\":0.5}");
+            assertThat(client.answer(6).get("accepted").booleanValue()).isTrue();
+            client.say("{\"t\":\"inspect\",\"id\":9,\"item\":\"nothing\"}");
+            assertThat(client.answer(9).get("code").asString()).isEqualTo("no-such-item");
+        }
+    }
+}

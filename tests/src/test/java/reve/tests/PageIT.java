@@ -1,0 +1,339 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.tests;
+
+import static org.assertj.core.api.Assertions.assertThat;
+
+import org.junit.jupiter.api.AfterEach;
+import org.junit.jupiter.api.BeforeEach;
+import org.junit.jupiter.api.Tag;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+
+import tools.jackson.databind.JsonNode;
+
+import java.net.URI;
+import java.nio.file.Files;
+import java.nio.file.Path;
+
+/**
+ * The page of {@code serve --web} in a headless Chromium, used through its panels. Pictures of each
+ * test are in build/reports/page.
+ */
+@Tag("slow")
+class PageIT {
+    private static final Path PICTURES = Project.ROOT.resolve("build/reports/page");
+    private static final String OPEN =
+            "document.body.dataset.state === 'open' && reve.view.frame > 0";
+
+    @TempDir private Path folder;
+
+    private Browser browser;
+
+    @BeforeEach
+    void startBrowser() throws Exception {
+        browser = new Browser(Files.createDirectory(folder.resolve("profile")), 1360, 820);
+    }
+
+    @AfterEach
+    void closeBrowser() {
+        browser.close();
+    }
+
+    private String open(Server server) throws Exception {
+        JsonNode ready = server.events().await("ready", any -> true);
+        String page = ready.get("web").asString();
+        browser.open(page);
+        return page;
+    }
+
+    @Test
+    void aPersonWatchesChangesLawsAndRewinds() throws Exception {
+        try (Server server =
+                Server.start(
+                        folder,
+                        "serve",
+                        "worlds/spring-orbit",
+                        "--port",
+                        "0",
+                        "--web",
+                        "0",
+                        "--json")) {
+            String page = open(server);
+            browser.await(OPEN);
+
+            // Search and the four aspects, live and with units.
+            browser.await("document.querySelectorAll('#found li').length === 5");
+            browser.click("#search");
+            browser.type("blu");
+            browser.await("document.querySelectorAll('#found li').length === 1");
+            browser.press("Enter", "Enter", 13);
+            browser.await("document.querySelector('#item-name')?.textContent === 'blue'");
+            String location =
+                    "[...document.querySelectorAll('#aspects tr')].find(r => r.firstChild.textContent === 'location').children[1].textContent";
+            browser.await(location + " !== ''");
+            String before = browser.ask(location).asString();
+            browser.await(location + " !== '" + before + "'");
+            assertThat(browser.text("#aspects"))
+                    .contains("mass", "kg", "velocity", "m/s", "push", "N*s", "#3498db", "lively");
+            browser.picture(PICTURES.resolve("item.png"));
+
+            // A law is loaded, has its line in the ledger, and is unloaded.
+            browser.click("#tab-laws");
+            browser.await("document.querySelectorAll('#law-list > section').length === 2");
+            assertThat(browser.text("#law-list")).contains("Hooke", "F₁ =", "velocity", "[m/s]");
+            browser.click("#ledger-on");
+            browser.await("document.querySelectorAll('#ledger tbody tr').length > 2");
+            browser.choose("#law-choice", "gravity_field");
+            browser.click("#law-load");
+            browser.await(
+                    "document.querySelector('#law-list > section[data-library=gravity_field]')");
+            browser.await(
+                    "[...document.querySelectorAll('#ledger tbody tr')].some(r => r.firstChild.textContent"
+                            + " === 'gravity_field' && r.children[1].textContent !== '0')");
+            browser.picture(PICTURES.resolve("laws.png"));
+            server.events()
+                    .await(
+                            "law-loaded",
+                            law -> law.get("library").asString().equals("gravity_field"));
+
+            // Gravity of the running world, edited as a property of the item world.
+            browser.ask("reve.select(reve.view.byName.get('world').slot)");
+            browser.await("document.querySelector('[aria-label=\"Edit gravity\"]')");
+            browser.click("[aria-label=\"Edit gravity\"]");
+            browser.ask("document.activeElement.select()");
+            browser.type("0, -9.81, 0");
+            browser.press("Enter", "Enter", 13);
+            browser.await(
+                    "reve.connection.report('inspect', {item: 'world'}).then(r => r.physics.find(p => p.name === 'gravity').value[1] === -9.81)");
+
+            browser.click("#tab-laws");
+            browser.click("[aria-label=\"Unload gravity_field\"]");
+            browser.await(
+                    "!document.querySelector('#law-list > section[data-library=gravity_field]')");
+
+            // Time: pause, step, run, speed, an image, and rewinds.
+            browser.click("#play");
+            browser.await("document.querySelector('#status').textContent === 'paused'");
+            browser.await(
+                    "reve.transport.state.paused && reve.transport.state.frames === reve.view.frame");
+            long paused = browser.ask("reve.view.frame").asLong();
+            browser.click("#step");
+            browser.await("reve.view.frame === " + (paused + 1));
+            browser.click("#rewind");
+            browser.await("reve.view.time < 0.05");
+            browser.click("#play");
+            browser.await("document.querySelector('#status').textContent === 'running'");
+            browser.choose("#speed", "0.25");
+            browser.await("document.querySelector('#status').textContent === 'running at 0.25×'");
+
+            // A body of one's own, and an action through a form made from its declaration.
+            browser.click("#tab-agents");
+            browser.click("#agent-join");
+            browser.await("reve.agent?.body === 'visitor' && reve.view.byName.has('visitor')");
+            browser.await("document.querySelector('#clients').textContent.includes('visitor')");
+            browser.ask("reve.select(reve.view.byName.get('blue').slot)");
+            browser.click("#aspects form input");
+            browser.type("0, 40, 0");
+            browser.click("#aspects form button");
+            server.events().await("ready", any -> true);
+            browser.await(
+                    "[...document.querySelectorAll('#events li')].some(e => e.textContent.includes('pushed'))");
+            browser.click("#tab-agents");
+            browser.picture(PICTURES.resolve("agents.png"));
+
+            // Plots.
+            browser.ask("reve.plots.add('blue', 'physics.velocity', 'm/s')");
+            browser.await("document.querySelectorAll('.plot canvas').length >= 3");
+            browser.await("[...reve.plots.watched.values()][0].plot.data[0].length > 3");
+            browser.picture(PICTURES.resolve("plots.png"));
+            browser.size(390, 800);
+            browser.await("document.querySelector('#side').getBoundingClientRect().top > 200");
+            browser.picture(PICTURES.resolve("phone.png"));
+
+            String origin = page.substring(0, page.length() - 1);
+            assertThat(browser.requests)
+                    .filteredOn(
+                            address ->
+                                    !address.startsWith("data:") && !address.startsWith("about:"))
+                    .allSatisfy(
+                            address ->
+                                    assertThat(address)
+                                            .matches(
+                                                    any ->
+                                                            any.startsWith(origin)
+                                                                    || any.startsWith(
+                                                                            origin.replace(
+                                                                                    "http",
+                                                                                    "ws"))));
+            assertThat(browser.errors).isEmpty();
+        }
+    }
+
+    @Test
+    void aLawThatFailsIsShownInQuarantine() throws Exception {
+        Path laws = Files.createDirectory(folder.resolve("laws"));
+        Path source =
+                Files.writeString(
+                        folder.resolve("broken.cpp"),
+                        """
+                        #include <limits>
+                        #include "vesper/law.hpp"
+                        using namespace vesper;
+                        template <class Real>
+                        struct Broken {
+                          static constexpr auto kName = "broken", kVersion = "1.0.0", kDoc = "Fails.";
+                          static constexpr auto kPhase = Phase::kForce;
+                          Accumulate<Vec3<Real>> force{"externalForce", "body", units::newton};
+                          auto Properties() { return std::tie(force); }
+                          void Advance(const Step&) {
+                            for (uint64_t i = 0; i < force.size(); ++i)
+                              force[i] += Vec3<Real>{std::numeric_limits<Real>::quiet_NaN(), 0, 0};
+                          }
+                        };
+                        VESPER_LAW_LIBRARY("broken", Broken)
+                        """);
+        try (Server server =
+                Server.start(
+                        folder,
+                        "serve",
+                        "worlds/spring-orbit",
+                        "--port",
+                        "0",
+                        "--web",
+                        "0",
+                        "--json",
+                        "--laws",
+                        laws.toString())) {
+            open(server);
+            browser.await(OPEN);
+            Path built = folder.resolve("libvesper_law_broken.so");
+            Reve.Outcome compiled =
+                    Reve.run(
+                            java.util.List.of(
+                                    "g++",
+                                    "-std=c++20",
+                                    "-O1",
+                                    "-shared",
+                                    "-fPIC",
+                                    "-I" + Project.ROOT.resolve("vesper-native/include"),
+                                    source.toString(),
+                                    "-o",
+                                    built.toString()));
+            assertThat(compiled.code()).as(compiled.err()).isZero();
+            Files.move(built, laws.resolve("libvesper_law_broken.so"));
+            browser.await("document.querySelector('#law-quarantine .card.bad')");
+            assertThat(browser.text("#law-quarantine")).contains("broken", "externalForce", "nan");
+            browser.click("#tab-laws");
+            browser.picture(PICTURES.resolve("quarantine.png"));
+            long frame = browser.ask("reve.view.frame").asLong();
+            browser.await("reve.view.frame > " + (frame + 30));
+        }
+    }
+
+    @Test
+    void thePageReconnectsToARestartedServer() throws Exception {
+        String[] command = {"serve", "worlds/spring-orbit", "--port", "0", "--json", "--web", "0"};
+        String page;
+        try (Server server = Server.start(folder, command)) {
+            page = open(server);
+            browser.await(OPEN);
+        }
+        browser.await("document.querySelector('#status').textContent === 'reconnecting…'");
+        command[command.length - 1] = String.valueOf(URI.create(page).getPort());
+        try (Server server = Server.start(folder, command)) {
+            server.events().await("ready", any -> true);
+            browser.await(
+                    OPEN
+                            + " && reve.view.time < 60 && document.querySelector('#status').textContent === 'running'");
+            browser.await("document.querySelectorAll('#found li').length === 5");
+        }
+    }
+
+    @Test
+    void aTokenIsEnteredInThePageAndStandsNowhereElse() throws Exception {
+        Path tokens = folder.resolve("tokens.json");
+        Reve.Outcome made =
+                Reve.run("token", "new", "ada", "--file", tokens.toString(), "--roles", "control");
+        assertThat(made.code()).as(made.err()).isZero();
+        String token =
+                java.util.regex.Pattern.compile("[0-9a-f]{32}")
+                        .matcher(made.out())
+                        .results()
+                        .findFirst()
+                        .orElseThrow()
+                        .group();
+        try (Server server =
+                Server.start(
+                        folder,
+                        "serve",
+                        "worlds/spring-orbit",
+                        "--port",
+                        "0",
+                        "--web",
+                        "0",
+                        "--json",
+                        "--tokens",
+                        tokens.toString())) {
+            open(server);
+            browser.await("document.querySelector('#join').open");
+            assertThat(browser.text("#join-why")).contains("with a token");
+            assertThat(browser.ask("reve.view.frame").asLong()).isZero();
+            enter("ada", "0".repeat(32));
+            browser.await("document.querySelector('#join').open");
+            browser.picture(PICTURES.resolve("join.png"));
+            enter("ada", token);
+            browser.await(OPEN);
+            assertThat(browser.ask("location.href").asString()).doesNotContain(token);
+            assertThat(
+                            browser.ask(
+                                            "JSON.stringify(localStorage) + JSON.stringify(sessionStorage) + document.cookie")
+                                    .asString())
+                    .doesNotContain(token);
+            assertThat(browser.requests)
+                    .allSatisfy(address -> assertThat(address).doesNotContain(token));
+            server.process().toHandle().destroy();
+            assertThat(server.events().untilEnd().toString()).doesNotContain(token);
+        }
+        assertThat(Files.readString(folder.resolve("server.err"))).doesNotContain(token);
+    }
+
+    private void enter(String name, String token) throws Exception {
+        browser.ask(
+                "document.querySelector('#join-name').value = '"
+                        + name
+                        + "'; document.querySelector('#join-token').value = '"
+                        + token
+                        + "'; document.querySelector('#join-go').click()");
+    }
+
+    @Test
+    void twoThousandItemsAreShown() throws Exception {
+        Path world =
+                Files.writeString(
+                        folder.resolve("many.yaml"),
+                        """
+                        reve: 1
+                        name: many
+                        laws: [gravity_field, newton_motion]
+                        constants: {gravity: [0, -0.01, 0]}
+                        items:
+                          - name: ball-{x}-{y}-{z}
+                            repeat: {x: 20, y: 10, z: 10}
+                            physical: {shape: sphere, radius: 0.3, location: "{[x, y + 2, z]}", colour: "#e67e22"}
+                            physics: {mass: 1 kg}
+                        """);
+        try (Server server =
+                Server.start(
+                        folder, "serve", world.toString(), "--port", "0", "--web", "0", "--json")) {
+            open(server);
+            browser.await(OPEN);
+            browser.await("reve.view.items.filter(i => i?.shape === 1).length === 2000");
+            browser.await(
+                    "reve.scene.groups.size === 1 && [...reve.scene.groups.values()][0].mesh.count === 2000");
+            long frame = browser.ask("reve.view.frame").asLong();
+            browser.await("reve.view.frame > " + (frame + 5));
+            browser.picture(PICTURES.resolve("many.png"));
+            assertThat(browser.errors).isEmpty();
+        }
+    }
+}
