@@ -229,17 +229,26 @@ final class HostProcess implements AutoCloseable {
             } catch (IndexOutOfBoundsException spoiled) {
                 break; // a law wrote here
             }
-            log.log(LEVELS[Math.clamp(level, 1, LEVELS.length) - 1], OutputOfLaws.escaped(line));
+            pass(log, LEVELS[Math.clamp(level, 1, LEVELS.length) - 1], OutputOfLaws.escaped(line));
             read += 2 * Integer.BYTES + lines.get(JAVA_INT_UNALIGNED, read + Integer.BYTES);
         }
         int dropped = memory.get(JAVA_INT, LOG_DROPPED);
         if (dropped > 0) {
-            log.log(
+            pass(
+                    log,
                     System.Logger.Level.WARNING,
                     dropped + " more log lines of this frame were dropped");
         }
         memory.set(JAVA_INT, LOG_USED, 0);
         memory.set(JAVA_INT, LOG_DROPPED, 0);
+    }
+
+    private static void pass(VesperLog log, System.Logger.Level level, String line) {
+        try {
+            log.log(level, line);
+        } catch (RuntimeException failure) {
+            LOG.warn("a log listener failed: {}", failure.toString());
+        }
     }
 
     boolean isAlive() {

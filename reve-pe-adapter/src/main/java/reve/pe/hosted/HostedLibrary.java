@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.pe.hosted;
 
-import org.jspecify.annotations.Nullable;
-
 import reve.pe.PreparedLibrary;
 import reve.pe.posix.SharedMemory;
 import reve.pe.vesper.LibraryFile;
@@ -16,7 +14,7 @@ final class HostedLibrary implements PreparedLibrary {
     private final String sha256;
     private final SharedMemory memory;
     private String name = "";
-    private @Nullable String gone;
+    private boolean gone;
 
     /**
      * @param source names the library in messages
@@ -62,15 +60,17 @@ final class HostedLibrary implements PreparedLibrary {
 
     /** Refuses a library that an engine has taken, or that was closed. */
     synchronized void requireFree() {
-        if (gone != null) {
+        if (gone) {
             throw new IllegalStateException(
-                    "prepared library '" + name + "' was " + gone + "; prepare it again");
+                    "prepared library '"
+                            + name
+                            + "' was taken by an engine or closed; prepare it again");
         }
     }
 
     /** Marks the library as owned by an engine, which frees it. */
     synchronized void taken() {
-        gone = "taken by an engine";
+        gone = true;
     }
 
     /** Frees the memory of a library that an engine had taken. */
@@ -80,8 +80,8 @@ final class HostedLibrary implements PreparedLibrary {
 
     @Override
     public synchronized void close() {
-        if (gone == null) {
-            gone = "closed";
+        if (!gone) {
+            gone = true;
             free();
         }
     }

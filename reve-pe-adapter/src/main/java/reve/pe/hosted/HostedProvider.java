@@ -126,6 +126,7 @@ final class HostedProvider implements PhysicalPropertyProvider {
     @Override
     public PhysicalProperty findPhysicalProperty(String name) {
         PropertyDescriptor property = require(name);
+        flushTouches();
         Mailbox found = engine.ask(host -> host.begin(Request.FIND).putText(name));
         return new PhysicalProperty(
                 name,
@@ -237,7 +238,7 @@ final class HostedProvider implements PhysicalPropertyProvider {
         }
         if (!segment.isNative()) {
             throw new IllegalArgumentException(
-                    property + ": " + what + " is heap memory, expected shared memory");
+                    property + ": " + what + " is heap memory, expected native memory");
         }
         if (segment.byteSize() < count * bytesEach) {
             throw new IllegalArgumentException(
