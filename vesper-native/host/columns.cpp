@@ -74,6 +74,17 @@ Columns::Arrays Columns::Replace(const std::string& property, Arrays arrays) {
   return std::exchange(arrays_[property], std::move(arrays));
 }
 
+const char* Columns::Find(const void* address, uint64_t& offset) const {
+  const auto* at = static_cast<const std::byte*>(address);
+  for (const auto& [property, arrays] : arrays_) {
+    const std::byte* begin = arrays.data.data();
+    if (begin == nullptr || at < begin || at >= begin + arrays.data.size()) continue;
+    offset = static_cast<uint64_t>(at - begin);
+    return property.c_str();
+  }
+  return nullptr;
+}
+
 void Columns::SetWritable(std::set<std::string> properties) {
   writable_ = std::move(properties);
   for (auto& [property, arrays] : arrays_) arrays.data.SetWritable(IsWritable(property));

@@ -113,6 +113,14 @@ void Service::Answer() {
   reply.Value(error_);
 }
 
+void Service::NoteFault(const void* address) {
+  uint64_t offset = 0;
+  const char* property = columns_.Find(address, offset);
+  if (property == nullptr) return;
+  std::strncpy(control_.wrote, property, sizeof control_.wrote - 1);
+  control_.wrote_offset = offset;
+}
+
 void Service::Dispatch(Reader request, Writer& reply) {
   const auto number = static_cast<Request>(request.Value<uint32_t>());
   if (engine_ == nullptr && number != Request::kCreate) {

@@ -34,9 +34,12 @@ final class HostProcess implements AutoCloseable {
     private static final long REPLY = 128;
     private static final long RUNNING = 192;
     private static final int MAX_THREADS = 256;
-    private static final long LOG_USED = 2240;
-    private static final long LOG_DROPPED = 2244;
-    private static final long LOG_LINES = 2248;
+    private static final long WROTE = 2240;
+    private static final int WROTE_BYTES = 56;
+    private static final long WROTE_OFFSET = 2296;
+    private static final long LOG_USED = 2304;
+    private static final long LOG_DROPPED = 2308;
+    private static final long LOG_LINES = 2312;
     private static final long MAILBOX = 1 << 16;
     private static final System.Logger.Level[] LEVELS = {
         System.Logger.Level.DEBUG,
@@ -199,8 +202,11 @@ final class HostProcess implements AutoCloseable {
                 running.add(law);
             }
         }
+        String wrote =
+                new Mailbox(control.segment().asSlice(WROTE, WROTE_BYTES)).getField(WROTE_BYTES);
+        long offset = control.segment().get(JAVA_LONG, WROTE_OFFSET);
         close();
-        return new HostLost(how, late, running);
+        return new HostLost(how, late, running, wrote, offset);
     }
 
     private String ending() {

@@ -550,7 +550,8 @@ public final class HostedEngine implements PhysicsEngine {
         try {
             load(calls, library);
         } catch (HostLost lost) {
-            throw exception(statusOf(lost), library, 0, lost.getMessage() + " while it was loaded");
+            throw exception(
+                    statusOf(lost), library, 0, "", -1, lost.getMessage() + " while it was loaded");
         }
     }
 
@@ -582,13 +583,24 @@ public final class HostedEngine implements PhysicsEngine {
                             + " ran");
         }
         int law = (int) (lost.running.getFirst() & 0xFFFFFFFFL) - 1;
+        long row = provider.row(lost.property, lost.offset);
         return exception(
                 statusOf(lost),
                 running.getFirst(),
                 law,
+                row < 0 ? "" : lost.property,
+                row,
                 lost.late
                         ? lost.getMessage() + " of its frame"
-                        : "ended the engine's process: " + lost.getMessage());
+                        : "ended the engine's process: "
+                                + lost.getMessage()
+                                + (row < 0
+                                        ? ""
+                                        : "; it wrote property "
+                                                + lost.property
+                                                + ", row "
+                                                + row
+                                                + ", which no loaded law declares to write"));
     }
 
     private Optional<Loaded> byHostId(int id) {
@@ -600,15 +612,20 @@ public final class HostedEngine implements PhysicsEngine {
     }
 
     private static PhysicsException exception(
-            Status status, Loaded library, int law, String message) {
+            Status status,
+            Loaded library,
+            int law,
+            String property,
+            long row,
+            String message) {
         String name = library.lawName(law);
         return new PhysicsException(
                 status,
                 library.id,
                 library.library.name(),
                 name,
-                "",
-                -1,
+                property,
+                row,
                 (name.isEmpty() ? "library " + library.library.name() : "law " + name)
                         + ": "
                         + message);

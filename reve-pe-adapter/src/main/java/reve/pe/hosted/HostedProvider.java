@@ -209,6 +209,17 @@ final class HostedProvider implements PhysicalPropertyProvider {
         lifetimes = scopes.toArray(MemorySegment.Scope[]::new);
     }
 
+    /** Returns the row at a place in the column of a property, or -1 if there is none. */
+    long row(String name, long offset) {
+        PropertyDescriptor property = properties.get(name);
+        Arrays arrays = bound.get(name);
+        if (property == null || arrays == null || property.type() == ScalarType.FIELD) {
+            return -1;
+        }
+        long row = offset / ((long) property.components() * property.type().bytes());
+        return row >= 0 && row < arrays.objectCount ? row : -1;
+    }
+
     private PropertyDescriptor require(String name) {
         engine.checkOpen();
         PropertyDescriptor property = properties.get(name);

@@ -52,7 +52,7 @@ final class OutputOfLaws implements Runnable {
             lines = 0;
         }
         if (length > 0 && ++lines <= MOST_LINES) {
-            log.info(
+            log.warn(
                     "printed by a law: {}",
                     escaped(new String(line, 0, length, StandardCharsets.UTF_8)));
         }
