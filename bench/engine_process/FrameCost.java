@@ -26,9 +26,9 @@ import java.util.Map;
  * <p>java FrameCost.java BODIES STEPS FRAMES PACED_FRAMES LOSSES; {@code bench/engine_process/run}
  * calls it.
  *
- * <p>Both engines advance equal worlds, in turn. Prints one line: the tenth percentile and the median
- * of the time of a frame [us], back to back and then at 60 Hz, for each engine, and the median and
- * the 99th percentile of a frame before which the process was killed.
+ * <p>Both engines advance equal worlds, in turn. Prints one line: the tenth percentile and the
+ * median of the time of a frame [us], back to back and then at 60 Hz, for each engine, and the
+ * median and the 99th percentile of a frame before which the process was killed.
  */
 class FrameCost {
     private static final List<String> LAWS = List.of("gravity_field", "drag", "newton_motion");
@@ -70,9 +70,16 @@ class FrameCost {
                     Locale.ROOT,
                     "%d %.1f %.1f %.1f %.1f %.1f %.1f %.1f %.1f %.1f %.1f%n",
                     numbers[0],
-                    at(fast[0], 0.1), at(fast[0], 0.5), at(fast[1], 0.1), at(fast[1], 0.5),
-                    at(paced[0], 0.1), at(paced[0], 0.5), at(paced[1], 0.1), at(paced[1], 0.5),
-                    at(lost, 0.5), at(lost, 0.99));
+                    at(fast[0], 0.1),
+                    at(fast[0], 0.5),
+                    at(fast[1], 0.1),
+                    at(fast[1], 0.5),
+                    at(paced[0], 0.1),
+                    at(paced[0], 0.5),
+                    at(paced[1], 0.1),
+                    at(paced[1], 0.5),
+                    at(lost, 0.5),
+                    at(lost, 0.99));
         }
     }
 

@@ -38,8 +38,8 @@ Mapping::Mapping(int client, uint32_t fd, uint64_t size, bool writable)
   const int file = open(path.c_str(), O_RDWR | O_CLOEXEC);
   if (file < 0) Fail("opening the client's memory " + path);
   const size_t reserved = Reserved(size);
-  void* around = mmap(nullptr, reserved, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE,
-                      -1, 0);
+  void* around =
+      mmap(nullptr, reserved, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   void* memory = MAP_FAILED;
   if (around != MAP_FAILED) {
     memory = mmap(static_cast<std::byte*>(around) + PageSize(), size, Protection(writable),

@@ -214,8 +214,8 @@ void Service::Bind(Reader& request, bool rebind) {
   if (index_descriptor != kNoDescriptor) {
     arrays.indices = Mapping(client_, index_descriptor, index_size, false);
   }
-  const auto bind = rebind ? vesper_provider_rebind_physical_property
-                           : vesper_provider_add_physical_property;
+  const auto bind =
+      rebind ? vesper_provider_rebind_physical_property : vesper_provider_add_physical_property;
   Check(bind(provider(), name.c_str(), arrays.data.data(), value_count,
              reinterpret_cast<const uint32_t*>(arrays.indices.data()), object_count, &error_));
   columns_.Replace(name, std::move(arrays));

@@ -64,7 +64,9 @@ vesper_error PrepareBytes(const vesper_engine_config& config, const std::vector<
     return vesper_library_prepare_bytes(&config, bytes.data(), bytes.size(), "some/push.so",
                                         &prepared, e);
   });
-  if (error.status == VESPER_OK) EXPECT_STREQ(vesper_library_name(prepared), "push");
+  if (error.status == VESPER_OK) {
+    EXPECT_STREQ(vesper_library_name(prepared), "push");
+  }
   vesper_library_discard(prepared);
   return error;
 }

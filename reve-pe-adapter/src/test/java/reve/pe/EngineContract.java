@@ -47,7 +47,8 @@ public abstract class EngineContract {
     @Test
     void twoRunsEndInTheSameStateHashHoweverTheStepsAreGrouped() {
         try (EngineFixture one = new EngineFixture(home()).springOrbit().load(SpringOrbit.LAWS);
-                EngineFixture other = new EngineFixture(home()).springOrbit().load(SpringOrbit.LAWS)) {
+                EngineFixture other =
+                        new EngineFixture(home()).springOrbit().load(SpringOrbit.LAWS)) {
             assertThat(one.engine.stateHash()).isEqualTo(other.engine.stateHash());
             one.engine.advance(SpringOrbit.DT, SpringOrbit.STEPS);
             for (int i = 0; i < SpringOrbit.STEPS / 4; i++) {
@@ -134,8 +135,7 @@ public abstract class EngineContract {
     void sharedValuesReachLawsThroughIndices() {
         try (EngineFixture orbit = new EngineFixture(home()).springOrbit()) {
             MemorySegment masses = orbit.allocate(24);
-            MemorySegment.copy(
-                    new double[] {4, 8, 16}, 0, masses, ValueLayout.JAVA_DOUBLE, 0, 3);
+            MemorySegment.copy(new double[] {4, 8, 16}, 0, masses, ValueLayout.JAVA_DOUBLE, 0, 3);
             MemorySegment indices = orbit.allocate(8);
             indices.set(ValueLayout.JAVA_INT, 0, 2);
             orbit.engine.propertyProvider().rebindPhysicalProperty("mass", masses, 3, indices, 2);
@@ -263,9 +263,7 @@ public abstract class EngineContract {
             PhysicalPropertyProvider provider = orbit.engine.propertyProvider();
             assertThatIllegalArgumentException()
                     .isThrownBy(
-                            () ->
-                                    provider.addPhysicalProperty(
-                                            "velocity", orbit.allocate(47), 2))
+                            () -> provider.addPhysicalProperty("velocity", orbit.allocate(47), 2))
                     .withMessage("velocity: data has 47 bytes, expected at least 48 (2 x 24)");
             assertThatIllegalArgumentException()
                     .isThrownBy(
@@ -277,17 +275,10 @@ public abstract class EngineContract {
                     .isThrownBy(
                             () ->
                                     provider.addPhysicalProperty(
-                                            "mass",
-                                            orbit.allocate(16),
-                                            2,
-                                            orbit.allocate(4),
-                                            2))
+                                            "mass", orbit.allocate(16), 2, orbit.allocate(4), 2))
                     .withMessageContaining("mass: indices has 4 bytes, expected at least 8");
             assertThatIllegalArgumentException()
-                    .isThrownBy(
-                            () ->
-                                    provider.addPhysicalProperty(
-                                            "mass", orbit.allocate(16), -1));
+                    .isThrownBy(() -> provider.addPhysicalProperty("mass", orbit.allocate(16), -1));
         }
     }
 
@@ -324,7 +315,9 @@ public abstract class EngineContract {
                         null,
                         "Of the surface."));
         try (EngineFixture warm =
-                new EngineFixture(home(), new Prototype("warm", ScalarType.F64, SiUnit.SECOND, properties))
+                new EngineFixture(
+                                home(),
+                                new Prototype("warm", ScalarType.F64, SiUnit.SECOND, properties))
                         .springOrbit()) {
             long cold = warm.engine.stateHash();
             warm.set("temperature", 300, 0);

@@ -172,9 +172,7 @@ class EngineProcessIT {
         drop("segfault");
         try (Server server = serve("--store", store, "--seconds", "8")) {
             server.events()
-                    .await(
-                            "fault",
-                            fault -> fault.path("status").asString().equals("LAW_CRASHED"));
+                    .await("fault", fault -> fault.path("status").asString().equals("LAW_CRASHED"));
             server.events().await("end", event -> true);
         }
         try (Server server = serve("--store", store, "--seconds", "3")) {

@@ -13,7 +13,9 @@ final class HostLost extends Exception {
     /** The laws that its threads were calling: id in the upper, 1 + index in the lower half. */
     final transient List<Long> running;
 
-    /** The read-only property at which it crashed, or empty, and the place in its column [bytes]. */
+    /**
+     * The read-only property at which it crashed, or empty, and the place in its column [bytes].
+     */
     final String property;
 
     final long offset;
@@ -21,8 +23,7 @@ final class HostLost extends Exception {
     /**
      * @param message how it ended, for example "SIGSEGV"
      */
-    HostLost(
-            String message, boolean late, List<Long> running, String property, long offset) {
+    HostLost(String message, boolean late, List<Long> running, String property, long offset) {
         super(message, null, false, false);
         this.late = late;
         this.running = running;

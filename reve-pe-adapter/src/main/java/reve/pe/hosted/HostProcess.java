@@ -174,8 +174,7 @@ final class HostProcess implements AutoCloseable {
                 long now = System.nanoTime();
                 countIdle(now - last);
                 last = now;
-                if (cpu - startCpu + idle >= limitNanos
-                        || now - start >= MOST_WALL * limitNanos) {
+                if (cpu - startCpu + idle >= limitNanos || now - start >= MOST_WALL * limitNanos) {
                     kill();
                     throw lost("no answer within " + limitNanos / 1_000_000 + " ms", true, log);
                 }
@@ -223,8 +222,7 @@ final class HostProcess implements AutoCloseable {
                 memory.asSlice(LOG_LINES, MAILBOX - LOG_LINES)
                         .asSlice(
                                 0,
-                                Math.clamp(
-                                        memory.get(JAVA_INT, LOG_USED), 0, MAILBOX - LOG_LINES));
+                                Math.clamp(memory.get(JAVA_INT, LOG_USED), 0, MAILBOX - LOG_LINES));
         Mailbox reader = new Mailbox(lines);
         for (long read = 0; read < lines.byteSize(); ) {
             int level = lines.get(JAVA_INT_UNALIGNED, read);

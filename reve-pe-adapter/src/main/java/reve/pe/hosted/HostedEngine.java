@@ -50,7 +50,8 @@ public final class HostedEngine implements PhysicsEngine {
     private static final int GROWTH = 8;
 
     private static final VesperLog QUIET = (level, message) -> {};
-    private static final List<String> OTHER_LINES = List.of("client", "ground", "unloaded", "total");
+    private static final List<String> OTHER_LINES =
+            List.of("client", "ground", "unloaded", "total");
 
     private final Hosts hosts;
     private final Duration frameLimit;
@@ -282,15 +283,14 @@ public final class HostedEngine implements PhysicsEngine {
             } catch (HostLost lost) {
                 lose();
                 state.leave(old.library.name());
-                config.log()
-                        .log(
-                                System.Logger.Level.WARNING,
-                                "library "
-                                        + old.library.name()
-                                        + ": "
-                                        + lost.getMessage()
-                                        + " while it was unloaded; the engine goes on in a new"
-                                        + " process");
+                config.log().log(
+                        System.Logger.Level.WARNING,
+                        "library "
+                                + old.library.name()
+                                + ": "
+                                + lost.getMessage()
+                                + " while it was unloaded; the engine goes on in a new"
+                                + " process");
             }
         } else {
             state.leave(old.library.name());
@@ -612,12 +612,7 @@ public final class HostedEngine implements PhysicsEngine {
     }
 
     private static PhysicsException exception(
-            Status status,
-            Loaded library,
-            int law,
-            String property,
-            long row,
-            String message) {
+            Status status, Loaded library, int law, String property, long row, String message) {
         String name = library.lawName(law);
         return new PhysicsException(
                 status,

@@ -7,7 +7,9 @@ import reve.pe.vesper.LibraryFile;
 
 import java.lang.foreign.MemorySegment;
 
-/** The bytes of a law library, in memory that hosts can read. Nothing of it is open in this process. */
+/**
+ * The bytes of a law library, in memory that hosts can read. Nothing of it is open in this process.
+ */
 final class HostedLibrary implements PreparedLibrary {
     private final String source;
     private final byte[] bytes;
@@ -24,8 +26,7 @@ final class HostedLibrary implements PreparedLibrary {
         this.bytes = bytes;
         this.sha256 = LibraryFile.sha256(bytes);
         this.memory = new SharedMemory("law library", Math.max(1, bytes.length));
-        MemorySegment.copy(
-                MemorySegment.ofArray(bytes), 0, memory.segment(), 0, bytes.length);
+        MemorySegment.copy(MemorySegment.ofArray(bytes), 0, memory.segment(), 0, bytes.length);
     }
 
     /** Sets the name in the library's own table. */

@@ -87,8 +87,7 @@ class HostileLawsNativeTest {
                     .contains(how);
             try (PreparedLibrary again = hosted.world.engine.prepare("hostile_" + kind)) {
                 assertThatExceptionOfType(PhysicsException.class)
-                        .isThrownBy(
-                                () -> hosted.world.adapter.laws().load(FRAMES, again, Map.of()))
+                        .isThrownBy(() -> hosted.world.adapter.laws().load(FRAMES, again, Map.of()))
                         .withMessageContaining("in quarantine since frame " + BAD_FRAME);
             }
         }
@@ -97,7 +96,15 @@ class HostileLawsNativeTest {
     /** What the process of the engine absorbs does not disturb the world. */
     @ParameterizedTest
     @ValueSource(
-            strings = {"close_all", "alarm", "itimer", "terminate", "fork", "quiet_thread", "print"})
+            strings = {
+                "close_all",
+                "alarm",
+                "itimer",
+                "terminate",
+                "fork",
+                "quiet_thread",
+                "print"
+            })
     void aLawThatHarmsNothingElseActsOn(String kind) {
         try (HostedFixture hosted = new HostedFixture();
                 AdapterFixture expected = HostedFixture.inProcess()) {
@@ -167,7 +174,9 @@ class HostileLawsNativeTest {
         }
     }
 
-    /** Two laws that run at once: the frame is repeated on one thread, to find out which crashed. */
+    /**
+     * Two laws that run at once: the frame is repeated on one thread, to find out which crashed.
+     */
     @Test
     void theRightOneOfLawsThatRunAtOnceIsBlamed() {
         try (HostedFixture hosted = new HostedFixture(2);
@@ -182,8 +191,7 @@ class HostileLawsNativeTest {
                     .singleElement()
                     .satisfies(
                             fault ->
-                                    assertThat(fault.fields())
-                                            .containsEntry("library", "hostile"));
+                                    assertThat(fault.fields()).containsEntry("library", "hostile"));
             assertThat(differing(hosted.world, expected)).isEmpty();
         }
     }
@@ -214,8 +222,7 @@ class HostileLawsNativeTest {
             hosted.world.load("newton_motion").run(1);
             for (String kind : new String[] {"segfault", "_exit"}) {
                 assertThatExceptionOfType(PhysicsException.class)
-                        .isThrownBy(
-                                () -> hosted.world.load("hostile_" + kind + "_in_" + place))
+                        .isThrownBy(() -> hosted.world.load("hostile_" + kind + "_in_" + place))
                         .satisfies(
                                 refused ->
                                         assertThat(refused.status())
@@ -240,10 +247,7 @@ class HostileLawsNativeTest {
             assertThat(differing(hosted.world, expected)).isEmpty();
             assertThat(hosted.world.events("fault"))
                     .singleElement()
-                    .satisfies(
-                            fault ->
-                                    assertThat(fault.fields())
-                                            .containsEntry("law", "hostile"));
+                    .satisfies(fault -> assertThat(fault.fields()).containsEntry("law", "hostile"));
         }
     }
 }

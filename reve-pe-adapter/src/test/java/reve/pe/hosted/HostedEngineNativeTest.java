@@ -130,8 +130,7 @@ class HostedEngineNativeTest extends EngineContract {
 
     @Test
     void aHostThatIsKilledInAFrameIsNoFaultOfALaw() throws Exception {
-        try (EngineFixture orbit =
-                new EngineFixture(home()).springOrbit().load(SpringOrbit.LAWS)) {
+        try (EngineFixture orbit = new EngineFixture(home()).springOrbit().load(SpringOrbit.LAWS)) {
             orbit.engine.advance(SpringOrbit.DT, 1);
             int steps = 100_000_000; // longer than the killer waits
             Thread killer =
