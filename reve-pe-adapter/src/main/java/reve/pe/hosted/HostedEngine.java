@@ -49,7 +49,6 @@ public final class HostedEngine implements PhysicsEngine {
     /** A frame may take this many times the longest one so far. */
     private static final int GROWTH = 8;
 
-    private static final VesperLog QUIET = (level, message) -> {};
     private static final List<String> OTHER_LINES =
             List.of("client", "ground", "unloaded", "total");
 
@@ -100,12 +99,6 @@ public final class HostedEngine implements PhysicsEngine {
         String lawName(int index) {
             return index >= 0 && index < laws.size() ? laws.get(index).name() : "";
         }
-    }
-
-    /** Requests to a host; a failure becomes an exception. */
-    interface Calls {
-        /** Sends the request that the caller writes, and returns the reply. */
-        Mailbox call(Consumer<HostProcess> request) throws HostLost;
     }
 
     /**
@@ -173,45 +166,9 @@ public final class HostedEngine implements PhysicsEngine {
         return prepare("a law library", library);
     }
 
-    /** Opens the library, and creates and destroys its laws, in a host for this use only. */
     private PreparedLibrary prepare(String source, byte[] bytes) {
         checkOpen();
-        HostedLibrary library = new HostedLibrary(source, bytes);
-        String stage = "opening it";
-        try (HostProcess trial = hosts.start()) {
-            Calls calls = calls(trial, REQUEST.toNanos(), QUIET);
-            create(calls, 1);
-            library.named(calls.call(to -> library.put(to.begin(Request.PREPARE))).getText());
-            stage = "creating or destroying its laws";
-            tryToLoad(trial, library);
-            return library;
-        } catch (HostLost lost) {
-            library.close();
-            throw new PhysicsException(
-                    Status.LIBRARY_LOAD_FAILED,
-                    source
-                            + (lost.late
-                                    ? ": the library gave "
-                                    : ": the library ended a trial process, ")
-                            + lost.getMessage()
-                            + ", while "
-                            + stage);
-        } catch (RuntimeException refused) {
-            library.close();
-            throw refused;
-        }
-    }
-
-    /** Whether the laws fit is decided when they are loaded; here only a crash counts. */
-    private static void tryToLoad(HostProcess trial, HostedLibrary library) throws HostLost {
-        library.put(trial.begin(Request.LOAD)).putInt(0);
-        Mailbox loaded = trial.call(REQUEST.toNanos(), QUIET);
-        if (loaded.getInt() == 0) {
-            loaded.getInt(); // the number of threads
-            int id = loaded.getInt();
-            trial.begin(Request.UNLOAD).putInt(id);
-            trial.call(REQUEST.toNanos(), QUIET);
-        }
+        return new Trial(hosts, config, prototype).prepare(source, bytes);
     }
 
     @Override
@@ -514,7 +471,7 @@ public final class HostedEngine implements PhysicsEngine {
         HostProcess fresh = hosts.take();
         try {
             Calls calls = calls(fresh, REQUEST.toNanos(), config.log());
-            create(calls, alone ? 1 : config.threads());
+            calls.create(config, alone ? 1 : config.threads(), prototype);
             provider.bindAll(calls);
             for (Loaded library : libraries.values()) {
                 reload(calls, library);
@@ -533,16 +490,6 @@ public final class HostedEngine implements PhysicsEngine {
         }
         host = fresh;
         return fresh;
-    }
-
-    private void create(Calls calls, int threads) throws HostLost {
-        calls.call(
-                to ->
-                        Wire.put(
-                                to.begin(Request.CREATE)
-                                        .putInt(threads)
-                                        .putInt(config.validate() ? 1 : 0),
-                                prototype));
     }
 
     /** Loads a library into a new host; what goes wrong here is the library's fault. */

@@ -166,7 +166,7 @@ final class HostedProvider implements PhysicalPropertyProvider {
     }
 
     /** Lends the bound arrays to another host, which has none yet. */
-    void bindAll(HostedEngine.Calls host) throws HostLost {
+    void bindAll(Calls host) throws HostLost {
         lent.clear();
         for (Map.Entry<String, Arrays> entry : bound.entrySet()) {
             if (!isDead(entry.getValue())) {
