@@ -347,6 +347,14 @@ void Service::Advance(Reader& request, Writer& reply) {
   const auto steps = request.Value<uint32_t>();
   Check(vesper_engine_advance(engine_.get(), dt, steps, &error_));
   SaveState(reply);
+  vesper_law_info info{};
+  info.struct_size = sizeof info;
+  for (const vesper_library_id id : libraries_) {
+    for (uint32_t i = 0; vesper_engine_law_info(engine_.get(), id, i, &info, nullptr) == 0; ++i) {
+      reply.Value(info.calls);
+      reply.Value(info.nanoseconds);
+    }
+  }
 }
 
 void Service::MoveRow(Reader& request) {

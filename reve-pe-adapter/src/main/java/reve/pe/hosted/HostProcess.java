@@ -261,6 +261,7 @@ final class HostProcess implements AutoCloseable {
 
     private void kill() {
         group.kill();
+        process.destroyForcibly();
         try {
             process.waitFor(1, TimeUnit.SECONDS);
         } catch (InterruptedException e) {
@@ -272,6 +273,7 @@ final class HostProcess implements AutoCloseable {
     @Override
     public void close() {
         group.kill();
+        process.destroyForcibly();
         control.close();
         if (arena.scope().isAlive()) {
             arena.close();

@@ -24,7 +24,6 @@ import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
-import java.util.TreeMap;
 import java.util.function.Consumer;
 import java.util.function.ToIntFunction;
 
@@ -46,8 +45,11 @@ public final class HostedEngine implements PhysicsEngine {
     /** Time for the first advance; laws may have much to build. */
     private static final Duration FIRST_ADVANCE = Duration.ofSeconds(10);
 
-    /** A frame may take this many times the longest one so far. */
+    /** A frame may take this many times the longest one of the last frames. */
     private static final int GROWTH = 8;
+
+    /** Number of frames after which a long one counts about a third. */
+    private static final int MEMORY = 256;
 
     private static final List<String> OTHER_LINES =
             List.of("client", "ground", "unloaded", "total");
@@ -76,38 +78,13 @@ public final class HostedEngine implements PhysicsEngine {
 
     private record Move(String kind, long from, long to) {}
 
-    /** A loaded library. */
-    private static final class Loaded {
-        final int id;
-        final HostedLibrary library;
-        final Map<String, Double> parameters;
-
-        /** Its id in the current host. */
-        int hostId;
-
-        /** Number of threads of the host before the library was loaded. */
-        int threads;
-
-        List<PhysicsLaw> laws = List.of();
-
-        Loaded(int id, HostedLibrary library, Map<String, Double> parameters) {
-            this.id = id;
-            this.library = library;
-            this.parameters = new TreeMap<>(parameters);
-        }
-
-        String lawName(int index) {
-            return index >= 0 && index < laws.size() ? laws.get(index).name() : "";
-        }
-    }
-
     /**
      * Creates an engine and its first host.
      *
      * @param hosts starts its processes; closed after this object
      * @param frameLimit time that all laws together may take for an advance: processor time, and
      *     time in which they only wait. The first advance may take at least ten seconds, and others
-     *     eight times the longest one so far
+     *     eight times the longest of the last frames
      * @param descriptors returns the descriptor of shared memory that is lent to the engine, and
      *     throws IllegalArgumentException for other memory
      * @throws PhysicsException if the engine refuses the prototype
@@ -216,7 +193,7 @@ public final class HostedEngine implements PhysicsEngine {
                         });
         library.threads = reply.getInt();
         library.hostId = reply.getInt();
-        library.laws = Wire.laws(reply, library.id);
+        library.read(reply);
     }
 
     @Override
@@ -263,19 +240,14 @@ public final class HostedEngine implements PhysicsEngine {
         for (Loaded library : libraries.values()) {
             if (host != null) {
                 try {
-                    library.laws =
-                            Wire.laws(
-                                    calls(host, REQUEST.toNanos(), config.log())
-                                            .call(
-                                                    to ->
-                                                            to.begin(Request.LAWS)
-                                                                    .putInt(library.hostId)),
-                                    library.id);
+                    library.read(
+                            calls(host, REQUEST.toNanos(), config.log())
+                                    .call(to -> to.begin(Request.LAWS).putInt(library.hostId)));
                 } catch (HostLost lost) {
                     lose();
                 }
             }
-            laws.addAll(library.laws);
+            laws.addAll(library.laws());
         }
         return laws;
     }
@@ -291,12 +263,17 @@ public final class HostedEngine implements PhysicsEngine {
             long start = System.nanoTime();
             Mailbox reply = current.call(frameLimit(), config.log());
             requireOk(reply);
-            if (!state.keep(reply)) {
+            boolean kept = state.keep(reply);
+            for (Loaded library : libraries.values()) {
+                library.count(reply);
+            }
+            if (!kept) {
                 Calls calls = calls(current, REQUEST.toNanos(), config.log());
                 state.lend(calls);
                 state.keep(calls);
             }
-            longestNanos = Math.max(longestNanos, System.nanoTime() - start);
+            longestNanos =
+                    Math.max(System.nanoTime() - start, longestNanos - longestNanos / MEMORY);
             moves.clear();
             advancedBefore = true;
         } catch (HostLost lost) {
@@ -389,14 +366,14 @@ public final class HostedEngine implements PhysicsEngine {
         checkOpen();
         provider.checkArraysAlive();
         provider.flushTouches();
-        int laws = libraries.values().stream().mapToInt(library -> library.laws.size()).sum();
+        int laws = libraries.values().stream().mapToInt(library -> library.laws().size()).sum();
         Mailbox reply =
                 ask(
                         to -> {
                             Mailbox request =
                                     to.begin(Request.LEDGER).putInt(laws + OTHER_LINES.size());
                             for (Loaded library : libraries.values()) {
-                                for (int law = 0; law < library.laws.size(); law++) {
+                                for (int law = 0; law < library.laws().size(); law++) {
                                     request.putInt(library.hostId).putInt(law);
                                 }
                             }
@@ -406,7 +383,7 @@ public final class HostedEngine implements PhysicsEngine {
                         });
         List<LedgerLine> lines = new ArrayList<>();
         for (Loaded library : libraries.values()) {
-            library.laws.forEach(law -> lines.add(Wire.line(reply, law.name(), true)));
+            library.laws().forEach(law -> lines.add(Wire.line(reply, law.name(), true)));
         }
         OTHER_LINES.forEach(name -> lines.add(Wire.line(reply, name, false)));
         return lines;
@@ -483,6 +460,12 @@ public final class HostedEngine implements PhysicsEngine {
             }
             if (ledger) {
                 calls.call(to -> to.begin(Request.SET_LEDGER).putInt(1));
+                if (state.steps() > 0) {
+                    config.log()
+                            .log(
+                                    System.Logger.Level.WARNING,
+                                    "the ledger begins again, with the engine's new process");
+                }
             }
         } catch (HostLost | RuntimeException failed) {
             fresh.close();
@@ -507,6 +490,7 @@ public final class HostedEngine implements PhysicsEngine {
         if (host != null) {
             host.close();
             host = null;
+            libraries.values().forEach(Loaded::keepCounts);
         }
     }
 

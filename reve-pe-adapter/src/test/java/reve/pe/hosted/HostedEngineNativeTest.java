@@ -12,6 +12,7 @@ import reve.pe.EngineFixture;
 import reve.pe.NativeFiles;
 import reve.pe.PhysicsEngine;
 import reve.pe.PhysicsException;
+import reve.pe.PhysicsLaw;
 import reve.pe.Prototype;
 import reve.pe.SpringOrbit;
 import reve.pe.Status;
@@ -125,6 +126,10 @@ class HostedEngineNativeTest extends EngineContract {
                 assertThat(orbit.engine.saveState()).isEqualTo(undisturbed.engine.saveState());
             }
             assertThat(orbit.engine.stepCount()).isEqualTo(40);
+            assertThat(orbit.engine.laws())
+                    .extracting(PhysicsLaw::calls)
+                    .isEqualTo(
+                            undisturbed.engine.laws().stream().map(PhysicsLaw::calls).toList());
         }
     }
 
