@@ -38,8 +38,8 @@ Mapping::Mapping(int client, uint32_t fd, uint64_t size, bool writable)
   const int file = open(path.c_str(), O_RDWR | O_CLOEXEC);
   if (file < 0) Fail("opening the client's memory " + path);
   const size_t reserved = Reserved(size);
-  void* around = mmap(nullptr, reserved, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE,
-                      -1, 0);
+  void* around =
+      mmap(nullptr, reserved, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   void* memory = MAP_FAILED;
   if (around != MAP_FAILED) {
     memory = mmap(static_cast<std::byte*>(around) + PageSize(), size, Protection(writable),
@@ -72,6 +72,17 @@ void Mapping::SetWritable(bool writable) {
 
 Columns::Arrays Columns::Replace(const std::string& property, Arrays arrays) {
   return std::exchange(arrays_[property], std::move(arrays));
+}
+
+const char* Columns::Find(const void* address, uint64_t& offset) const {
+  const auto* at = static_cast<const std::byte*>(address);
+  for (const auto& [property, arrays] : arrays_) {
+    const std::byte* begin = arrays.data.data();
+    if (begin == nullptr || at < begin || at >= begin + arrays.data.size()) continue;
+    offset = static_cast<uint64_t>(at - begin);
+    return property.c_str();
+  }
+  return nullptr;
 }
 
 void Columns::SetWritable(std::set<std::string> properties) {

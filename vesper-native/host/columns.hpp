@@ -46,6 +46,9 @@ class Columns {
   Arrays Replace(const std::string& property, Arrays arrays);
   void Remove(const std::string& property) { arrays_.erase(property); }
   bool IsWritable(const std::string& property) const { return writable_.contains(property); }
+  /// Returns the property whose column contains the address, or null; sets the offset in it
+  /// [bytes]. Allocates nothing, so that a signal handler can call it.
+  const char* Find(const void* address, uint64_t& offset) const;
   /// Sets the properties that may be written.
   void SetWritable(std::set<std::string> properties);
 

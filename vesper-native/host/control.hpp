@@ -30,14 +30,17 @@ struct Control {
   alignas(64) std::atomic<uint32_t> request;  // number of the newest request
   alignas(64) std::atomic<uint32_t> reply;    // number of the newest answered request
   alignas(64) uint64_t running[kMaxThreads];  // as in vesper_engine_config
+  alignas(64) char wrote[56];                 // read-only property at which the process crashed
+  uint64_t wrote_offset;                      // [bytes] in its column
   alignas(64) uint32_t log_used;              // bytes of `log` that this request filled
   uint32_t log_dropped;                       // lines of this request that did not fit
   char log[kLogSize];  // for each line its level and length (uint32_t each) and its text
 };
 static_assert(sizeof(Control) <= kMailboxOffset);
 static_assert(offsetof(Control, request) == 64 && offsetof(Control, reply) == 128 &&
-              offsetof(Control, running) == 192 && offsetof(Control, log_used) == 2240 &&
-              offsetof(Control, log) == 2248);
+              offsetof(Control, running) == 192 && offsetof(Control, wrote) == 2240 &&
+              offsetof(Control, wrote_offset) == 2296 && offsetof(Control, log_used) == 2304 &&
+              offsetof(Control, log) == 2312);
 
 inline std::byte* Mailbox(Control& control) {
   return reinterpret_cast<std::byte*>(&control) + kMailboxOffset;

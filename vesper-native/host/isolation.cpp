@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cstddef>
 #include <initializer_list>
 #include <thread>
 
@@ -60,6 +61,31 @@ void FollowClient(int client) {
     _exit(0);
   }).detach();
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
+}
+
+namespace {
+
+void (*report_fault)(const void* address);
+
+/// Reports the fault; then the default action ends the process with the same signal.
+void OnFault(int number, siginfo_t* info, void*) {
+  report_fault(info->si_addr);
+  signal(number, SIG_DFL);
+}
+
+}  // namespace
+
+void ReportFaults(void (*report)(const void* address)) {
+  static std::byte stack[1 << 16];  // a law may have used up the thread's own
+  report_fault = report;
+  stack_t alternate{};
+  alternate.ss_sp = stack;
+  alternate.ss_size = sizeof stack;
+  sigaltstack(&alternate, nullptr);
+  struct sigaction action{};
+  action.sa_sigaction = OnFault;
+  action.sa_flags = SA_SIGINFO | SA_ONSTACK;
+  sigaction(SIGSEGV, &action, nullptr);
 }
 
 uint32_t CountThreads() {

@@ -13,6 +13,9 @@ void Isolate(uint64_t memory_limit);
 /// Starts a thread that ends this process and its children when the client has ended.
 void FollowClient(int client);
 
+/// Calls `report` with the address of a memory fault, before the fault ends this process.
+void ReportFaults(void (*report)(const void* address));
+
 /// Returns the number of threads of this process.
 uint32_t CountThreads();
 

@@ -15,11 +15,15 @@
 
 namespace {
 
+vesper::host::Service* served = nullptr;
+
 void Serve(int client, uint32_t descriptor) {
   const vesper::host::Mapping memory(client, descriptor, vesper::host::kControlSize, true);
   auto& control = *reinterpret_cast<vesper::host::Control*>(memory.data());
   control.magic = vesper::host::kMagic;
   vesper::host::Service service(client, control);
+  served = &service;
+  vesper::host::ReportFaults([](const void* address) { served->NoteFault(address); });
   for (uint32_t seen = 0;;) {
     seen = vesper::host::AwaitChange(control.request, seen);
     service.Answer();

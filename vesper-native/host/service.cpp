@@ -113,6 +113,14 @@ void Service::Answer() {
   reply.Value(error_);
 }
 
+void Service::NoteFault(const void* address) {
+  uint64_t offset = 0;
+  const char* property = columns_.Find(address, offset);
+  if (property == nullptr) return;
+  std::strncpy(control_.wrote, property, sizeof control_.wrote - 1);
+  control_.wrote_offset = offset;
+}
+
 void Service::Dispatch(Reader request, Writer& reply) {
   const auto number = static_cast<Request>(request.Value<uint32_t>());
   if (engine_ == nullptr && number != Request::kCreate) {
@@ -206,8 +214,8 @@ void Service::Bind(Reader& request, bool rebind) {
   if (index_descriptor != kNoDescriptor) {
     arrays.indices = Mapping(client_, index_descriptor, index_size, false);
   }
-  const auto bind = rebind ? vesper_provider_rebind_physical_property
-                           : vesper_provider_add_physical_property;
+  const auto bind =
+      rebind ? vesper_provider_rebind_physical_property : vesper_provider_add_physical_property;
   Check(bind(provider(), name.c_str(), arrays.data.data(), value_count,
              reinterpret_cast<const uint32_t*>(arrays.indices.data()), object_count, &error_));
   columns_.Replace(name, std::move(arrays));
@@ -339,6 +347,14 @@ void Service::Advance(Reader& request, Writer& reply) {
   const auto steps = request.Value<uint32_t>();
   Check(vesper_engine_advance(engine_.get(), dt, steps, &error_));
   SaveState(reply);
+  vesper_law_info info{};
+  info.struct_size = sizeof info;
+  for (const vesper_library_id id : libraries_) {
+    for (uint32_t i = 0; vesper_engine_law_info(engine_.get(), id, i, &info, nullptr) == 0; ++i) {
+      reply.Value(info.calls);
+      reply.Value(info.nanoseconds);
+    }
+  }
 }
 
 void Service::MoveRow(Reader& request) {

@@ -47,6 +47,8 @@ class Service {
 
   /// Answers the request in the mailbox.
   void Answer();
+  /// Tells the client which property is at an address at which this process crashes.
+  void NoteFault(const void* address);
 
  private:
   struct EngineDeleter {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests a step: order of laws, stages, accumulators, time.
+#include <algorithm>
 #include <cmath>
 
 #include "test_kit.hpp"
@@ -192,6 +193,31 @@ TEST_P(AdvanceTest, FailedStepsTakeNoTime) {
   EXPECT_OK(engine.Unload(throwing));
   EXPECT_OK(engine.Advance(0.25, 1));
   EXPECT_EQ(bodies.acceleration[0], 0.5);
+}
+
+TEST_P(AdvanceTest, AnObserverSeesWhichLawIsCalled) {
+  struct Observer {
+    uint64_t running[2] = {};
+    std::vector<uint64_t> seen;
+  } observer;
+  vesper_engine_config config = TestConfig(Options());
+  config.threads = 2;
+  config.running = observer.running;
+  config.log_user = &observer;
+  config.log = [](void* user, uint32_t, const char*) {
+    auto& o = *static_cast<Observer*>(user);
+    o.seen.push_back(o.running[0] != 0 ? o.running[0] : o.running[1]);
+  };
+  vesper_engine* engine = nullptr;
+  ASSERT_EQ(vesper_engine_create(&config, vesper_prototype_standard("si-f64"), &engine, nullptr),
+            VESPER_OK);
+  vesper_library_id id = 0;
+  ASSERT_EQ(vesper_engine_load_physics_law(engine, "suite", nullptr, 0, &id, nullptr), VESPER_OK);
+  const uint64_t first_law = (uint64_t{id} << 32) | 1;
+  EXPECT_NE(std::find(observer.seen.begin(), observer.seen.end(), first_law), observer.seen.end());
+  EXPECT_EQ(observer.running[0], 0u);
+  EXPECT_EQ(observer.running[1], 0u);
+  vesper_engine_destroy(engine);
 }
 
 TEST_P(AdvanceTest, CallsFromInsideAStepAreRefused) {

@@ -57,6 +57,32 @@ TEST(LibraryTest, BareNameIsSearchedInTheLawPath) {
 
 TEST(LibraryTest, PathIsUsedAsIs) { EXPECT_OK(Prepare(TestLawPath("push"))); }
 
+/// Prepares bytes, and returns the error.
+vesper_error PrepareBytes(const vesper_engine_config& config, const std::vector<char>& bytes) {
+  vesper_prepared_library* prepared = nullptr;
+  const vesper_error error = Try([&](vesper_error* e) {
+    return vesper_library_prepare_bytes(&config, bytes.data(), bytes.size(), "some/push.so",
+                                        &prepared, e);
+  });
+  if (error.status == VESPER_OK) {
+    EXPECT_STREQ(vesper_library_name(prepared), "push");
+  }
+  vesper_library_discard(prepared);
+  return error;
+}
+
+TEST(LibraryTest, IsOpenedFromItsBytesWithOrWithoutAProbe) {
+  const std::vector<char> bytes = ReadFile(TestLawPath("push"));
+  vesper_engine_config config = TestConfig();
+  EXPECT_OK(PrepareBytes(config, bytes));
+  config.probe_path = "/no/such/probe";
+  EXPECT_REFUSED(INTERNAL, "/no/such/probe", PrepareBytes(config, bytes));
+  config.probe_path = "";
+  EXPECT_OK(PrepareBytes(config, bytes));
+  EXPECT_REFUSED(LIBRARY_LOAD_FAILED, "some/push.so",
+                 PrepareBytes(config, {bytes.begin(), bytes.begin() + 1000}));
+}
+
 TEST(LibraryTest, MissingLibraryIsNamed) {
   EXPECT_REFUSED(NOT_FOUND, "libvesper_law_nothing.so", Prepare("nothing"));
   EXPECT_REFUSED(NOT_FOUND, "/no/such/law.so: no such file", Prepare("/no/such/law.so"));

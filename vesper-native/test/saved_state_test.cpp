@@ -105,6 +105,30 @@ TEST_P(SavedStateTest, TurnsAnEngineBack) {
   EXPECT_EQ(vesper_engine_step_count(world.engine.get()), 3u);
 }
 
+TEST_P(SavedStateTest, WithoutALibraryItFitsAnEngineWithoutIt) {
+  Remembering first(Options(), 5);
+  Bytes state = Save(first.engine);
+  const auto remove = [&state](const char* library) {
+    uint64_t size = state.size();
+    const vesper_error error = Try([&](vesper_error* e) {
+      return vesper_saved_state_remove_library(state.data(), &size, library, e);
+    });
+    state.resize(size);
+    return error;
+  };
+  const Bytes whole = state;
+  EXPECT_OK(remove("rememberin"));  // no library's name, though the beginning of one
+  EXPECT_EQ(state, whole);
+  TestEngine second(Options());
+  EXPECT_REFUSED(ACCESS_CONFLICT, "which no loaded law keeps", Load(second, state));
+  EXPECT_OK(remove("remembering"));
+  EXPECT_OK(Load(second, state));
+  EXPECT_EQ(vesper_engine_step_count(second.get()), 5u);
+  EXPECT_REFUSED(ACCESS_CONFLICT, "lacks remembering/", Load(first.engine, state));
+  state[state.size() / 2] ^= 1;
+  EXPECT_REFUSED(INVALID_ARGUMENT, "checksum", remove("remembering"));
+}
+
 TEST_P(SavedStateTest, BringsItsRowsAlong) {
   Remembering few(Options(), 4, 2), many(Options(), 1, 5);
   EXPECT_OK(Load(many.engine, Save(few.engine)));

@@ -191,9 +191,9 @@ const vesper_law_library* vesper_law_library_entry(void) {
   static vesper_law_library library;
   harm_in("entry", NULL);
   uses[0] = (vesper_property_use){sizeof uses[0], VESPER_F64, "mass", "body", 1,
-                                  VESPER_READ,    kKilogram,     0,          0};
-  uses[1] = (vesper_property_use){sizeof uses[1],    VESPER_F64, "externalForce", "body", 3,
-                                  VESPER_ACCUMULATE, kNewton,    0,               0};
+                                  VESPER_READ,    kKilogram,  0,      0};
+  uses[1] = (vesper_property_use){
+      sizeof uses[1], VESPER_F64, "externalForce", "body", 3, VESPER_ACCUMULATE, kNewton, 0, 0};
   law.struct_size = sizeof law;
   law.real_type = VESPER_F64;
   law.name = "hostile";

@@ -53,6 +53,16 @@ record Server(Process process, Events events) implements AutoCloseable {
             }
         }
 
+        /** Returns the number of events that were read. */
+        int count() {
+            return seen.size();
+        }
+
+        /** Returns whether an event is none of the first {@code count}. */
+        boolean isAfter(JsonNode event, int count) {
+            return seen.subList(count, seen.size()).stream().anyMatch(later -> later == event);
+        }
+
         /**
          * Returns all events of a server that has ended or is about to end, as far as it wrote
          * them.

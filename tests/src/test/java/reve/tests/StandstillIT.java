@@ -140,12 +140,14 @@ class StandstillIT {
     }
 
     @Test
-    void aLawThatNeverReturnsIsNamedAndEndsTheServerByRule() throws Exception {
+    void aLawOfThisProcessThatNeverReturnsIsNamedAndEndsTheServerByRule() throws Exception {
         shell.run(
                 "mkdir laws\ng++ -std=c++20 -shared -fPIC -O1 -fvisibility=hidden"
                         + " -I\"$REVE/vesper-native/include\" spinning.cpp -o spinning.so");
         long frame;
-        try (Server server = serve("", "--watchdog 2 --stalled exit --laws laws --store my.db")) {
+        String options =
+                "--engine in-process --watchdog 2 --stalled exit --laws laws --store my.db";
+        try (Server server = serve("", options)) {
             server.port();
             Files.move(folder.resolve("spinning.so"), folder.resolve("laws/spinning.so"));
             JsonNode stalled = server.events().await("stalled", event -> true);

@@ -31,9 +31,9 @@ import java.util.stream.Collectors;
  * <p>A failing law costs one repeated frame: the columns are restored, the law's library is
  * quarantined and reported as a "fault" event, and the frame is repeated without it. From that
  * frame on the world is, to the bit, one that runs without that law. A failure that no loaded law
- * caused is thrown after the columns were restored; that frame has no physics. If the process of
- * an engine was lost while no law ran, the frame is repeated; if that does not help, the library
- * that was loaded last is quarantined.
+ * caused is thrown after the columns were restored; that frame has no physics. If the process of an
+ * engine was lost while no law ran, the frame is repeated; if that does not help, the library that
+ * was loaded last is quarantined.
  *
  * <p>Before a law is quarantined, items that actions or edits changed are arrested: the one at
  * which the law failed, otherwise the one with the most extreme numbers, then all of them. If the

@@ -14,11 +14,20 @@ final class HostLost extends Exception {
     final transient List<Long> running;
 
     /**
+     * The read-only property at which it crashed, or empty, and the place in its column [bytes].
+     */
+    final String property;
+
+    final long offset;
+
+    /**
      * @param message how it ended, for example "SIGSEGV"
      */
-    HostLost(String message, boolean late, List<Long> running) {
+    HostLost(String message, boolean late, List<Long> running, String property, long offset) {
         super(message, null, false, false);
         this.late = late;
         this.running = running;
+        this.property = property;
+        this.offset = offset;
     }
 }

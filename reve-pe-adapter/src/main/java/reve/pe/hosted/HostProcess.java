@@ -34,9 +34,12 @@ final class HostProcess implements AutoCloseable {
     private static final long REPLY = 128;
     private static final long RUNNING = 192;
     private static final int MAX_THREADS = 256;
-    private static final long LOG_USED = 2240;
-    private static final long LOG_DROPPED = 2244;
-    private static final long LOG_LINES = 2248;
+    private static final long WROTE = 2240;
+    private static final int WROTE_BYTES = 56;
+    private static final long WROTE_OFFSET = 2296;
+    private static final long LOG_USED = 2304;
+    private static final long LOG_DROPPED = 2308;
+    private static final long LOG_LINES = 2312;
     private static final long MAILBOX = 1 << 16;
     private static final System.Logger.Level[] LEVELS = {
         System.Logger.Level.DEBUG,
@@ -171,8 +174,7 @@ final class HostProcess implements AutoCloseable {
                 long now = System.nanoTime();
                 countIdle(now - last);
                 last = now;
-                if (cpu - startCpu + idle >= limitNanos
-                        || now - start >= MOST_WALL * limitNanos) {
+                if (cpu - startCpu + idle >= limitNanos || now - start >= MOST_WALL * limitNanos) {
                     kill();
                     throw lost("no answer within " + limitNanos / 1_000_000 + " ms", true, log);
                 }
@@ -199,8 +201,11 @@ final class HostProcess implements AutoCloseable {
                 running.add(law);
             }
         }
+        String wrote =
+                new Mailbox(control.segment().asSlice(WROTE, WROTE_BYTES)).getField(WROTE_BYTES);
+        long offset = control.segment().get(JAVA_LONG, WROTE_OFFSET);
         close();
-        return new HostLost(how, late, running);
+        return new HostLost(how, late, running, wrote, offset);
     }
 
     private String ending() {
@@ -217,8 +222,7 @@ final class HostProcess implements AutoCloseable {
                 memory.asSlice(LOG_LINES, MAILBOX - LOG_LINES)
                         .asSlice(
                                 0,
-                                Math.clamp(
-                                        memory.get(JAVA_INT, LOG_USED), 0, MAILBOX - LOG_LINES));
+                                Math.clamp(memory.get(JAVA_INT, LOG_USED), 0, MAILBOX - LOG_LINES));
         Mailbox reader = new Mailbox(lines);
         for (long read = 0; read < lines.byteSize(); ) {
             int level = lines.get(JAVA_INT_UNALIGNED, read);
@@ -229,17 +233,26 @@ final class HostProcess implements AutoCloseable {
             } catch (IndexOutOfBoundsException spoiled) {
                 break; // a law wrote here
             }
-            log.log(LEVELS[Math.clamp(level, 1, LEVELS.length) - 1], OutputOfLaws.escaped(line));
+            pass(log, LEVELS[Math.clamp(level, 1, LEVELS.length) - 1], OutputOfLaws.escaped(line));
             read += 2 * Integer.BYTES + lines.get(JAVA_INT_UNALIGNED, read + Integer.BYTES);
         }
         int dropped = memory.get(JAVA_INT, LOG_DROPPED);
         if (dropped > 0) {
-            log.log(
+            pass(
+                    log,
                     System.Logger.Level.WARNING,
                     dropped + " more log lines of this frame were dropped");
         }
         memory.set(JAVA_INT, LOG_USED, 0);
         memory.set(JAVA_INT, LOG_DROPPED, 0);
+    }
+
+    private static void pass(VesperLog log, System.Logger.Level level, String line) {
+        try {
+            log.log(level, line);
+        } catch (RuntimeException failure) {
+            LOG.warn("a log listener failed: {}", failure.toString());
+        }
     }
 
     boolean isAlive() {
@@ -248,6 +261,7 @@ final class HostProcess implements AutoCloseable {
 
     private void kill() {
         group.kill();
+        process.destroyForcibly();
         try {
             process.waitFor(1, TimeUnit.SECONDS);
         } catch (InterruptedException e) {
@@ -259,6 +273,7 @@ final class HostProcess implements AutoCloseable {
     @Override
     public void close() {
         group.kill();
+        process.destroyForcibly();
         control.close();
         if (arena.scope().isAlive()) {
             arena.close();

@@ -25,7 +25,6 @@ import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
-import java.util.TreeMap;
 import java.util.function.Consumer;
 import java.util.function.ToIntFunction;
 
@@ -47,11 +46,14 @@ public final class HostedEngine implements PhysicsEngine {
     /** Time for the first advance; laws may have much to build. */
     private static final Duration FIRST_ADVANCE = Duration.ofSeconds(10);
 
-    /** A frame may take this many times the longest one so far. */
+    /** A frame may take this many times the longest one of the last frames. */
     private static final int GROWTH = 8;
 
-    private static final VesperLog QUIET = (level, message) -> {};
-    private static final List<String> OTHER_LINES = List.of("client", "ground", "unloaded", "total");
+    /** Number of frames after which a long one counts about a third. */
+    private static final int MEMORY = 256;
+
+    private static final List<String> OTHER_LINES =
+            List.of("client", "ground", "unloaded", "total");
 
     private final Hosts hosts;
     private final Duration frameLimit;
@@ -77,44 +79,13 @@ public final class HostedEngine implements PhysicsEngine {
 
     private record Move(String kind, long from, long to) {}
 
-    /** A loaded library. */
-    private static final class Loaded {
-        final int id;
-        final HostedLibrary library;
-        final Map<String, Double> parameters;
-
-        /** Its id in the current host. */
-        int hostId;
-
-        /** Number of threads of the host before the library was loaded. */
-        int threads;
-
-        List<PhysicsLaw> laws = List.of();
-
-        Loaded(int id, HostedLibrary library, Map<String, Double> parameters) {
-            this.id = id;
-            this.library = library;
-            this.parameters = new TreeMap<>(parameters);
-        }
-
-        String lawName(int index) {
-            return index >= 0 && index < laws.size() ? laws.get(index).name() : "";
-        }
-    }
-
-    /** Requests to a host; a failure becomes an exception. */
-    interface Calls {
-        /** Sends the request that the caller writes, and returns the reply. */
-        Mailbox call(Consumer<HostProcess> request) throws HostLost;
-    }
-
     /**
      * Creates an engine and its first host.
      *
      * @param hosts starts its processes; closed after this object
      * @param frameLimit time that all laws together may take for an advance: processor time, and
      *     time in which they only wait. The first advance may take at least ten seconds, and others
-     *     eight times the longest one so far
+     *     eight times the longest of the last frames
      * @param descriptors returns the descriptor of shared memory that is lent to the engine, and
      *     throws IllegalArgumentException for other memory
      * @throws PhysicsException if the engine refuses the prototype
@@ -191,45 +162,9 @@ public final class HostedEngine implements PhysicsEngine {
         return LawText.check(prototype, source, text);
     }
 
-    /** Opens the library, and creates and destroys its laws, in a host for this use only. */
     private PreparedLibrary prepare(String source, byte[] bytes) {
         checkOpen();
-        HostedLibrary library = new HostedLibrary(source, bytes);
-        String stage = "opening it";
-        try (HostProcess trial = hosts.start()) {
-            Calls calls = calls(trial, REQUEST.toNanos(), QUIET);
-            create(calls, 1);
-            library.named(calls.call(to -> library.put(to.begin(Request.PREPARE))).getText());
-            stage = "creating or destroying its laws";
-            tryToLoad(trial, library);
-            return library;
-        } catch (HostLost lost) {
-            library.close();
-            throw new PhysicsException(
-                    Status.LIBRARY_LOAD_FAILED,
-                    source
-                            + (lost.late
-                                    ? ": the library gave "
-                                    : ": the library ended a trial process, ")
-                            + lost.getMessage()
-                            + ", while "
-                            + stage);
-        } catch (RuntimeException refused) {
-            library.close();
-            throw refused;
-        }
-    }
-
-    /** Whether the laws fit is decided when they are loaded; here only a crash counts. */
-    private static void tryToLoad(HostProcess trial, HostedLibrary library) throws HostLost {
-        library.put(trial.begin(Request.LOAD)).putInt(0);
-        Mailbox loaded = trial.call(REQUEST.toNanos(), QUIET);
-        if (loaded.getInt() == 0) {
-            loaded.getInt(); // the number of threads
-            int id = loaded.getInt();
-            trial.begin(Request.UNLOAD).putInt(id);
-            trial.call(REQUEST.toNanos(), QUIET);
-        }
+        return new Trial(hosts, config, prototype).prepare(source, bytes);
     }
 
     @Override
@@ -289,7 +224,7 @@ public final class HostedEngine implements PhysicsEngine {
                         });
         library.threads = reply.getInt();
         library.hostId = reply.getInt();
-        library.laws = Wire.laws(reply, library.id);
+        library.read(reply);
     }
 
     @Override
@@ -313,15 +248,14 @@ public final class HostedEngine implements PhysicsEngine {
             } catch (HostLost lost) {
                 lose();
                 state.leave(old.library.name());
-                config.log()
-                        .log(
-                                System.Logger.Level.WARNING,
-                                "library "
-                                        + old.library.name()
-                                        + ": "
-                                        + lost.getMessage()
-                                        + " while it was unloaded; the engine goes on in a new"
-                                        + " process");
+                config.log().log(
+                        System.Logger.Level.WARNING,
+                        "library "
+                                + old.library.name()
+                                + ": "
+                                + lost.getMessage()
+                                + " while it was unloaded; the engine goes on in a new"
+                                + " process");
             }
         } else {
             state.leave(old.library.name());
@@ -337,19 +271,14 @@ public final class HostedEngine implements PhysicsEngine {
         for (Loaded library : libraries.values()) {
             if (host != null) {
                 try {
-                    library.laws =
-                            Wire.laws(
-                                    calls(host, REQUEST.toNanos(), config.log())
-                                            .call(
-                                                    to ->
-                                                            to.begin(Request.LAWS)
-                                                                    .putInt(library.hostId)),
-                                    library.id);
+                    library.read(
+                            calls(host, REQUEST.toNanos(), config.log())
+                                    .call(to -> to.begin(Request.LAWS).putInt(library.hostId)));
                 } catch (HostLost lost) {
                     lose();
                 }
             }
-            laws.addAll(library.laws);
+            laws.addAll(library.laws());
         }
         return laws;
     }
@@ -365,12 +294,17 @@ public final class HostedEngine implements PhysicsEngine {
             long start = System.nanoTime();
             Mailbox reply = current.call(frameLimit(), config.log());
             requireOk(reply);
-            if (!state.keep(reply)) {
+            boolean kept = state.keep(reply);
+            for (Loaded library : libraries.values()) {
+                library.count(reply);
+            }
+            if (!kept) {
                 Calls calls = calls(current, REQUEST.toNanos(), config.log());
                 state.lend(calls);
                 state.keep(calls);
             }
-            longestNanos = Math.max(longestNanos, System.nanoTime() - start);
+            longestNanos =
+                    Math.max(System.nanoTime() - start, longestNanos - longestNanos / MEMORY);
             moves.clear();
             advancedBefore = true;
         } catch (HostLost lost) {
@@ -463,14 +397,14 @@ public final class HostedEngine implements PhysicsEngine {
         checkOpen();
         provider.checkArraysAlive();
         provider.flushTouches();
-        int laws = libraries.values().stream().mapToInt(library -> library.laws.size()).sum();
+        int laws = libraries.values().stream().mapToInt(library -> library.laws().size()).sum();
         Mailbox reply =
                 ask(
                         to -> {
                             Mailbox request =
                                     to.begin(Request.LEDGER).putInt(laws + OTHER_LINES.size());
                             for (Loaded library : libraries.values()) {
-                                for (int law = 0; law < library.laws.size(); law++) {
+                                for (int law = 0; law < library.laws().size(); law++) {
                                     request.putInt(library.hostId).putInt(law);
                                 }
                             }
@@ -480,7 +414,7 @@ public final class HostedEngine implements PhysicsEngine {
                         });
         List<LedgerLine> lines = new ArrayList<>();
         for (Loaded library : libraries.values()) {
-            library.laws.forEach(law -> lines.add(Wire.line(reply, law.name(), true)));
+            library.laws().forEach(law -> lines.add(Wire.line(reply, law.name(), true)));
         }
         OTHER_LINES.forEach(name -> lines.add(Wire.line(reply, name, false)));
         return lines;
@@ -545,7 +479,7 @@ public final class HostedEngine implements PhysicsEngine {
         HostProcess fresh = hosts.take();
         try {
             Calls calls = calls(fresh, REQUEST.toNanos(), config.log());
-            create(calls, alone ? 1 : config.threads());
+            calls.create(config, alone ? 1 : config.threads(), prototype);
             provider.bindAll(calls);
             for (Loaded library : libraries.values()) {
                 reload(calls, library);
@@ -557,6 +491,12 @@ public final class HostedEngine implements PhysicsEngine {
             }
             if (ledger) {
                 calls.call(to -> to.begin(Request.SET_LEDGER).putInt(1));
+                if (state.steps() > 0) {
+                    config.log()
+                            .log(
+                                    System.Logger.Level.WARNING,
+                                    "the ledger begins again, with the engine's new process");
+                }
             }
         } catch (HostLost | RuntimeException failed) {
             fresh.close();
@@ -566,22 +506,13 @@ public final class HostedEngine implements PhysicsEngine {
         return fresh;
     }
 
-    private void create(Calls calls, int threads) throws HostLost {
-        calls.call(
-                to ->
-                        Wire.put(
-                                to.begin(Request.CREATE)
-                                        .putInt(threads)
-                                        .putInt(config.validate() ? 1 : 0),
-                                prototype));
-    }
-
     /** Loads a library into a new host; what goes wrong here is the library's fault. */
     private static void reload(Calls calls, Loaded library) throws HostLost {
         try {
             load(calls, library);
         } catch (HostLost lost) {
-            throw exception(statusOf(lost), library, 0, lost.getMessage() + " while it was loaded");
+            throw exception(
+                    statusOf(lost), library, 0, "", -1, lost.getMessage() + " while it was loaded");
         }
     }
 
@@ -590,6 +521,7 @@ public final class HostedEngine implements PhysicsEngine {
         if (host != null) {
             host.close();
             host = null;
+            libraries.values().forEach(Loaded::keepCounts);
         }
     }
 
@@ -613,13 +545,24 @@ public final class HostedEngine implements PhysicsEngine {
                             + " ran");
         }
         int law = (int) (lost.running.getFirst() & 0xFFFFFFFFL) - 1;
+        long row = provider.row(lost.property, lost.offset);
         return exception(
                 statusOf(lost),
                 running.getFirst(),
                 law,
+                row < 0 ? "" : lost.property,
+                row,
                 lost.late
                         ? lost.getMessage() + " of its frame"
-                        : "ended the engine's process: " + lost.getMessage());
+                        : "ended the engine's process: "
+                                + lost.getMessage()
+                                + (row < 0
+                                        ? ""
+                                        : "; it wrote property "
+                                                + lost.property
+                                                + ", row "
+                                                + row
+                                                + ", which no loaded law declares to write"));
     }
 
     private Optional<Loaded> byHostId(int id) {
@@ -631,15 +574,15 @@ public final class HostedEngine implements PhysicsEngine {
     }
 
     private static PhysicsException exception(
-            Status status, Loaded library, int law, String message) {
+            Status status, Loaded library, int law, String property, long row, String message) {
         String name = library.lawName(law);
         return new PhysicsException(
                 status,
                 library.id,
                 library.library.name(),
                 name,
-                "",
-                -1,
+                property,
+                row,
                 (name.isEmpty() ? "library " + library.library.name() : "law " + name)
                         + ": "
                         + message);

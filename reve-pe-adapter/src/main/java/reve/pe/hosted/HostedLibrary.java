@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.pe.hosted;
 
-import org.jspecify.annotations.Nullable;
-
 import reve.pe.PreparedLibrary;
 import reve.pe.posix.SharedMemory;
 import reve.pe.vesper.LibraryFile;
 
 import java.lang.foreign.MemorySegment;
 
-/** The bytes of a law library, in memory that hosts can read. Nothing of it is open in this process. */
+/**
+ * The bytes of a law library, in memory that hosts can read. Nothing of it is open in this process.
+ */
 final class HostedLibrary implements PreparedLibrary {
     private final String source;
     private final byte[] bytes;
     private final String sha256;
     private final SharedMemory memory;
     private String name = "";
-    private @Nullable String gone;
+    private boolean gone;
 
     /**
      * @param source names the library in messages
@@ -26,8 +26,7 @@ final class HostedLibrary implements PreparedLibrary {
         this.bytes = bytes;
         this.sha256 = LibraryFile.sha256(bytes);
         this.memory = new SharedMemory("law library", Math.max(1, bytes.length));
-        MemorySegment.copy(
-                MemorySegment.ofArray(bytes), 0, memory.segment(), 0, bytes.length);
+        MemorySegment.copy(MemorySegment.ofArray(bytes), 0, memory.segment(), 0, bytes.length);
     }
 
     /** Sets the name in the library's own table. */
@@ -62,15 +61,17 @@ final class HostedLibrary implements PreparedLibrary {
 
     /** Refuses a library that an engine has taken, or that was closed. */
     synchronized void requireFree() {
-        if (gone != null) {
+        if (gone) {
             throw new IllegalStateException(
-                    "prepared library '" + name + "' was " + gone + "; prepare it again");
+                    "prepared library '"
+                            + name
+                            + "' was taken by an engine or closed; prepare it again");
         }
     }
 
     /** Marks the library as owned by an engine, which frees it. */
     synchronized void taken() {
-        gone = "taken by an engine";
+        gone = true;
     }
 
     /** Frees the memory of a library that an engine had taken. */
@@ -80,8 +81,8 @@ final class HostedLibrary implements PreparedLibrary {
 
     @Override
     public synchronized void close() {
-        if (gone == null) {
-            gone = "closed";
+        if (!gone) {
+            gone = true;
             free();
         }
     }

@@ -126,6 +126,7 @@ final class HostedProvider implements PhysicalPropertyProvider {
     @Override
     public PhysicalProperty findPhysicalProperty(String name) {
         PropertyDescriptor property = require(name);
+        flushTouches();
         Mailbox found = engine.ask(host -> host.begin(Request.FIND).putText(name));
         return new PhysicalProperty(
                 name,
@@ -165,7 +166,7 @@ final class HostedProvider implements PhysicalPropertyProvider {
     }
 
     /** Lends the bound arrays to another host, which has none yet. */
-    void bindAll(HostedEngine.Calls host) throws HostLost {
+    void bindAll(Calls host) throws HostLost {
         lent.clear();
         for (Map.Entry<String, Arrays> entry : bound.entrySet()) {
             if (!isDead(entry.getValue())) {
@@ -208,6 +209,17 @@ final class HostedProvider implements PhysicalPropertyProvider {
         lifetimes = scopes.toArray(MemorySegment.Scope[]::new);
     }
 
+    /** Returns the row at a place in the column of a property, or -1 if there is none. */
+    long row(String name, long offset) {
+        PropertyDescriptor property = properties.get(name);
+        Arrays arrays = bound.get(name);
+        if (property == null || arrays == null || property.type() == ScalarType.FIELD) {
+            return -1;
+        }
+        long row = offset / ((long) property.components() * property.type().bytes());
+        return row >= 0 && row < arrays.objectCount ? row : -1;
+    }
+
     private PropertyDescriptor require(String name) {
         engine.checkOpen();
         PropertyDescriptor property = properties.get(name);
@@ -237,7 +249,7 @@ final class HostedProvider implements PhysicalPropertyProvider {
         }
         if (!segment.isNative()) {
             throw new IllegalArgumentException(
-                    property + ": " + what + " is heap memory, expected shared memory");
+                    property + ": " + what + " is heap memory, expected native memory");
         }
         if (segment.byteSize() < count * bytesEach) {
             throw new IllegalArgumentException(

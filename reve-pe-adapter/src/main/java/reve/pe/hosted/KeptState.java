@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.pe.hosted;
 
-import org.jspecify.annotations.Nullable;
 
 import reve.pe.posix.SharedMemory;
 
@@ -27,7 +26,7 @@ final class KeptState {
     private final List<String> left = new ArrayList<>();
 
     /** Shows the shared memory to a host. */
-    void lend(HostedEngine.Calls host) throws HostLost {
+    void lend(Calls host) throws HostLost {
         host.call(
                 to ->
                         to.begin(Request.STATE_MEMORY)
@@ -36,7 +35,7 @@ final class KeptState {
     }
 
     /** Asks a host for its state, and keeps it. */
-    void keep(HostedEngine.Calls host) throws HostLost {
+    void keep(Calls host) throws HostLost {
         while (!keep(host.call(to -> to.begin(Request.SAVE_STATE)))) {
             lend(host);
         }
@@ -68,7 +67,7 @@ final class KeptState {
     }
 
     /** Gives a new host the kept state, if there is one. */
-    void restore(HostedEngine.Calls host) throws HostLost {
+    void restore(Calls host) throws HostLost {
         if (size > 0) {
             load(Arrays.copyOf(copy, size), left, host);
         }
@@ -76,7 +75,7 @@ final class KeptState {
     }
 
     /** Makes a host load a state. */
-    void load(byte[] state, List<String> without, HostedEngine.Calls host) throws HostLost {
+    void load(byte[] state, List<String> without, Calls host) throws HostLost {
         if (shared.segment().byteSize() < state.length) {
             shared.close();
             shared = new SharedMemory("vesper-host state", state.length);

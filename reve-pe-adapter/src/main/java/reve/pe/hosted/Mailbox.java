@@ -12,8 +12,8 @@ import java.lang.foreign.MemorySegment;
 import java.nio.charset.StandardCharsets;
 
 /**
- * The memory in which a client writes a request and then reads the reply, from front to back. A
- * law may have written anything into it: reads outside of it throw IndexOutOfBoundsException.
+ * The memory in which a client writes a request and then reads the reply, from front to back. A law
+ * may have written anything into it: reads outside of it throw IndexOutOfBoundsException.
  */
 final class Mailbox {
     private static final int EXPONENTS = 7;

@@ -52,7 +52,7 @@ final class OutputOfLaws implements Runnable {
             lines = 0;
         }
         if (length > 0 && ++lines <= MOST_LINES) {
-            log.info(
+            log.warn(
                     "printed by a law: {}",
                     escaped(new String(line, 0, length, StandardCharsets.UTF_8)));
         }
@@ -64,7 +64,10 @@ final class OutputOfLaws implements Runnable {
         StringBuilder safe = new StringBuilder(Math.min(text.length(), MOST_BYTES));
         for (int i = 0; i < text.length() && i < MOST_BYTES; i++) {
             char c = text.charAt(i);
-            safe.append(Character.isISOControl(c) || Character.getType(c) == Character.FORMAT ? '?' : c);
+            safe.append(
+                    Character.isISOControl(c) || Character.getType(c) == Character.FORMAT
+                            ? '?'
+                            : c);
         }
         return safe.toString();
     }

@@ -101,8 +101,7 @@ final class Wire {
     }
 
     /** A {@code vesper_error}: a failure with the numbers that its host uses. */
-    record Failure(
-            int status, int library, int law, long row, String property, String message) {
+    record Failure(int status, int library, int law, long row, String property, String message) {
         static Failure read(Mailbox from) {
             int status = from.getInt();
             int library = from.getInt();

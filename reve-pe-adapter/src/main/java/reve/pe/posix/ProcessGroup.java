@@ -21,10 +21,9 @@ public final class ProcessGroup {
         this.status = Path.of("/proc/" + leader + "/stat");
     }
 
-    /** Kills the process and those that it started, unless they left the group. */
+    /** Kills the processes of the group; those that left it, or made none yet, stay. */
     public void kill() {
         Posix.kill(-leader, SIGKILL);
-        Posix.kill(leader, SIGKILL);
     }
 
     /** Returns the processor time of all threads of the process [ns]; negative after its end. */

@@ -39,7 +39,11 @@ public final class SharedMemory implements AutoCloseable {
             throw new IllegalArgumentException(
                     "shared memory '" + name + "': " + bytes + " bytes, expected at least 1");
         }
-        descriptor = check(name, "memfd_create", Posix.memfdCreate(name, MFD_CLOEXEC | MFD_ALLOW_SEALING));
+        descriptor =
+                check(
+                        name,
+                        "memfd_create",
+                        Posix.memfdCreate(name, MFD_CLOEXEC | MFD_ALLOW_SEALING));
         try {
             check(name, "ftruncate to " + bytes, Posix.ftruncate(descriptor, bytes));
             check(name, "sealing", Posix.fcntl(descriptor, F_ADD_SEALS, SEALS));

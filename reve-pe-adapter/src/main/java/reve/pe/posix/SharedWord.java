@@ -25,7 +25,8 @@ public final class SharedWord {
                                     JAVA_LONG, JAVA_LONG, ADDRESS, JAVA_LONG, JAVA_LONG, ADDRESS,
                                     ADDRESS, JAVA_LONG),
                             Linker.Option.firstVariadicArg(1));
-    private static final long SYS_FUTEX = System.getProperty("os.arch").equals("aarch64") ? 98 : 202;
+    private static final long SYS_FUTEX =
+            System.getProperty("os.arch").equals("aarch64") ? 98 : 202;
     private static final long FUTEX_WAIT = 0;
     private static final long FUTEX_WAKE = 1;
     private static final VarHandle INT = JAVA_INT.varHandle();
@@ -67,7 +68,12 @@ public final class SharedWord {
             long _ =
                     (long)
                             SYSCALL.invokeExact(
-                                    SYS_FUTEX, word, operation, value, time, MemorySegment.NULL,
+                                    SYS_FUTEX,
+                                    word,
+                                    operation,
+                                    value,
+                                    time,
+                                    MemorySegment.NULL,
                                     0L);
         } catch (Throwable t) {
             throw Posix.unexpected(t);

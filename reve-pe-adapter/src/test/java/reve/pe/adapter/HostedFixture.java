@@ -14,7 +14,9 @@ import java.util.ArrayList;
 import java.util.List;
 import java.util.concurrent.CopyOnWriteArrayList;
 
-/** A world of bodies and scenery whose engine runs in a process of its own, and its equal without. */
+/**
+ * A world of bodies and scenery whose engine runs in a process of its own, and its equal without.
+ */
 final class HostedFixture implements AutoCloseable {
     static final Duration FRAME_LIMIT = Duration.ofMillis(300);
     private static final long MEMORY_BYTES = 1L << 28;

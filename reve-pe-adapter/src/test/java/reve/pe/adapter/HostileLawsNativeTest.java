@@ -17,6 +17,7 @@ import reve.pe.Status;
 
 import java.util.List;
 import java.util.Map;
+import java.util.Random;
 
 /**
  * Laws that harm their process (src/test/native/hostile.c). Each pushes every body with 1 N until
@@ -37,7 +38,7 @@ class HostileLawsNativeTest {
         "overflow, LAW_CRASHED, SIGSEGV",
         "far_write, LAW_CRASHED, SIGSEGV",
         "write_before, LAW_CRASHED, SIGSEGV",
-        "const_write, LAW_CRASHED, SIGSEGV",
+        "const_write, LAW_CRASHED, 'SIGSEGV; it wrote property mass, row 0, which no loaded law'",
         "wild_then_crash, LAW_CRASHED, SIGSEGV",
         "close_all_then_crash, LAW_CRASHED, SIGABRT",
         "fork_bomb_then_crash, LAW_CRASHED, SIGABRT",
@@ -86,8 +87,7 @@ class HostileLawsNativeTest {
                     .contains(how);
             try (PreparedLibrary again = hosted.world.engine.prepare("hostile_" + kind)) {
                 assertThatExceptionOfType(PhysicsException.class)
-                        .isThrownBy(
-                                () -> hosted.world.adapter.laws().load(FRAMES, again, Map.of()))
+                        .isThrownBy(() -> hosted.world.adapter.laws().load(FRAMES, again, Map.of()))
                         .withMessageContaining("in quarantine since frame " + BAD_FRAME);
             }
         }
@@ -96,7 +96,15 @@ class HostileLawsNativeTest {
     /** What the process of the engine absorbs does not disturb the world. */
     @ParameterizedTest
     @ValueSource(
-            strings = {"close_all", "alarm", "itimer", "terminate", "fork", "quiet_thread", "print"})
+            strings = {
+                "close_all",
+                "alarm",
+                "itimer",
+                "terminate",
+                "fork",
+                "quiet_thread",
+                "print"
+            })
     void aLawThatHarmsNothingElseActsOn(String kind) {
         try (HostedFixture hosted = new HostedFixture();
                 AdapterFixture expected = HostedFixture.inProcess()) {
@@ -137,6 +145,57 @@ class HostileLawsNativeTest {
         world.adapter.laws().unload(FRAMES, id);
     }
 
+    /** The number of crashes: of four kinds, at frames that a seed chooses. */
+    private static final int CRASHES = Integer.getInteger("reve.test.crashes", 40);
+
+    @Test
+    void everyCrashOfManyLeavesTheWorldThatNeverHadTheLaw() {
+        try (HostedFixture hosted = new HostedFixture();
+                AdapterFixture expected = HostedFixture.inProcess()) {
+            Random random = new Random(19);
+            hosted.world.load("newton_motion").run(BAD_FRAME);
+            expected.load("newton_motion").run(BAD_FRAME);
+            String[] kinds = {"segfault", "abort", "_exit", "overflow"};
+            for (int crash = 0; crash < CRASHES; crash++) {
+                int frames = random.nextInt(4);
+                hosted.world.run(frames).load("hostile_" + kinds[crash % kinds.length]).run(1);
+                expected.run(frames + 1);
+                assertThat(hosted.world.events("fault")).hasSize(crash + 1);
+                assertThat(hosted.world.adapter.stateHash())
+                        .isEqualTo(expected.adapter.stateHash());
+                hosted.world
+                        .adapter
+                        .laws()
+                        .quarantined()
+                        .forEach(out -> hosted.world.adapter.laws().release(out.sha256()));
+            }
+            assertThat(differing(hosted.world, expected)).isEmpty();
+            assertThat(hosted.world.adapter.profile().redoneFrames()).isEqualTo(CRASHES);
+        }
+    }
+
+    /**
+     * Two laws that run at once: the frame is repeated on one thread, to find out which crashed.
+     */
+    @Test
+    void theRightOneOfLawsThatRunAtOnceIsBlamed() {
+        try (HostedFixture hosted = new HostedFixture(2);
+                AdapterFixture expected = HostedFixture.inProcess()) {
+            hosted.world.load("newton_motion", "wind", "hostile_segfault").run(FRAMES);
+            expected.load("newton_motion");
+            int both = expected.adapter.laws().load(0, "wind", Map.of("force", 2.0));
+            expected.run(BAD_FRAME - 1);
+            expected.adapter.laws().unload(BAD_FRAME, both);
+            expected.load("wind").run(FRAMES - BAD_FRAME + 1);
+            assertThat(hosted.world.events("fault"))
+                    .singleElement()
+                    .satisfies(
+                            fault ->
+                                    assertThat(fault.fields()).containsEntry("library", "hostile"));
+            assertThat(differing(hosted.world, expected)).isEmpty();
+        }
+    }
+
     /** A thread that outlives its law ends with the process, which the unload replaces. */
     @Test
     void nothingWritesAfterItsLawWasUnloaded() throws InterruptedException {
@@ -163,8 +222,7 @@ class HostileLawsNativeTest {
             hosted.world.load("newton_motion").run(1);
             for (String kind : new String[] {"segfault", "_exit"}) {
                 assertThatExceptionOfType(PhysicsException.class)
-                        .isThrownBy(
-                                () -> hosted.world.load("hostile_" + kind + "_in_" + place))
+                        .isThrownBy(() -> hosted.world.load("hostile_" + kind + "_in_" + place))
                         .satisfies(
                                 refused ->
                                         assertThat(refused.status())
@@ -189,10 +247,7 @@ class HostileLawsNativeTest {
             assertThat(differing(hosted.world, expected)).isEmpty();
             assertThat(hosted.world.events("fault"))
                     .singleElement()
-                    .satisfies(
-                            fault ->
-                                    assertThat(fault.fields())
-                                            .containsEntry("law", "hostile"));
+                    .satisfies(fault -> assertThat(fault.fields()).containsEntry("law", "hostile"));
         }
     }
 }

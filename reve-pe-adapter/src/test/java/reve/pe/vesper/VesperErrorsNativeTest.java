@@ -10,6 +10,7 @@ import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 
 import reve.pe.Access;
+import reve.pe.EngineFixture;
 import reve.pe.NativeFiles;
 import reve.pe.PhysicsException;
 import reve.pe.PropertyDescriptor;
@@ -31,7 +32,8 @@ import java.util.Set;
 
 /** Every status that a client can cause arrives with its number, names and message. */
 class VesperErrorsNativeTest {
-    private final EngineFixture orbit = new EngineFixture().springOrbit();
+    private final EngineFixture orbit =
+            new EngineFixture(new EngineFixture.InProcess()).springOrbit();
 
     @AfterEach
     void close() {
@@ -125,7 +127,9 @@ class VesperErrorsNativeTest {
                                         p.doc())
                                 : p);
         try (EngineFixture plane =
-                new EngineFixture(new Prototype("plane", ScalarType.F64, SiUnit.SECOND, flat))
+                new EngineFixture(
+                                new EngineFixture.InProcess(),
+                                new Prototype("plane", ScalarType.F64, SiUnit.SECOND, flat))
                         .lendAll()) {
             PhysicsException e = refusal(() -> plane.load("newton_motion"));
             assertThat(e.status()).isEqualTo(Status.TYPE_MISMATCH);

@@ -64,8 +64,7 @@ public final class Arrests {
         var suspects = new ArrayList<Item>();
         changed.removeIf(id -> items.find(id) == null);
         items.of(changed).stream().filter(item -> excess(item) > 0).forEach(suspects::add);
-        failed.filter(item -> isExtreme(item) && !suspects.contains(item))
-                .ifPresent(suspects::add);
+        failed.filter(item -> isExtreme(item) && !suspects.contains(item)).ifPresent(suspects::add);
         return suspects;
     }
 

@@ -6,8 +6,8 @@ import picocli.CommandLine.Option;
 import picocli.CommandLine.ParameterException;
 
 import reve.pe.adapter.LawFolder;
-import reve.worlds.Product;
 import reve.pe.hosted.Hosts;
+import reve.worlds.Product;
 import reve.worlds.server.EnginePlace;
 import reve.worlds.server.LawPath;
 

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.pe.hosted;
+
+import reve.pe.PhysicsLaw;
+
+import java.util.ArrayList;
+import java.util.List;
+import java.util.Map;
+import java.util.TreeMap;
+
+/** A loaded library, with its laws and their calls in all hosts so far. */
+final class Loaded {
+    final int id;
+    final HostedLibrary library;
+    final Map<String, Double> parameters;
+
+    /** Its id in the current host. */
+    int hostId;
+
+    /** Number of threads of the host before the library was loaded. */
+    int threads;
+
+    private List<PhysicsLaw> laws = List.of();
+
+    /** Calls and times [ns] in the current host as last seen, by law. */
+    private long[] counts = {};
+
+    /** The same in earlier hosts. */
+    private long[] before = {};
+
+    Loaded(int id, HostedLibrary library, Map<String, Double> parameters) {
+        this.id = id;
+        this.library = library;
+        this.parameters = new TreeMap<>(parameters);
+    }
+
+    /** Reads the laws as the current host describes them. */
+    void read(Mailbox from) {
+        laws = Wire.laws(from, id);
+        counts = new long[2 * laws.size()];
+        for (int law = 0; law < laws.size(); law++) {
+            counts[2 * law] = laws.get(law).calls();
+            counts[2 * law + 1] = laws.get(law).nanoseconds();
+        }
+        if (before.length == 0) {
+            before = new long[counts.length];
+        }
+    }
+
+    /** Reads the calls and times of the laws. */
+    void count(Mailbox from) {
+        for (int i = 0; i < counts.length; i++) {
+            counts[i] = from.getLong();
+        }
+    }
+
+    /** Keeps the counts of a host that has ended. */
+    void keepCounts() {
+        for (int i = 0; i < counts.length; i++) {
+            before[i] += counts[i];
+            counts[i] = 0;
+        }
+    }
+
+    /** Returns the laws with their calls and times in all hosts. */
+    List<PhysicsLaw> laws() {
+        List<PhysicsLaw> all = new ArrayList<>();
+        for (int i = 0; i < laws.size(); i++) {
+            PhysicsLaw law = laws.get(i);
+            all.add(
+                    new PhysicsLaw(
+                            id,
+                            law.library(),
+                            law.name(),
+                            law.version(),
+                            law.doc(),
+                            law.phase(),
+                            law.stages(),
+                            law.uses(),
+                            law.parameters(),
+                            before[2 * i] + counts[2 * i],
+                            before[2 * i + 1] + counts[2 * i + 1]));
+        }
+        return all;
+    }
+
+    String lawName(int index) {
+        return index >= 0 && index < laws.size() ? laws.get(index).name() : "";
+    }
+}

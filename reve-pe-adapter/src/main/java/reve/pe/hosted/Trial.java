@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.pe.hosted;
+
+import reve.pe.PhysicsException;
+import reve.pe.PreparedLibrary;
+import reve.pe.Prototype;
+import reve.pe.Status;
+import reve.pe.vesper.VesperConfig;
+import reve.pe.vesper.VesperLog;
+
+import java.time.Duration;
+
+/**
+ * Opens libraries, and creates and destroys their laws, in a host for this use only. A library that
+ * ends the host, or does not return, never reaches a world. Any thread.
+ */
+record Trial(Hosts hosts, VesperConfig config, Prototype prototype) {
+    private static final long LIMIT_NANOS = Duration.ofSeconds(10).toNanos();
+    private static final VesperLog QUIET = (level, message) -> {};
+
+    PreparedLibrary prepare(String source, byte[] bytes) {
+        HostedLibrary library = new HostedLibrary(source, bytes);
+        String stage = "opening it";
+        try (HostProcess host = hosts.start()) {
+            Calls calls =
+                    request -> {
+                        request.accept(host);
+                        Mailbox reply = host.call(LIMIT_NANOS, QUIET);
+                        if (reply.getInt() != 0) {
+                            throw Wire.Failure.read(reply).exception(0, "", "");
+                        }
+                        return reply;
+                    };
+            calls.create(config, 1, prototype);
+            library.named(calls.call(to -> library.put(to.begin(Request.PREPARE))).getText());
+            stage = "creating or destroying its laws";
+            tryToLoad(host, library);
+            return library;
+        } catch (HostLost lost) {
+            library.close();
+            throw new PhysicsException(
+                    Status.LIBRARY_LOAD_FAILED,
+                    source
+                            + (lost.late
+                                    ? ": the library gave "
+                                    : ": the library ended a trial process, ")
+                            + lost.getMessage()
+                            + ", while "
+                            + stage);
+        } catch (RuntimeException refused) {
+            library.close();
+            throw refused;
+        }
+    }
+
+    /** Whether the laws fit is decided when they are loaded; here only a crash counts. */
+    private static void tryToLoad(HostProcess host, HostedLibrary library) throws HostLost {
+        library.put(host.begin(Request.LOAD)).putInt(0);
+        Mailbox loaded = host.call(LIMIT_NANOS, QUIET);
+        if (loaded.getInt() == 0) {
+            loaded.getInt(); // the number of threads
+            int id = loaded.getInt();
+            host.begin(Request.UNLOAD).putInt(id);
+            host.call(LIMIT_NANOS, QUIET);
+        }
+    }
+}

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.tests;
+
+import static org.assertj.core.api.Assertions.assertThat;
+
+import org.junit.jupiter.api.BeforeEach;
+import org.junit.jupiter.api.Tag;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.Timeout;
+import org.junit.jupiter.api.io.TempDir;
+
+import reve.agent.AgentClient;
+
+import tools.jackson.databind.JsonNode;
+
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.util.ArrayList;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.concurrent.TimeUnit;
+
+/** Servers whose laws harm the process that they run in (reve-pe-adapter/src/test/native). */
+@Timeout(value = 300, threadMode = Timeout.ThreadMode.SEPARATE_THREAD)
+@Tag("slow")
+class EngineProcessIT {
+    private static final String WORLD =
+            """
+            reve: 1
+            name: stones
+            laws: [newton_motion]
+            agents: {body: {physical: {location: [0, 0, 0]}}}
+            items:
+              - name: stone
+                physical: {location: [1, 0, 0]}
+                physics: {mass: 1 kg, velocity: [1, 0, 0]}
+            """;
+
+    @TempDir private Path folder;
+
+    private Path laws;
+
+    @BeforeEach
+    void makeWorld() throws Exception {
+        Files.writeString(folder.resolve("stones.yaml"), WORLD);
+        laws = Files.createDirectory(folder.resolve("laws"));
+    }
+
+    private Server serve(String... options) throws Exception {
+        List<String> arguments =
+                new ArrayList<>(
+                        List.of(
+                                "serve",
+                                folder.resolve("stones.yaml").toString(),
+                                "--json",
+                                "--laws",
+                                laws.toString()));
+        arguments.addAll(List.of(options));
+        return Server.start(folder, arguments.toArray(String[]::new));
+    }
+
+    /** Puts a test law into the laws folder at once, as a copy beside it that is renamed. */
+    private Path drop(String law) throws Exception {
+        String file = "libvesper_law_hostile_" + law + ".so";
+        Path copy =
+                Files.copy(
+                        Project.NATIVE.resolve("adapter-test-laws").resolve(file),
+                        folder.resolve(file));
+        return Files.move(copy, laws.resolve(file));
+    }
+
+    private static List<ProcessHandle> hosts(Server server) {
+        return server.process()
+                .descendants()
+                .filter(child -> child.info().command().orElse("").endsWith("vesper-host"))
+                .toList();
+    }
+
+    /** Every law fails in its first frame, so the world is one that never had it. */
+    @Test
+    void aServerOutlivesLawsThatHarmTheirProcess() throws Exception {
+        Map<String, String> kinds = new LinkedHashMap<>();
+        kinds.put("segfault", "LAW_CRASHED");
+        kinds.put("abort", "LAW_CRASHED");
+        kinds.put("_exit", "LAW_CRASHED");
+        kinds.put("overflow", "LAW_CRASHED");
+        kinds.put("loop", "LAW_TIMED_OUT");
+        kinds.put("sleep", "LAW_TIMED_OUT");
+        kinds.put("segfault_in_bind", "LAW_CRASHED");
+        kinds.put("segfault_in_constructor", "LIBRARY_LOAD_FAILED");
+        kinds.put("_exit_in_destroy", "LIBRARY_LOAD_FAILED");
+        JsonNode end;
+        try (Server server = serve()) {
+            try (AgentClient agent =
+                    AgentClient.connect("127.0.0.1", Integer.parseInt(server.port()), "ada")) {
+                for (Map.Entry<String, String> kind : kinds.entrySet()) {
+                    Path file = drop(kind.getKey());
+                    int seen = server.events().count();
+                    JsonNode fault =
+                            server.events()
+                                    .await(
+                                            "fault",
+                                            event ->
+                                                    server.events().isAfter(event, seen)
+                                                            && event.toString()
+                                                                    .contains("hostile"));
+                    assertThat(fault.path("status").asString())
+                            .as(kind.getKey() + ": " + fault)
+                            .isEqualTo(kind.getValue());
+                    Files.delete(file);
+                }
+                assertThat(agent.perceive()).isNotNull();
+            }
+            server.process().toHandle().destroy();
+            end = server.events().await("end", event -> true);
+        }
+        double seconds = end.path("frames").asLong() / 60.0;
+        Reve.Outcome without =
+                Reve.run(
+                        "run",
+                        folder.resolve("stones.yaml").toString(),
+                        "--engine",
+                        "in-process",
+                        "--json",
+                        "--seconds",
+                        Double.toString(seconds));
+        assertThat(without.out()).contains(end.path("stateHash").asString());
+    }
+
+    /** What a law prints is no event. */
+    @Test
+    void aLawThatPrintsForgesNoEvent() throws Exception {
+        drop("print");
+        try (Server server = serve("--seconds", "5")) {
+            List<JsonNode> events = server.events().untilEnd();
+            assertThat(events)
+                    .filteredOn(event -> event.path("event").asString().equals("law-loaded"))
+                    .anySatisfy(
+                            event ->
+                                    assertThat(event.path("library").asString())
+                                            .isEqualTo("hostile"));
+            assertThat(events)
+                    .filteredOn(event -> event.path("event").asString().equals("end"))
+                    .singleElement()
+                    .satisfies(end -> assertThat(end.path("frames").asLong()).isGreaterThan(1));
+            assertThat(server.exitCode()).isZero();
+        }
+        assertThat(Files.readString(folder.resolve("server.err"))).contains("printed by a law");
+    }
+
+    @Test
+    void theProcessesOfLawsEndWithTheirServer() throws Exception {
+        List<ProcessHandle> hosts;
+        try (Server server = serve()) {
+            server.port();
+            hosts = hosts(server);
+            assertThat(hosts).isNotEmpty();
+            server.process().destroyForcibly();
+            server.process().onExit().join();
+            for (ProcessHandle host : hosts) {
+                host.onExit().get(30, TimeUnit.SECONDS);
+            }
+        }
+        assertThat(hosts).noneMatch(ProcessHandle::isAlive);
+    }
+
+    /** A store holds the quarantine, so a law that crashed does not crash again after a restart. */
+    @Test
+    void aStoreDoesNotRepeatACrash() throws Exception {
+        String store = folder.resolve("stones.db").toString();
+        drop("segfault");
+        try (Server server = serve("--store", store, "--seconds", "8")) {
+            server.events()
+                    .await("fault", fault -> fault.path("status").asString().equals("LAW_CRASHED"));
+            server.events().await("end", event -> true);
+        }
+        try (Server server = serve("--store", store, "--seconds", "3")) {
+            List<JsonNode> events = server.events().untilEnd();
+            assertThat(events)
+                    .filteredOn(event -> event.path("event").asString().equals("fault"))
+                    .as("the file is refused, and nothing crashes")
+                    .isNotEmpty()
+                    .allSatisfy(
+                            fault ->
+                                    assertThat(fault.path("message").asString())
+                                            .contains("in quarantine since frame"));
+            assertThat(server.exitCode()).isZero();
+        }
+    }
+}
