@@ -145,7 +145,8 @@ const vesper_host kHost = {
       for (uint64_t begin = 0; begin < count; begin += grain) {
         body(user, begin, std::min(begin + grain, count));
       }
-    }};
+    },
+    nullptr};
 
 void Check(vesper_status status, const vesper_error& error) {
   if (status != VESPER_OK) throw std::runtime_error(error.message);

@@ -217,6 +217,11 @@ public record LawPath(Path shipped, Optional<Path> folder, Optional<Path> world,
                 libraries.stream().filter(library -> holds(shipped, library.bytes())).toList());
     }
 
+    /** Returns whether a file that ships has the bytes of a library. */
+    boolean ships(LawLibrary library) {
+        return holds(shipped, library.bytes());
+    }
+
     private boolean isOperators(LawLibrary library) {
         return operatorsPlaces().keySet().stream().anyMatch(place -> holds(place, library.bytes()));
     }
