@@ -296,12 +296,16 @@ void Checker::Assign(const Statement& statement, Effects& effects) {
                      is_let ? "give the new value another name: let " + name + "2 = …" : "");
     }
     if (!IsProperty(row_kind_, name)) {
+      if (participant_of(*target) >= 0) {
+        problems_.Fail(target->span, "'" + name + "' is a whole row, expected a property of it",
+                       "write " + name + ".force, for example");
+      }
       if (IsProperty(world_kind_, name)) {
         problems_.Fail(target->span, "'" + name + "' is a constant of the world; laws only read it");
       }
       if (statement.kind == StatementKind::kAssign && participants_.empty()) {
         const std::vector<std::string> names = NamesInScope();
-        const std::string* nearest = NearestName(name, names);
+        const std::string* nearest = name.size() > 2 ? NearestName(name, names) : nullptr;
         problems_.Fail(target->span, Plural(row_kind_) + " have no '" + name + "'",
                        nearest != nullptr ? "did you mean '" + *nearest + "'?"
                                           : "a new name begins with let: let " + name + " = …");
@@ -380,6 +384,7 @@ void Checker::Assign(const Statement& statement, Effects& effects) {
                        prototype_.kinds()[KindOfParticipant(participant)] + ":");
   }
   added_force_ = added_force_ || use.accumulator;
+  if (use.set_at.end == 0) code_.properties[property].set_at = target->span;
   for (uint16_t i = 0; i < components; ++i) {
     const Load load{participant, property, static_cast<uint16_t>(first + i)};
     NodeId node = value.node[i];

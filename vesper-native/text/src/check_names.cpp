@@ -24,6 +24,18 @@ constexpr UsualName kUsualNames[] = {
     {"damping", "spring", "dampingConstant"},
 };
 
+/// Letters of textbooks for properties and constants.
+constexpr std::pair<std::string_view, std::string_view> kLetters[] = {
+    {"m", "mass"},          {"M", "mass"},
+    {"v", "velocity"},      {"x", "position"},
+    {"q", "charge"},        {"Q", "charge"},
+    {"F", "force"},         {"g", "gravity"},
+    {"G", "gravitationalConstant"}, {"E", "electricField"},
+    {"B", "magneticField"}, {"t", "time"},
+    {"I", "inertia"},       {"k", "springConstant"},
+    {"omega", "angularVelocity"},   {"L", "length"},
+};
+
 constexpr std::string_view kBuiltIn[] = {"dt", "time", "pi", "stage", "energy", "attraction",
                                          "repulsion"};
 
@@ -260,6 +272,16 @@ void Checker::FailUnknown(const std::string& name, Span span) {
   // Of two letters, another one says nothing.
   const std::string* nearest = name.size() > 2 ? NearestName(name, names) : nullptr;
   std::string hint;
+  if (name == prototype_.kinds()[row_kind_ == kNone ? 0 : row_kind_] && row_kind_ != kNone) {
+    hint = "write the property alone, without '" + name + ".'";
+  }
+  for (const auto& [letter, meaning] : kLetters) {
+    const bool known = std::find(names.begin(), names.end(), meaning) != names.end();
+    if (name == letter && known) {
+      hint = "if it stands for " + std::string(meaning) + ", write " + std::string(meaning) +
+             ", or first: let " + name + " = " + std::string(meaning);
+    }
+  }
   if (IsFunction(name)) hint = "write " + name + "(…)";
   if (name == "length" || name == "norm" || name == "magnitude") {
     hint = "the length of a vector v is |v|";
@@ -270,6 +292,14 @@ void Checker::FailUnknown(const std::string& name, Span span) {
       hint = "to write a unit such as N/m, leave out the spaces";
       nearest = nullptr;
     }
+  }
+  if (hint.empty() && nearest == nullptr && IsUnitSymbol(name)) {
+    hint = "a unit stands behind a number, such as 1 " + name;
+  }
+  for (uint32_t kind = 0; kind < prototype_.kinds().size(); ++kind) {
+    if (!hint.empty() || nearest != nullptr || kind == row_kind_ || !IsProperty(kind, name)) continue;
+    hint = "it is a property of " + Plural(kind) + "; use it in a block: each " +
+           prototype_.kinds()[kind] + ":";
   }
   if (hint.empty()) hint = nearest != nullptr ? "did you mean '" + *nearest + "'?" : "";
   if (hint.empty() && block_ == nullptr) {

@@ -245,9 +245,9 @@ void Checker::FinishProperties() {
         PropertyCode& use = code_.properties[load.property];
         use.read = true;
         if (use.accumulator && code_.phase == VESPER_PHASE_FORCE) {
-          problems_.Fail(graph_[root].span,
-                         "'" + use.name + "' is being summed by the laws of phase force, so this "
-                                          "law cannot read it");
+          const Span span = graph_[graph_.LoadOf(load)].span;
+          problems_.Fail(span, Quoted(span) + " is being summed by the laws of phase force, so this law cannot "
+                                               "read it");
         }
       }
     }
@@ -273,7 +273,7 @@ void Checker::FinishProperties() {
     if (found == kNone || use.own) continue;
     const vesper_access lacking = use.Access() & ~prototype_.properties()[found].law_access;
     if (lacking == 0) continue;
-    problems_.Fail(tree_.name.span, "'" + use.name + "' may be set by laws, but not read",
+    problems_.Fail(use.set_at, "'" + use.name + "' may be set by laws, but not read",
                    "set it for every row, without conditions that leave it as it is");
   }
   if (code_.properties.size() > 200) {

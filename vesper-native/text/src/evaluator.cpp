@@ -10,7 +10,7 @@
 namespace vesper::text {
 namespace {
 
-constexpr uint64_t kGrain = 16 * kBlock;  // rows of a chunk of a thread, at least
+constexpr uint64_t kGrain = 4096;  // rows of a chunk of a thread, at least
 
 template <class Body>
 void ParallelFor(const vesper_host& host, uint64_t count, uint64_t grain, Body& body) {
@@ -90,8 +90,8 @@ void Evaluator<Real>::Bind(const vesper_property* properties) {
   }
   if (paired == 0) return;
   shares_ = std::clamp<uint64_t>(paired / 1024, 1, kPlaces);
-  split_.assign(split, std::vector<Real>(paired + kBlock + kPadding));
-  sums_.assign(shares_ * sums, std::vector<Real>(paired + kBlock + kPadding));
+  split_.assign(split, LineVector<Real>(paired + kBlock + kPadding));
+  sums_.assign(shares_ * sums, LineVector<Real>(paired + kBlock + kPadding));
 }
 
 template <class Real>

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "aligned.hpp"
 #include "kernels.hpp"
 #include "law_code.hpp"
 #include "neighbours.hpp"
@@ -52,7 +53,7 @@ class Evaluator {
 
   /// Memory of one thread at work.
   struct Place {
-    std::vector<Real> memory;
+    LineVector<Real> memory;
     std::vector<Real*> registers;
     std::array<std::vector<uint32_t>, kMostParticipants> rows;  // of each participant in a block
     std::vector<Real> uniforms;
@@ -114,8 +115,8 @@ class Evaluator {
 
   Neighbours<Real> neighbours_;
   // All pairs: components of the second of a pair as columns, and sums of each share.
-  std::vector<std::vector<Real>> split_;
-  std::vector<std::vector<Real>> sums_;
+  std::vector<LineVector<Real>> split_;
+  std::vector<LineVector<Real>> sums_;
   uint64_t shares_ = 0;
 };
 

@@ -13,7 +13,7 @@
 namespace vesper::text {
 
 /// Rows of a block. Blocks of registers stay in the first-level cache.
-inline constexpr size_t kBlock = 256;
+inline constexpr size_t kBlock = 64;
 /// Rows beyond a block that loops may read and write.
 inline constexpr size_t kPadding = 16;
 

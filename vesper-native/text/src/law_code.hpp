@@ -30,6 +30,7 @@ struct PropertyCode {
   bool stored = false;    // `=`, every row in every call
   bool modified = false;  // written otherwise
   bool added = false;     // `+=` into an accumulator
+  Span set_at{};          // first statement that changes it
 
   vesper_access Access() const;
 };

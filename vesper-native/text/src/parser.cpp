@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "expression_parser.hpp"
+#include "nearest_name.hpp"
 #include "syntax.hpp"
 
 namespace vesper::text {
@@ -31,6 +32,7 @@ class Parser {
 
   std::vector<LawTree> Run() {
     std::vector<LawTree> laws;
+    if (!reader_.problems().empty()) return laws;  // their consequences would only confuse
     while (reader_.Peek().kind != TokenKind::kEnd && !reader_.problems().full()) {
       Guarded([&] {
         if (!reader_.Peek().Is("law")) {
@@ -127,7 +129,11 @@ class Parser {
         reader_.FailHere("a block that says which rows this is for",
                          "write it, indented, below a line such as: each body:");
       }
-      reader_.FailHere("'parameter', 'let', 'each', 'phase' or 'version'");
+      static const std::vector<std::string> kMembers{"parameter", "let", "each", "phase",
+                                                     "version"};
+      const std::string* nearest = NearestName(next.word, kMembers);
+      reader_.FailHere("'parameter', 'let', 'each', 'phase' or 'version'",
+                       nearest == nullptr ? "" : "did you mean '" + *nearest + "'?");
     }
   }
 

@@ -129,7 +129,18 @@ class Compiler {
     program_.code.push_back(step);
   }
 
+  /// Returns the register of a result. All pairs clear parts of results, so there they are neither
+  /// columns nor filled registers.
   uint16_t ResultRegister(NodeId id) {
+    const uint16_t found = RegisterOf(id);
+    const bool own = levels_[id] == Level::kEach && graph_[id].operation != Operation::kLoad;
+    if (!all_pairs_ || own) return found;
+    const uint16_t copy = program_.registers++;
+    program_.code.push_back({Operation::kMin, copy, found, found, kNothing});
+    return copy;
+  }
+
+  uint16_t RegisterOf(NodeId id) {
     if (levels_[id] == Level::kEach) return place_[id];
     const auto from = static_cast<uint16_t>(place_[id] - kUniform);
     for (const Fill& fill : program_.fills) {

@@ -65,7 +65,9 @@ class Lexer {
            tokens_.back().kind == TokenKind::kIndent || tokens_.back().kind == TokenKind::kDedent;
   }
   void EndLine() {
-    if (!OpensLine()) Push(TokenKind::kLineEnd, at_, at_);
+    if (OpensLine()) return;
+    const size_t end = tokens_.back().span.end;
+    Push(TokenKind::kLineEnd, end, end);
   }
 
   void Line() {
