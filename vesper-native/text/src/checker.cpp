@@ -31,7 +31,7 @@ Checker::Checker(std::string_view text, const LawTree& tree, const Prototype& pr
 
 LawCode Checker::Run() {
   code_.name = tree_.name.word;
-  code_.doc = tree_.doc;
+  code_.doc = tree_.doc.empty() ? "A law as text." : tree_.doc;
   code_.version = tree_.version;
   try {
     Declare();
@@ -123,7 +123,7 @@ void Checker::DeclareParameter(const ParameterTree& tree) {
     ParameterCode code;
     code.name = tree.name.word;
     if (value.components == 3) code.name += std::string("_") + "xyz"[i];
-    code.doc = tree.doc;
+    code.doc = tree.doc.empty() ? "Parameter " + tree.name.word + "." : tree.doc;
     code.dimension = value.dimension;
     code.value = component;
     code.minimum = minimum;
