@@ -69,7 +69,7 @@ class VesperEngineNativeTest {
 
     @Test
     void theBuildIsNamed() {
-        assertThat(VesperEngine.buildInfo()).contains("contract 1.1");
+        assertThat(VesperEngine.buildInfo()).contains("contract 1.2");
     }
 
     @Test
