@@ -294,7 +294,8 @@ void Checker::FailUnknown(const std::string& name, Span span) {
     }
   }
   if (hint.empty() && nearest == nullptr && IsUnitSymbol(name)) {
-    hint = "a unit stands behind a number, such as 1 " + name;
+    hint = "a unit stands behind a number and has no spaces inside, such as 1 " + name +
+           " or 1 N*m";
   }
   for (uint32_t kind = 0; kind < prototype_.kinds().size(); ++kind) {
     if (!hint.empty() || nearest != nullptr || kind == row_kind_ || !IsProperty(kind, name)) continue;
@@ -328,6 +329,7 @@ std::string Checker::FactorHint(const std::string& which, const Dimension& found
       candidates.emplace_back(parameter.name, parameter.value.dimension);
     }
   }
+  const size_t own = candidates.size();  // names of the law come first
   candidates.emplace_back("dt", kTime);
   for (const uint32_t kind : {row_kind_, world_kind_}) {
     if (kind == kNone) continue;
@@ -347,7 +349,9 @@ std::string Checker::FactorHint(const std::string& which, const Dimension& found
   const Dimension inverse = Dimension{} / missing;
   std::string hint;
   int found_hints = 0;
-  for (const auto& [name, dimension] : candidates) {
+  for (size_t i = 0; i < candidates.size(); ++i) {
+    const auto& [name, dimension] = candidates[i];
+    if (i == own && !hint.empty()) break;
     if (dimension.IsOne()) continue;
     std::string one;
     if (dimension == missing) one = "multiply " + which + " by " + name;

@@ -52,7 +52,15 @@ LawCode Checker::Run() {
     if (!problems_.empty()) return std::move(code_);
     DerivePhase();
     FinishProperties();
-    if (problems_.empty()) code_.claims = DeriveClaims(code_, uses_axes_);
+    if (!problems_.empty()) return std::move(code_);
+    code_.claims = DeriveClaims(code_, uses_axes_);
+    std::vector<NodeId*> roots;
+    for (PassCode& pass : code_.passes) {
+      for (Output& output : pass.outputs) roots.push_back(&output.value);
+      if (pass.energy != kNoNode) roots.push_back(&pass.energy);
+      if (pass.within != kNoNode) roots.push_back(&pass.within);
+    }
+    graph_.ShareDivisions(roots);
   } catch (const Abandon&) {
   } catch (const TooLarge&) {
     problems_.Add(tree_.name.span, "the law is too large: its formulas have more than 10000 parts");

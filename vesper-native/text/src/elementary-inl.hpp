@@ -67,7 +67,7 @@ HWY_INLINE V64<D> Exp(D d, V64<D> x) {
   value = hn::Mul(value, PowerOfTwo(d, hn::Sub(k, half)));
   value = hn::IfThenElse(hn::Gt(x, most), hn::Set(d, std::numeric_limits<double>::infinity()), value);
   value = hn::IfThenElse(hn::Lt(x, least), hn::Zero(d), value);
-  return hn::IfThenElse(hn::Ne(x, x), x, value);
+  return hn::IfThenElse(hn::IsNaN(x), x, value);
 }
 
 template <class D>
@@ -99,7 +99,7 @@ HWY_INLINE V64<D> Ln(D d, V64<D> x) {
   value = hn::IfThenElse(hn::Eq(x, infinity), infinity, value);
   value = hn::IfThenElse(hn::Eq(x, hn::Zero(d)), hn::Neg(infinity), value);
   const auto nan = hn::Set(d, std::numeric_limits<double>::quiet_NaN());
-  return hn::IfThenElse(hn::Or(hn::Lt(x, hn::Zero(d)), hn::Ne(x, x)), nan, value);
+  return hn::IfThenElse(hn::Or(hn::Lt(x, hn::Zero(d)), hn::IsNaN(x)), nan, value);
 }
 
 /// Sine and cosine; to the last digits for |x| below 1e6.
@@ -179,10 +179,13 @@ HWY_INLINE V64<D> Atan2(D d, V64<D> y, V64<D> x) {
   const auto far = hn::Abs(y), near = hn::Abs(x);
   const auto steep = hn::Gt(far, near);
   const auto larger = hn::Max(far, near), smaller = hn::Min(far, near);
+  // Max and Min of NaN differ between instruction sets.
+  const auto nan = hn::Or(hn::IsNaN(x), hn::IsNaN(y));
   const auto ratio = hn::IfThenElse(hn::Eq(larger, zero), zero, hn::Div(smaller, larger));
   auto angle = AtanOfPositive(d, ratio);
   angle = hn::IfThenElse(steep, hn::Sub(hn::Set(d, 1.5707963267948966), angle), angle);
   angle = hn::IfThenElse(hn::Lt(x, zero), hn::Sub(hn::Set(d, 3.141592653589793), angle), angle);
+  angle = hn::IfThenElse(nan, hn::Set(d, std::numeric_limits<double>::quiet_NaN()), angle);
   return hn::CopySign(angle, y);
 }
 
@@ -204,7 +207,7 @@ HWY_INLINE V64<D> Tanh(D d, V64<D> x) {
   const auto grown = Exp(d, hn::Mul(two, hn::Min(size, hn::Set(d, 40.0))));
   const auto large = hn::Sub(one, hn::Div(two, hn::Add(grown, one)));
   const auto value = hn::IfThenElse(hn::Lt(size, hn::Set(d, 0.15)), small, large);
-  return hn::IfThenElse(hn::Ne(x, x), x, hn::CopySign(value, x));
+  return hn::IfThenElse(hn::IsNaN(x), x, hn::CopySign(value, x));
 }
 
 /// Computes a^b. A negative base needs a whole exponent.
@@ -216,11 +219,12 @@ HWY_INLINE V64<D> Pow(D d, V64<D> a, V64<D> b) {
   auto value = Exp(d, hn::Mul(b, Ln(d, hn::Abs(a))));
   const auto whole = hn::Eq(b, hn::Floor(b));
   const auto half = hn::Mul(b, hn::Set(d, 0.5));
-  const auto odd = hn::And(whole, hn::Ne(half, hn::Floor(half)));
+  const auto odd = hn::And(whole, hn::Not(hn::Eq(half, hn::Floor(half))));
   const auto negative = hn::Lt(a, zero);
   value = hn::IfThenElse(hn::And(negative, odd), hn::Neg(value), value);
   value = hn::IfThenElse(hn::AndNot(whole, negative), nan, value);
   value = hn::IfThenElse(hn::Eq(a, zero), hn::IfThenElse(hn::Lt(b, zero), infinity, zero), value);
+  value = hn::IfThenElse(hn::Or(hn::IsNaN(a), hn::IsNaN(b)), nan, value);
   return hn::IfThenElse(hn::Eq(b, zero), one, value);
 }
 

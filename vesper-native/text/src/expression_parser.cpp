@@ -416,9 +416,11 @@ class ExpressionParser {
     while (begin < text.size() && text[begin] == ' ') ++begin;
     const Token& next = reader_.Peek();
     if (next.span.begin != begin || next.kind == TokenKind::kEnd) return;
-    UnitScanner scanner(text, begin);
+    // 3 1/s
+    const size_t inverse = text.substr(begin).starts_with("1/") ? begin + 2 : begin;
+    UnitScanner scanner(text, inverse);
     const size_t end = scanner.Run();
-    if (end == begin) return;
+    if (end == inverse) return;
     try {
       tree.unit = ParseUnitOrThrowWhere(text.substr(begin, end - begin));
     } catch (const UnitError& error) {

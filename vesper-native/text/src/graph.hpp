@@ -122,6 +122,10 @@ class Graph {
   /// Copies `root` with some nodes replaced.
   NodeId Substitute(NodeId root, const std::map<NodeId, NodeId>& replacements);
 
+  /// Replaces several divisions by one number, and divisions by what is the same for all rows, by
+  /// multiplications with its inverse.
+  void ShareDivisions(const std::vector<NodeId*>& roots);
+
   /// Adds the derivatives of `root` with respect to the loads for which `wanted` is true.
   std::map<Load, NodeId> Gradient(NodeId root, const std::vector<Load>& wanted);
 

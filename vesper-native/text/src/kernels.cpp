@@ -92,7 +92,7 @@ HWY_INLINE void Select(const Operands<Real>& all, const Instruction& step, size_
   Real* to = all.registers[step.to];
   const auto choose = [&](auto condition, auto b, auto c) {
     Each(count, to, [&](auto d, size_t i) {
-      return hn::IfThenElse(hn::Ne(condition(d, i), hn::Zero(d)), b(d, i), c(d, i));
+      return hn::IfThenElse(hn::Eq(condition(d, i), hn::Zero(d)), c(d, i), b(d, i));
     });
   };
   const auto with = [&](auto condition) {
@@ -202,7 +202,9 @@ void Run(std::span<const Instruction> program, Real* const* registers, const Rea
         Unary(all, step, count, [](auto, auto a) { return hn::Abs(a); });
         break;
       case Operation::kFloor:
-        Unary(all, step, count, [](auto, auto a) { return hn::Floor(a); });
+        // Plus 0, because some sets lose the sign of -0.
+        Unary(all, step, count,
+              [](auto d, auto a) { return hn::Add(hn::Floor(a), hn::Zero(d)); });
         break;
       case Operation::kMin:
         Binary(all, step, count,
@@ -223,12 +225,12 @@ void Run(std::span<const Instruction> program, Real* const* registers, const Rea
         break;
       case Operation::kAnd:
         Binary(all, step, count, [](auto d, auto a, auto b) {
-          return Truth(d, hn::And(hn::Ne(a, hn::Zero(d)), hn::Ne(b, hn::Zero(d))));
+          return Truth(d, hn::Not(hn::Or(hn::Eq(a, hn::Zero(d)), hn::Eq(b, hn::Zero(d)))));
         });
         break;
       case Operation::kOr:
         Binary(all, step, count, [](auto d, auto a, auto b) {
-          return Truth(d, hn::Or(hn::Ne(a, hn::Zero(d)), hn::Ne(b, hn::Zero(d))));
+          return Truth(d, hn::Not(hn::And(hn::Eq(a, hn::Zero(d)), hn::Eq(b, hn::Zero(d)))));
         });
         break;
       case Operation::kNot:
@@ -429,7 +431,7 @@ Real ComputeIn(Operation operation, Real a, Real b, Real c) {
     case Operation::kMax:
       return a < b ? b : a;
     case Operation::kFloor:
-      return std::floor(a);
+      return std::floor(a) + Real(0);
     case Operation::kLess:
       return a < b ? Real(1) : Real(0);
     case Operation::kLessOrEqual:

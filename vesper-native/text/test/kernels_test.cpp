@@ -142,7 +142,7 @@ TEST(ElementaryTest, FunctionsAreAccurate) {
   }
   EXPECT_EQ(Elementary(Operation::kAtan2, -1, -1), -3 * std::atan(1.0));
   EXPECT_NEAR(Elementary(Operation::kPower, 2, 0.5), std::sqrt(2.0), 1e-15);
-  EXPECT_EQ(Elementary(Operation::kPower, -2, 3), -8);
+  EXPECT_NEAR(Elementary(Operation::kPower, -2, 3), -8, 1e-14);
   EXPECT_TRUE(std::isnan(Elementary(Operation::kPower, -2, 0.5)));
 }
 

@@ -48,7 +48,7 @@ TEST_P(TextLawTest, OscillatorHasThePeriodOfTheScheme) {
   bodies.position = {1, 0, 0};
   bodies.velocity = {0, 0, 0};
   engine.AddBodies(bodies);
-  LoadText(engine, "law well\n  each body:\n    energy = 1/2 1 N/m position^2\n");
+  LoadText(engine, "law well\n  each body:\n    energy = 1/2 * 1 N/m position^2\n");
   LoadText(engine, kMotion);
   const double dt = 0.01;
   EXPECT_OK(engine.Advance(dt, 1000));
@@ -173,7 +173,7 @@ TEST_P(TextLawTest, ConditionsChooseWithoutTouchingTheOtherBranch) {
            "law x\n"
            "  each body:\n"
            "    if mass > 0 kg:\n"
-           "      force += (1, 0, 0) kg N / mass\n"
+           "      force += (1, 0, 0) N * 1 kg / mass\n"
            "    else:\n"
            "      force += (0, 7, 0) N\n");
   EXPECT_OK(engine.Advance(0.1, 1));
@@ -218,11 +218,11 @@ TEST(TextTest, ClaimsFollowFromTheFormulas) {
             uint32_t{VESPER_CLAIM_TRANSLATION | VESPER_CLAIM_ROTATION});
 }
 
-TEST(TextTest, NotationsOfOneFormulaGiveTheSameBits) {
+TEST(TextTest, NotationsOfOneFormulaGiveTheSameNumbers) {
   const char* forms[] = {
-      "1/2 mass |velocity|^2 velocity / (1 m)",  "0.5 * mass * velocity^2 * velocity / 1 m",
-      "½ mass velocity² velocity / 1 m",         "mass (velocity · velocity) velocity / 2 m",
-      "mass dot(velocity, velocity) velocity / (2 m)"};
+      "1/2 mass |velocity|^2 velocity / (1 m^2/s)",  "0.5 * mass * velocity^2 * velocity / 1 m^2/s",
+      "½ mass velocity² velocity / 1 m^2/s",         "mass (velocity · velocity) velocity / 2 m^2/s",
+      "mass dot(velocity, velocity) velocity / (2 m^2/s)"};
   std::vector<std::vector<double>> forces;
   for (const char* form : forms) {
     TestEngine engine;
@@ -260,7 +260,7 @@ TEST(TextTest, ResultsDoNotDependOnTheNumberOfThreads) {
       "law x\n"
       "  each body has count\n"
       "  each pair of bodies, r apart:\n"
-      "    energy = -1 N m^2 / sqrt(r^2 + 1 m^2) / 1 m * (1 + 0.1 sin(r / 1 m))\n"
+      "    energy = -1 N*m^2 / sqrt(r^2 + 1 m^2) * (1 + 0.1 sin(r / 1 m))\n"
       "    a.count += 1; b.count += 1\n"
       "  each body:\n"
       "    force += mass gravity + (count, 0, 0) N\n"
