@@ -178,7 +178,7 @@ void Evaluator<Real>::LoadRows(const Program& program, uint64_t begin, size_t co
     }
     const Real* from = column.data + begin * column.components;
     if (column.components == 1) {
-      if (count == kBlock) {
+      if (count == kBlock && !group.written) {
         place.registers[group.to[0]] = const_cast<Real*>(from);  // loads are never overwritten
       } else {
         place.registers[group.to[0]] =
@@ -206,21 +206,35 @@ void Evaluator<Real>::LoadParticipants(const Program& program, size_t count, Pla
     if (group.participant == kOwnRow) continue;
     const Column& column = columns_[group.property];
     const uint32_t* rows = place.rows[group.participant - kFirst].data();
-    for (uint32_t k = 0; k < column.components; ++k) {
-      if (group.to[k] == kNothing) continue;
-      Real* to = place.registers[group.to[k]];
-      if (column.data == nullptr) {
-        std::fill_n(to, count, Real(0));
-        continue;
+    const auto to = [&](size_t k) { return place.registers[group.to[k]]; };
+    if (column.data == nullptr) {
+      for (const uint16_t each : group.to) {
+        if (each != kNothing) std::fill_n(place.registers[each], count, Real(0));
       }
-      for (size_t i = 0; i < count; ++i) to[i] = column.data[uint64_t{rows[i]} * column.components + k];
+    } else if (column.components == 3 && group.to[0] != kNothing && group.to[1] != kNothing &&
+               group.to[2] != kNothing) {
+      Real *x = to(0), *y = to(1), *z = to(2);
+      for (size_t i = 0; i < count; ++i) {
+        const Real* from = column.data + 3 * uint64_t{rows[i]};
+        x[i] = from[0];
+        y[i] = from[1];
+        z[i] = from[2];
+      }
+    } else {
+      for (uint32_t k = 0; k < column.components; ++k) {
+        if (group.to[k] == kNothing) continue;
+        for (size_t i = 0; i < count; ++i) {
+          to(k)[i] = column.data[uint64_t{rows[i]} * column.components + k];
+        }
+      }
     }
   }
 }
 
 template <class Real>
-void Evaluator<Real>::StoreRows(const Program& program, uint64_t begin, size_t count,
+bool Evaluator<Real>::StoreRows(const Program& program, uint64_t begin, size_t count,
                                 Place& place) const {
+  bool finite = true;
   for (const ResultGroup& group : program.results) {
     if (group.participant != kOwnRow) continue;
     const Column& column = columns_[group.property];
@@ -230,25 +244,23 @@ void Evaluator<Real>::StoreRows(const Program& program, uint64_t begin, size_t c
     const bool whole = group.from[0] != kNothing && group.from[1] != kNothing &&
                        group.from[2] != kNothing;
     if (column.components == 3 && whole) {
-      (group.add ? kernels_.add3 : kernels_.join3)(to, count, from(0), from(1), from(2));
+      finite &= (group.add ? kernels_.add3 : kernels_.join3)(to, count, from(0), from(1), from(2));
       continue;
     }
-    if (column.components == 1) {
-      if (group.add) {
-        kernels_.add1(to, count, from(0));
-      } else {
-        std::memmove(to, from(0), count * sizeof(Real));
-      }
+    if (column.components == 1 && group.add) {
+      finite &= kernels_.add1(to, count, from(0));
       continue;
     }
     for (uint32_t k = 0; k < column.components; ++k) {
       if (group.from[k] == kNothing) continue;
+      finite &= kernels_.finite(from(k), count);
       for (size_t i = 0; i < count; ++i) {
         Real& value = to[i * column.components + k];
         value = group.add ? value + from(k)[i] : from(k)[i];
       }
     }
   }
+  return finite;
 }
 
 template <class Real>
@@ -258,10 +270,23 @@ void Evaluator<Real>::AddToParticipants(const Program& program, size_t count, Pl
     const Column& column = columns_[group.property];
     if (column.data == nullptr) continue;
     const uint32_t* rows = place.rows[group.participant - kFirst].data();
+    const auto from = [&](size_t k) { return place.registers[group.from[k]]; };
+    if (column.components == 3 && group.from[0] != kNothing && group.from[1] != kNothing &&
+        group.from[2] != kNothing) {
+      const Real *x = from(0), *y = from(1), *z = from(2);
+      for (size_t i = 0; i < count; ++i) {
+        Real* to = column.data + 3 * uint64_t{rows[i]};
+        to[0] += x[i];
+        to[1] += y[i];
+        to[2] += z[i];
+      }
+      continue;
+    }
     for (uint32_t k = 0; k < column.components; ++k) {
       if (group.from[k] == kNothing) continue;
-      const Real* from = place.registers[group.from[k]];
-      for (size_t i = 0; i < count; ++i) column.data[uint64_t{rows[i]} * column.components + k] += from[i];
+      for (size_t i = 0; i < count; ++i) {
+        column.data[uint64_t{rows[i]} * column.components + k] += from(k)[i];
+      }
     }
   }
 }
@@ -334,10 +359,9 @@ std::optional<Fault> Evaluator<Real>::RunRows(Pass& pass) {
       const auto rows = static_cast<size_t>(std::min<uint64_t>(kBlock, end - row));
       LoadRows(program, row, rows, place);
       kernels_.run(program.code, place.registers.data(), place.uniforms.data(), rows);
-      if (!ResultsAreFinite(program, rows, place)) {
+      if (!StoreRows(program, row, rows, place)) {
         NoteFault(Explain(*pass.code, program, rows, row, place));
       }
-      StoreRows(program, row, rows, place);
     }
     taken_[at].clear(std::memory_order_release);
   };

@@ -70,7 +70,8 @@ class Evaluator {
   uint64_t RowsOf(const std::string& kind) const;
   void LoadRows(const Program& program, uint64_t begin, size_t count, Place& place) const;
   void LoadParticipants(const Program& program, size_t count, Place& place) const;
-  void StoreRows(const Program& program, uint64_t begin, size_t count, Place& place) const;
+  /// Writes the results of own rows; returns true if all are finite.
+  bool StoreRows(const Program& program, uint64_t begin, size_t count, Place& place) const;
   void AddToParticipants(const Program& program, size_t count, Place& place) const;
   bool ResultsAreFinite(const Program& program, size_t count, const Place& place) const;
   std::optional<Fault> Explain(const PassCode& pass, const Program& program, size_t count,

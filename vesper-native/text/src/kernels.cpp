@@ -134,8 +134,10 @@ HWY_INLINE void InDouble(const Operands<Real>& all, const Instruction& step, siz
     if constexpr (sizeof(Real) == sizeof(double)) {
       hn::StoreU(value, d, to + i);
     } else {
-      const hn::Rebind<Real, decltype(d)> narrow;
-      hn::StoreU(hn::DemoteTo(narrow, value), narrow, to + i);
+      // One by one, because DemoteTo of some sets replaces infinity by the largest number.
+      HWY_ALIGN double values[8];
+      hn::Store(value, d, values);
+      for (size_t k = 0; k < lanes; ++k) to[i + k] = static_cast<Real>(values[k]);
     }
   }
 }
@@ -266,49 +268,78 @@ void Split3(const Real* rows, size_t count, Real* x, Real* y, Real* z) {
   }
 }
 
+/// Notes values that are not finite: their difference from themselves is NaN.
 template <class Real>
-void Join3(Real* rows, size_t count, const Real* x, const Real* y, const Real* z) {
+struct Watch {
+  hn::Vec<Lanes<Real>> difference;
+  bool finite = true;
+
+  // An implicit constructor would be compiled for the baseline.
+  HWY_INLINE Watch() : difference(hn::Zero(Lanes<Real>())) {}
+  HWY_INLINE hn::Vec<Lanes<Real>> See(hn::Vec<Lanes<Real>> value) {
+    difference = hn::Add(difference, hn::Sub(value, value));
+    return value;
+  }
+  HWY_INLINE Real See(Real value) {
+    finite = finite && std::isfinite(value);
+    return value;
+  }
+  HWY_INLINE bool AllFinite() const {
+    const Lanes<Real> d;
+    return finite && hn::AllTrue(d, hn::Eq(difference, hn::Zero(d)));
+  }
+};
+
+template <class Real>
+bool Join3(Real* rows, size_t count, const Real* x, const Real* y, const Real* z) {
   const Lanes<Real> d;
   const size_t lanes = hn::Lanes(d);
+  Watch<Real> watch;
   size_t i = 0;
   for (; i + lanes <= count; i += lanes) {
-    hn::StoreInterleaved3(hn::LoadU(d, x + i), hn::LoadU(d, y + i), hn::LoadU(d, z + i), d,
-                          rows + 3 * i);
+    hn::StoreInterleaved3(watch.See(hn::LoadU(d, x + i)), watch.See(hn::LoadU(d, y + i)),
+                          watch.See(hn::LoadU(d, z + i)), d, rows + 3 * i);
   }
   for (; i < count; ++i) {
-    rows[3 * i] = x[i];
-    rows[3 * i + 1] = y[i];
-    rows[3 * i + 2] = z[i];
+    rows[3 * i] = watch.See(x[i]);
+    rows[3 * i + 1] = watch.See(y[i]);
+    rows[3 * i + 2] = watch.See(z[i]);
   }
+  return watch.AllFinite();
 }
 
 template <class Real>
-void Add3(Real* rows, size_t count, const Real* x, const Real* y, const Real* z) {
+bool Add3(Real* rows, size_t count, const Real* x, const Real* y, const Real* z) {
   const Lanes<Real> d;
   const size_t lanes = hn::Lanes(d);
+  Watch<Real> watch;
   size_t i = 0;
   for (; i + lanes <= count; i += lanes) {
     hn::Vec<Lanes<Real>> vx, vy, vz;
     hn::LoadInterleaved3(d, rows + 3 * i, vx, vy, vz);
-    hn::StoreInterleaved3(hn::Add(vx, hn::LoadU(d, x + i)), hn::Add(vy, hn::LoadU(d, y + i)),
-                          hn::Add(vz, hn::LoadU(d, z + i)), d, rows + 3 * i);
+    hn::StoreInterleaved3(watch.See(hn::Add(vx, hn::LoadU(d, x + i))),
+                          watch.See(hn::Add(vy, hn::LoadU(d, y + i))),
+                          watch.See(hn::Add(vz, hn::LoadU(d, z + i))), d, rows + 3 * i);
   }
   for (; i < count; ++i) {
-    rows[3 * i] += x[i];
-    rows[3 * i + 1] += y[i];
-    rows[3 * i + 2] += z[i];
+    rows[3 * i] = watch.See(rows[3 * i] + x[i]);
+    rows[3 * i + 1] = watch.See(rows[3 * i + 1] + y[i]);
+    rows[3 * i + 2] = watch.See(rows[3 * i + 2] + z[i]);
   }
+  return watch.AllFinite();
 }
 
 template <class Real>
-void Add1(Real* rows, size_t count, const Real* x) {
+bool Add1(Real* rows, size_t count, const Real* x) {
   const Lanes<Real> d;
   const size_t lanes = hn::Lanes(d);
+  Watch<Real> watch;
   size_t i = 0;
   for (; i + lanes <= count; i += lanes) {
-    hn::StoreU(hn::Add(hn::LoadU(d, rows + i), hn::LoadU(d, x + i)), d, rows + i);
+    hn::StoreU(watch.See(hn::Add(hn::LoadU(d, rows + i), hn::LoadU(d, x + i))), d, rows + i);
   }
-  for (; i < count; ++i) rows[i] += x[i];
+  for (; i < count; ++i) rows[i] = watch.See(rows[i] + x[i]);
+  return watch.AllFinite();
 }
 
 template <class Real>
@@ -334,15 +365,11 @@ template <class Real>
 bool Finite(const Real* values, size_t count) {
   const Lanes<Real> d;
   const size_t lanes = hn::Lanes(d);
-  auto difference = hn::Zero(d);  // NaN if a value is not finite
+  Watch<Real> watch;
   size_t i = 0;
-  for (; i + lanes <= count; i += lanes) {
-    const auto value = hn::LoadU(d, values + i);
-    difference = hn::Add(difference, hn::Sub(value, value));
-  }
-  bool finite = hn::AllTrue(d, hn::Eq(difference, hn::Zero(d)));
-  for (; i < count; ++i) finite = finite && std::isfinite(values[i]);
-  return finite;
+  for (; i + lanes <= count; i += lanes) watch.See(hn::LoadU(d, values + i));
+  for (; i < count; ++i) watch.See(values[i]);
+  return watch.AllFinite();
 }
 
 template <class Real>

@@ -45,6 +45,11 @@ class Compiler {
     } else {
       for (const Output& output : pass_.outputs) AddResult(output);
     }
+    for (LoadGroup& group : program_.loads) {
+      for (const ResultGroup& result : program_.results) {
+        group.written = group.written || result.property == group.property;
+      }
+    }
     return std::move(program_);
   }
 
@@ -92,7 +97,9 @@ class Compiler {
     for (LoadGroup& group : groups) {
       if (group.participant == load.participant && group.property == load.property) return group;
     }
-    groups.push_back({load.participant, load.property});
+    groups.emplace_back();
+    groups.back().participant = load.participant;
+    groups.back().property = load.property;
     return groups.back();
   }
 

@@ -18,6 +18,7 @@ struct LoadGroup {
   uint16_t participant;
   uint16_t property;
   std::array<uint16_t, 4> to{kNothing, kNothing, kNothing, kNothing};  // registers
+  bool written = false;  // the pass writes the property too, so registers need a copy
 };
 
 /// Components of one property of one participant, written at the end of a block.
