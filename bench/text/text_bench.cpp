@@ -139,8 +139,9 @@ void Measure(const std::string& compiled, const std::string& sources, int rounds
     constexpr uint64_t kRows = 100000;
     World<Real> a(kRows), b(kRows);
     PhysicsEngine text = engine_of(a, law, true), other = engine_of(b, law, false);
-    Compare(law, kRows, precision, "compiled law", rounds, 4.0 * kRows,
-            [&] { text.Advance(1e-6, 4); }, [&] { other.Advance(1e-6, 4); });
+    Compare(
+        law, kRows, precision, "compiled law", rounds, 4.0 * kRows, [&] { text.Advance(1e-6, 4); },
+        [&] { other.Advance(1e-6, 4); });
   }
   for (const uint64_t rows : {1536, 16384}) {
     World<Real> a(rows), b(rows), c(rows);
@@ -148,10 +149,12 @@ void Measure(const std::string& compiled, const std::string& sources, int rounds
     const int fewer = rows > 2000 ? std::max(1, rounds / 10) : rounds;
     PhysicsEngine text = engine_of(a, "newton_gravitation", true);
     PhysicsEngine other = engine_of(b, "newton_gravitation", false);
-    Compare("newton_gravitation", rows, precision, "compiled law", fewer, pairs,
-            [&] { text.Advance(1e-6); }, [&] { other.Advance(1e-6); });
-    Compare("newton_gravitation", rows, precision, "plain loop, -O3 -march=native", fewer, pairs,
-            [&] { text.Advance(1e-6); }, [&] { PlainLoop(c); });
+    Compare(
+        "newton_gravitation", rows, precision, "compiled law", fewer, pairs,
+        [&] { text.Advance(1e-6); }, [&] { other.Advance(1e-6); });
+    Compare(
+        "newton_gravitation", rows, precision, "plain loop, -O3 -march=native", fewer, pairs,
+        [&] { text.Advance(1e-6); }, [&] { PlainLoop(c); });
   }
 }
 
@@ -164,7 +167,8 @@ int main(int argc, char** argv) {
   }
   const int rounds = std::atoi(argv[3]);
   std::printf("%s\n\n", vesper_build_info());
-  std::printf("| law | rows | | beside | text [ns per row or pair] | other [ns] | times as fast |\n");
+  std::printf(
+      "| law | rows | | beside | text [ns per row or pair] | other [ns] | times as fast |\n");
   std::printf("|---|---:|---|---|---:|---:|---:|\n");
   Measure<double>(argv[1], argv[2], rounds);
   Measure<float>(argv[1], argv[2], rounds);

@@ -89,9 +89,11 @@ TYPED_TEST_SUITE(TwinTest, Precisions);
 
 TYPED_TEST(TwinTest, TextAndCompiledLawGiveTheSameNumbers) {
   const std::pair<const char*, bool> laws[] = {
-      {"gravity_field", false}, {"drag", false},          {"lorentz_field", false},
-      {"hooke_spring", false},  {"newton_gravitation", false}, {"coulomb", false},
-      {"newton_motion", true},  {"velocity_verlet", true}, {"runge_kutta4", true}};
+      {"gravity_field", false},      {"drag", false},
+      {"lorentz_field", false},      {"hooke_spring", false},
+      {"newton_gravitation", false}, {"coulomb", false},
+      {"newton_motion", true},       {"velocity_verlet", true},
+      {"runge_kutta4", true}};
   for (const auto& [law, integrates] : laws) {
     Twins<TypeParam> compiled, text;
     const std::string name = law;

@@ -31,7 +31,8 @@ std::string ReportOn(const LawOptions& options, const std::string& text) {
 int CheckLaw(const LawOptions& options) {
   const std::string report = ReportOn(options, ReadFile(options.file));
   if (options.json) {
-    std::cout << nlohmann::ordered_json{{"file", options.file}, {"problems", report}}.dump() << "\n";
+    std::cout << nlohmann::ordered_json{{"file", options.file}, {"problems", report}}.dump()
+              << "\n";
   } else if (report.empty()) {
     std::cout << options.file << ": right\n";
     if (options.file.ends_with(".law")) DescribeLibrary(options.file);

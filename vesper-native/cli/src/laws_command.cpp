@@ -124,7 +124,8 @@ std::vector<std::string> LibrariesIn(const std::string& folder) {
     // A name means the compiled form, if there are two.
     const auto compiled = path.parent_path() / ("libvesper_law_" + path.stem().string() + ".so");
     if (path.extension() == ".so" ||
-        (path.extension() == ".law" && !std::filesystem::exists(compiled))) files.push_back(entry.path().lexically_normal());
+        (path.extension() == ".law" && !std::filesystem::exists(compiled)))
+      files.push_back(entry.path().lexically_normal());
   }
   std::ranges::sort(files);
   for (std::string& file : files) {

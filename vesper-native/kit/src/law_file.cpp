@@ -158,7 +158,10 @@ namespace {
 
 /// A host with one thread that discards log lines.
 const vesper_host kHost = {
-    sizeof(vesper_host), 0, nullptr, [](void*, uint32_t, const char*) {},
+    sizeof(vesper_host),
+    0,
+    nullptr,
+    [](void*, uint32_t, const char*) {},
     [](void*, uint64_t count, uint64_t grain, void (*body)(void*, uint64_t, uint64_t), void* user) {
       if (grain == 0) grain = count;
       for (uint64_t begin = 0; begin < count; begin += grain) {

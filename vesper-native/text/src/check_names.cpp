@@ -26,18 +26,16 @@ constexpr UsualName kUsualNames[] = {
 
 /// Letters of textbooks for properties and constants.
 constexpr std::pair<std::string_view, std::string_view> kLetters[] = {
-    {"m", "mass"},          {"M", "mass"},
-    {"v", "velocity"},      {"x", "position"},
-    {"q", "charge"},        {"Q", "charge"},
-    {"F", "force"},         {"g", "gravity"},
-    {"G", "gravitationalConstant"}, {"E", "electricField"},
-    {"B", "magneticField"}, {"t", "time"},
-    {"I", "inertia"},       {"k", "springConstant"},
-    {"omega", "angularVelocity"},   {"L", "length"},
+    {"m", "mass"},          {"M", "mass"},           {"v", "velocity"},
+    {"x", "position"},      {"q", "charge"},         {"Q", "charge"},
+    {"F", "force"},         {"g", "gravity"},        {"G", "gravitationalConstant"},
+    {"E", "electricField"}, {"B", "magneticField"},  {"t", "time"},
+    {"I", "inertia"},       {"k", "springConstant"}, {"omega", "angularVelocity"},
+    {"L", "length"},
 };
 
-constexpr std::string_view kBuiltIn[] = {"dt", "time", "pi", "stage", "energy", "attraction",
-                                         "repulsion"};
+constexpr std::string_view kBuiltIn[] = {"dt",     "time",       "pi",       "stage",
+                                         "energy", "attraction", "repulsion"};
 
 bool IsUnitSymbol(std::string_view name) {
   try {
@@ -115,8 +113,7 @@ uint16_t Checker::UseProperty(uint32_t property) {
 
 uint16_t Checker::UseOwned(size_t owned) {
   const Owned& declared = owned_[owned];
-  const std::string key =
-      prototype_.kinds()[declared.kind] + "." + declared.tree->name.word;
+  const std::string key = prototype_.kinds()[declared.kind] + "." + declared.tree->name.word;
   for (const auto& [known, place] : used_) {
     if (known == key) return place;
   }
@@ -166,8 +163,10 @@ uint16_t Checker::Resolve(uint16_t participant, const std::string& name, Span sp
   }
   const PropertySpec& spec = prototype_.properties()[property];
   if (IsField(spec.type)) {
-    problems_.Fail(span, "'" + name + "' is a field, a function of the place; a law as text cannot "
-                                      "evaluate fields",
+    problems_.Fail(span,
+                   "'" + name +
+                       "' is a field, a function of the place; a law as text cannot "
+                       "evaluate fields",
                    "a compiled law can, see docs/writing-a-law.md");
   }
   if (!IsReal(spec.type) && spec.refers_to == kNone) {
@@ -264,9 +263,9 @@ void Checker::FailUnknown(const std::string& name, Span span) {
   }
   for (const auto& [participant, kind] : participants_) {
     if (!IsProperty(kind, name)) continue;
-    problems_.Fail(span, "'" + name + "' is no property of " + Plural(row_kind_) +
-                             " but of " + Plural(kind),
-                   "write " + participant + "." + name);
+    problems_.Fail(
+        span, "'" + name + "' is no property of " + Plural(row_kind_) + " but of " + Plural(kind),
+        "write " + participant + "." + name);
   }
   const std::vector<std::string> names = NamesInScope();
   // Of two letters, another one says nothing.
@@ -294,11 +293,12 @@ void Checker::FailUnknown(const std::string& name, Span span) {
     }
   }
   if (hint.empty() && nearest == nullptr && IsUnitSymbol(name)) {
-    hint = "a unit stands behind a number and has no spaces inside, such as 1 " + name +
-           " or 1 N*m";
+    hint =
+        "a unit stands behind a number and has no spaces inside, such as 1 " + name + " or 1 N*m";
   }
   for (uint32_t kind = 0; kind < prototype_.kinds().size(); ++kind) {
-    if (!hint.empty() || nearest != nullptr || kind == row_kind_ || !IsProperty(kind, name)) continue;
+    if (!hint.empty() || nearest != nullptr || kind == row_kind_ || !IsProperty(kind, name))
+      continue;
     hint = "it is a property of " + Plural(kind) + "; use it in a block: each " +
            prototype_.kinds()[kind] + ":";
   }
@@ -309,8 +309,8 @@ void Checker::FailUnknown(const std::string& name, Span span) {
   if (hint.empty()) {
     hint = "a constant is declared by: parameter " + name + " = VALUE UNIT";
     if (row_kind_ != kNone) {
-      hint += ", a property by: each " + prototype_.kinds()[row_kind_] + " has " + name +
-              " in UNIT";
+      hint +=
+          ", a property by: each " + prototype_.kinds()[row_kind_] + " has " + name + " in UNIT";
     }
   }
   problems_.Fail(span, "nothing here is called '" + name + "'", hint);

@@ -59,8 +59,9 @@ Evaluator<Real>::Evaluator(const LawCode& law, std::string_view source, std::str
 
 template <class Real>
 void Evaluator<Real>::Bind(const vesper_property* properties) {
-  for (size_t i = 0; i < columns_.size(); ++i) {
-    const vesper_property& property = properties[i];
+  for (size_t use = 0; use < columns_.size(); ++use) {
+    const uint32_t i = law_.table_order[use];
+    const vesper_property& property = properties[use];
     Column& column = columns_[i];
     column = {};
     column.count = property.row_count;
@@ -149,8 +150,8 @@ void Evaluator<Real>::ComputeConstants(const Program& program, const vesper_step
         break;
       }
       default:
-        constants[i] = ComputeIn<double>(node.operation, value_of(node.a), value_of(node.b),
-                                         value_of(node.c));
+        constants[i] =
+            ComputeIn<double>(node.operation, value_of(node.a), value_of(node.b), value_of(node.c));
         break;
     }
   }
@@ -181,8 +182,7 @@ void Evaluator<Real>::LoadRows(const Program& program, uint64_t begin, size_t co
       if (count == kBlock && !group.written) {
         place.registers[group.to[0]] = const_cast<Real*>(from);  // loads are never overwritten
       } else {
-        place.registers[group.to[0]] =
-            place.memory.data() + group.to[0] * (kBlock + kPadding);
+        place.registers[group.to[0]] = place.memory.data() + group.to[0] * (kBlock + kPadding);
         std::copy_n(from, count, place.registers[group.to[0]]);
       }
       continue;
@@ -195,7 +195,8 @@ void Evaluator<Real>::LoadRows(const Program& program, uint64_t begin, size_t co
     }
     for (uint32_t k = 0; k < column.components; ++k) {
       if (group.to[k] == kNothing) continue;
-      for (size_t i = 0; i < count; ++i) registers[group.to[k]][i] = from[i * column.components + k];
+      for (size_t i = 0; i < count; ++i)
+        registers[group.to[k]][i] = from[i * column.components + k];
     }
   }
 }
@@ -241,8 +242,8 @@ bool Evaluator<Real>::StoreRows(const Program& program, uint64_t begin, size_t c
     if (column.data == nullptr) continue;
     Real* to = column.data + begin * column.components;
     const auto from = [&](size_t k) { return place.registers[group.from[k]]; };
-    const bool whole = group.from[0] != kNothing && group.from[1] != kNothing &&
-                       group.from[2] != kNothing;
+    const bool whole =
+        group.from[0] != kNothing && group.from[1] != kNothing && group.from[2] != kNothing;
     if (column.components == 3 && whole) {
       finite &= (group.add ? kernels_.add3 : kernels_.join3)(to, count, from(0), from(1), from(2));
       continue;

@@ -187,7 +187,8 @@ std::optional<Fault> Evaluator<Real>::Explain(const PassCode& pass, const Progra
   // All values of that row again, one by one.
   const Graph& graph = law_.graph;
   std::vector<Real> values(graph.size());
-  for (size_t i = 0; i < program.constants.size(); ++i) values[program.constants[i]] = place.uniforms[i];
+  for (size_t i = 0; i < program.constants.size(); ++i)
+    values[program.constants[i]] = place.uniforms[i];
   for (size_t i = 0; i < program.of_first.size(); ++i) {
     values[program.of_first[i]] = place.uniforms[program.constants.size() + i];
   }
@@ -200,7 +201,8 @@ std::optional<Fault> Evaluator<Real>::Explain(const PassCode& pass, const Progra
     if (is_there(id)) continue;
     if (node.operation == Operation::kLoad) {
       for (const LoadGroup& group : program.loads) {
-        if (group.participant != node.load.participant || group.property != node.load.property) continue;
+        if (group.participant != node.load.participant || group.property != node.load.property)
+          continue;
         const uint16_t from = group.to[node.load.component];
         if (from != kNothing) values[id] = place.registers[from][at];
       }
@@ -250,7 +252,8 @@ Fault Evaluator<Real>::MakeFault(const PassCode& pass, NodeId made, const std::v
                   : " for row " + std::to_string(rows[0]);
   message += " of " + pass.rows;
   const size_t first = pair ? 1 : 0;
-  const uint64_t row = rows[std::min<size_t>(to.participant - std::min<size_t>(first, to.participant), rows.size() - 1)];
+  const uint64_t row = rows[std::min<size_t>(
+      to.participant - std::min<size_t>(first, to.participant), rows.size() - 1)];
   return {message, law_.properties[to.property].name, row};
 }
 

@@ -296,7 +296,8 @@ class ExpressionParser {
     return std::string(reader_.text().substr(span.begin, span.end - span.begin));
   }
 
-  [[noreturn]] void FailAmbiguous(const Expression& left, const std::vector<ExpressionTree>& right) {
+  [[noreturn]] void FailAmbiguous(const Expression& left,
+                                  const std::vector<ExpressionTree>& right) {
     const std::string over = Source(left.span), under = Source(right.front()->span);
     const std::string rest = Source(Join(right[1]->span, right.back()->span));
     const Expression& divisor = *right.front();

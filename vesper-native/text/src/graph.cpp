@@ -347,8 +347,8 @@ void Graph::Differentiate(NodeId root, NodeId adjoint, const std::vector<Load>& 
         add(a, Negate(by));
         break;
       case Operation::kSqrt:  // 0 at 0, where the length of a vector has no direction
-        add(a, Select(Binary(Operation::kLess, Constant(0), a),
-                      Divide(Multiply(Constant(0.5), by), id), Constant(0)));
+        add(a, Select(Binary(Operation::kEqual, a, Constant(0)), Constant(0),
+                      Divide(Multiply(Constant(0.5), by), id)));
         break;
       case Operation::kAbs:
         add(a, Select(Binary(Operation::kLess, a, Constant(0)), Negate(by), by));

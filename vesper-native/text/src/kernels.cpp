@@ -205,8 +205,7 @@ void Run(std::span<const Instruction> program, Real* const* registers, const Rea
         break;
       case Operation::kFloor:
         // Plus 0, because some sets lose the sign of -0.
-        Unary(all, step, count,
-              [](auto d, auto a) { return hn::Add(hn::Floor(a), hn::Zero(d)); });
+        Unary(all, step, count, [](auto d, auto a) { return hn::Add(hn::Floor(a), hn::Zero(d)); });
         break;
       case Operation::kMin:
         Binary(all, step, count,
@@ -374,7 +373,8 @@ bool Finite(const Real* values, size_t count) {
 
 template <class Real>
 Kernels<Real> All(const char* name) {
-  return {name, Run<Real>, Split3<Real>, Join3<Real>, Add3<Real>, Add1<Real>, Sum<Real>, Finite<Real>};
+  return {name,       Run<Real>,  Split3<Real>, Join3<Real>,
+          Add3<Real>, Add1<Real>, Sum<Real>,    Finite<Real>};
 }
 
 Kernels<float> AllF32(const char* name) { return All<float>(name); }
@@ -394,9 +394,9 @@ namespace vesper::text {
 namespace {
 
 #if HWY_ARCH_X86_64
-#define VESPER_TEXT_SETS(function)                                            \
-  std::vector sets{HWY_STATIC_DISPATCH(function)("baseline")};                \
-  if (HasAvx2()) sets.insert(sets.begin(), N_AVX2::function("AVX2"));         \
+#define VESPER_TEXT_SETS(function)                                                      \
+  std::vector sets{HWY_STATIC_DISPATCH(function)("baseline")};                          \
+  if (HasAvx2()) sets.insert(sets.begin(), N_AVX2::function("AVX2"));                   \
   if (HasAvx2() && HasAvx512()) sets.insert(sets.begin(), N_AVX3::function("AVX-512")); \
   return sets
 
@@ -412,7 +412,8 @@ bool HasAvx512() {
          __builtin_cpu_supports("avx512vl");
 }
 #else
-#define VESPER_TEXT_SETS(function) return std::vector{HWY_STATIC_DISPATCH(function)("baseline")}
+#define VESPER_TEXT_SETS(function) \
+  return std::vector { HWY_STATIC_DISPATCH(function)("baseline") }
 #endif
 
 std::vector<Kernels<float>> FindF32() { VESPER_TEXT_SETS(AllF32); }

@@ -15,14 +15,14 @@ constexpr int kMaxDepth = 16;
 constexpr size_t kMaxStatements = 1000;
 
 constexpr std::string_view kFunctions[] = {
-    "sqrt", "abs",  "sign", "floor", "min",   "max",  "clamp", "sin",    "cos",       "tan",
-    "asin", "acos", "atan", "atan2", "exp",   "ln",   "log10", "tanh",   "sinh",      "cosh",
-    "dot",  "cross", "direction", "rotate", "unrotate", "quaternion"};
+    "sqrt", "abs",  "sign", "floor", "min",       "max",    "clamp",    "sin",       "cos",
+    "tan",  "asin", "acos", "atan",  "atan2",     "exp",    "ln",       "log10",     "tanh",
+    "sinh", "cosh", "dot",  "cross", "direction", "rotate", "unrotate", "quaternion"};
 
-constexpr std::string_view kReserved[] = {"law",  "parameter", "each",   "pair", "of",   "from",
-                                          "to",   "within",    "apart",  "along", "let", "if",
-                                          "else", "and",       "or",     "not",  "has",  "may",
-                                          "have", "in",        "phase",  "version", "at"};
+constexpr std::string_view kReserved[] = {"law",  "parameter", "each",  "pair",    "of",  "from",
+                                          "to",   "within",    "apart", "along",   "let", "if",
+                                          "else", "and",       "or",    "not",     "has", "may",
+                                          "have", "in",        "phase", "version", "at"};
 
 constexpr std::string_view kPhases[] = {"force", "integrate", "constrain", "observe"};
 
@@ -122,9 +122,9 @@ class Parser {
       Stage(law);
     } else {
       const Token& next = reader_.Peek();
-      const bool statement = next.kind == TokenKind::kName &&
-                             (reader_.Peek(1).Is("+=") || reader_.Peek(1).Is("-=") ||
-                              reader_.Peek(1).Is("=") || reader_.Peek(1).Is("."));
+      const bool statement =
+          next.kind == TokenKind::kName && (reader_.Peek(1).Is("+=") || reader_.Peek(1).Is("-=") ||
+                                            reader_.Peek(1).Is("=") || reader_.Peek(1).Is("."));
       if (statement || next.Is("if")) {
         reader_.FailHere("a block that says which rows this is for",
                          "write it, indented, below a line such as: each body:");
@@ -387,8 +387,9 @@ class Parser {
     }
     if (reader_.Peek().Is("else")) reader_.FailHere("a statement", "'else' belongs below an 'if'");
     if (reader_.Peek().Is("each")) {
-      reader_.FailHere("a statement", "blocks are not nested; begin 'each' as far left as the "
-                                      "heading of this block");
+      reader_.FailHere("a statement",
+                       "blocks are not nested; begin 'each' as far left as the "
+                       "heading of this block");
     }
     statement.target = Target();
     const Token sign = reader_.Peek();

@@ -35,8 +35,7 @@ class Compiler {
     }
     PlaceLoads();
     for (NodeId id = 0; id < graph_.size(); ++id) {
-      if (needed_[id] && levels_[id] == Level::kEach &&
-          graph_[id].operation != Operation::kLoad) {
+      if (needed_[id] && levels_[id] == Level::kEach && graph_[id].operation != Operation::kLoad) {
         Emit(id);
       }
     }
@@ -70,7 +69,8 @@ class Compiler {
     for (NodeId id = 0; id < graph_.size(); ++id) {
       const Node& node = graph_[id];
       if (node.operation == Operation::kLoad && node.load.participant != kWorld) {
-        levels_[id] = all_pairs_ && node.load.participant == kFirst ? Level::kOfFirst : Level::kEach;
+        levels_[id] =
+            all_pairs_ && node.load.participant == kFirst ? Level::kOfFirst : Level::kEach;
       }
       for (const NodeId operand : {node.a, node.b, node.c}) {
         if (operand != kNoNode) levels_[id] = std::max(levels_[id], levels_[operand]);
@@ -107,7 +107,8 @@ class Compiler {
   void PlaceLoads() {
     for (NodeId id = 0; id < graph_.size(); ++id) {
       const Node& node = graph_[id];
-      if (!needed_[id] || levels_[id] != Level::kEach || node.operation != Operation::kLoad) continue;
+      if (!needed_[id] || levels_[id] != Level::kEach || node.operation != Operation::kLoad)
+        continue;
       place_[id] = program_.registers++;
       GroupOf(program_.loads, node.load).to[node.load.component] = place_[id];
     }
@@ -120,7 +121,8 @@ class Compiler {
     if (node.b != kNoNode) step.b = place_[node.b];
     if (node.c != kNoNode) step.c = place_[node.c];
     for (const NodeId operand : {node.a, node.b, node.c}) {
-      if (operand == kNoNode || last_use_[operand] != id || levels_[operand] != Level::kEach) continue;
+      if (operand == kNoNode || last_use_[operand] != id || levels_[operand] != Level::kEach)
+        continue;
       if (graph_[operand].operation == Operation::kLoad) continue;
       if (std::find(free_.begin(), free_.end(), place_[operand]) == free_.end()) {
         free_.push_back(place_[operand]);
@@ -174,7 +176,7 @@ class Compiler {
   const bool all_pairs_;
   Program program_;
   std::vector<Level> levels_;
-  std::vector<uint16_t> place_;     // register, or kUniform + index
+  std::vector<uint16_t> place_;  // register, or kUniform + index
   std::vector<NodeId> last_use_;
   std::vector<bool> needed_;
   std::vector<uint16_t> free_;

@@ -36,8 +36,8 @@ struct Fill {
 };
 
 struct Program {
-  std::vector<NodeId> constants;   // uniform values of a call of the law, operands first
-  std::vector<NodeId> of_first;    // all pairs: values of the first of a pair, after the constants
+  std::vector<NodeId> constants;  // uniform values of a call of the law, operands first
+  std::vector<NodeId> of_first;   // all pairs: values of the first of a pair, after the constants
   std::vector<LoadGroup> loads;
   std::vector<LoadGroup> loads_of_first;  // all pairs: `to` are indices of uniform values
   std::vector<Fill> fills;

@@ -29,7 +29,9 @@ class InstanceOf final : public Instance {
   explicit InstanceOf(Arguments&&... arguments)
       : evaluator_(std::forward<Arguments>(arguments)...) {}
   void Bind(const vesper_property* properties) override { evaluator_.Bind(properties); }
-  std::optional<Fault> Advance(const vesper_step& step) override { return evaluator_.Advance(step); }
+  std::optional<Fault> Advance(const vesper_step& step) override {
+    return evaluator_.Advance(step);
+  }
   double PotentialEnergy() override { return evaluator_.PotentialEnergy(); }
 
  private:
@@ -113,7 +115,8 @@ class CompiledText {
   }
 
   void FillUses(size_t law, size_t precision) {
-    for (const PropertyCode& property : laws_[law].properties) {
+    for (const uint32_t place : laws_[law].table_order) {
+      const PropertyCode& property = laws_[law].properties[place];
       vesper_property_use use{};
       use.struct_size = sizeof use;
       use.scalar_type = property.is_reference ? VESPER_U32 : kPrecisions[precision];

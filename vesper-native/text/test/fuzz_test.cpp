@@ -10,18 +10,20 @@ namespace vesper::test {
 namespace {
 
 constexpr const char* kWords[] = {
-    "law",      "x",        "each",     "body",     "pair",    "of",       "bodies",  "within",
-    "r",        "apart",    "along",    "n",        "spring",  "from",     "to",      "a",
-    "b",        "force",    "energy",   "mass",     "velocity", "position", "gravity", "let",
-    "if",       "else",     "and",      "or",       "not",     "parameter", "phase",  "integrate",
-    "stages",   "at",       "stage",    "has",      "may",     "have",     "in",      "vector",
-    "sqrt",     "sin",      "min",      "dot",      "cross",   "1",        "2.5",     "1e308",
-    "0",        "3 N",      "1 m",      "2 kg/s",   "dt",      "time",     "(",       ")",
-    "|",        ",",        ":",        ";",        "=",       "+=",       "-=",      "+",
-    "-",        "*",        "/",        "^",        "·",       "×",        "²",       "√",
-    "<",        ">",        ".",        "\"doc\"",  "#",       "\n",       "\n  ",    "\n    ",
-    "\n      ", " ",        "attraction", "repulsion", "orientation", "rotate", "exp", "\t",
-    "surface",  "vertices", "σ",        "½",        "length",  "world",    "energy cut", "%"};
+    "law",         "x",         "each",   "body",       "pair",    "of",         "bodies",
+    "within",      "r",         "apart",  "along",      "n",       "spring",     "from",
+    "to",          "a",         "b",      "force",      "energy",  "mass",       "velocity",
+    "position",    "gravity",   "let",    "if",         "else",    "and",        "or",
+    "not",         "parameter", "phase",  "integrate",  "stages",  "at",         "stage",
+    "has",         "may",       "have",   "in",         "vector",  "sqrt",       "sin",
+    "min",         "dot",       "cross",  "1",          "2.5",     "1e308",      "0",
+    "3 N",         "1 m",       "2 kg/s", "dt",         "time",    "(",          ")",
+    "|",           ",",         ":",      ";",          "=",       "+=",         "-=",
+    "+",           "-",         "*",      "/",          "^",       "·",          "×",
+    "²",           "√",         "<",      ">",          ".",       "\"doc\"",    "#",
+    "\n",          "\n  ",      "\n    ", "\n      ",   " ",       "attraction", "repulsion",
+    "orientation", "rotate",    "exp",    "\t",         "surface", "vertices",   "σ",
+    "½",           "length",    "world",  "energy cut", "%"};
 
 std::string RandomText(std::mt19937& random) {
   std::string text = random() % 4 == 0 ? "" : "law x\n  each body:\n    ";

@@ -14,13 +14,13 @@ namespace vesper::text {
 namespace {
 
 constexpr Operation kAll[] = {
-    Operation::kAdd,  Operation::kSubtract, Operation::kMultiply, Operation::kDivide,
-    Operation::kNegate, Operation::kSqrt,   Operation::kAbs,      Operation::kMin,
-    Operation::kMax,  Operation::kFloor,    Operation::kExp,      Operation::kLn,
-    Operation::kSin,  Operation::kCos,      Operation::kTan,      Operation::kAsin,
-    Operation::kAcos, Operation::kAtan,     Operation::kAtan2,    Operation::kTanh,
-    Operation::kPower, Operation::kLess,    Operation::kLessOrEqual, Operation::kEqual,
-    Operation::kAnd,  Operation::kOr,       Operation::kNot,      Operation::kSelect};
+    Operation::kAdd,    Operation::kSubtract, Operation::kMultiply,    Operation::kDivide,
+    Operation::kNegate, Operation::kSqrt,     Operation::kAbs,         Operation::kMin,
+    Operation::kMax,    Operation::kFloor,    Operation::kExp,         Operation::kLn,
+    Operation::kSin,    Operation::kCos,      Operation::kTan,         Operation::kAsin,
+    Operation::kAcos,   Operation::kAtan,     Operation::kAtan2,       Operation::kTanh,
+    Operation::kPower,  Operation::kLess,     Operation::kLessOrEqual, Operation::kEqual,
+    Operation::kAnd,    Operation::kOr,       Operation::kNot,         Operation::kSelect};
 
 template <class Real>
 class KernelsTest : public testing::Test {};
@@ -116,11 +116,11 @@ TEST(ElementaryTest, FunctionsAreAccurate) {
     double tolerance;  // in units of the last place
   };
   const Function functions[] = {
-      {Operation::kExp, -700, 700, std::exp, 2},   {Operation::kLn, 1e-300, 1e300, std::log, 2},
-      {Operation::kLn, 0.5, 2, std::log, 2},       {Operation::kSin, -1e4, 1e4, std::sin, 4},
-      {Operation::kCos, -1e4, 1e4, std::cos, 4},   {Operation::kTan, -1.5, 1.5, std::tan, 6},
-      {Operation::kAsin, -1, 1, std::asin, 6},     {Operation::kAcos, -1, 1, std::acos, 6},
-      {Operation::kAtan, -50, 50, std::atan, 2},   {Operation::kTanh, -3, 3, std::tanh, 16},
+      {Operation::kExp, -700, 700, std::exp, 2},    {Operation::kLn, 1e-300, 1e300, std::log, 2},
+      {Operation::kLn, 0.5, 2, std::log, 2},        {Operation::kSin, -1e4, 1e4, std::sin, 4},
+      {Operation::kCos, -1e4, 1e4, std::cos, 4},    {Operation::kTan, -1.5, 1.5, std::tan, 6},
+      {Operation::kAsin, -1, 1, std::asin, 6},      {Operation::kAcos, -1, 1, std::acos, 6},
+      {Operation::kAtan, -50, 50, std::atan, 2},    {Operation::kTanh, -3, 3, std::tanh, 16},
       {Operation::kTanh, -0.15, 0.15, std::tanh, 4}};
   for (const Function& function : functions) {
     double worst = 0;
@@ -131,12 +131,11 @@ TEST(ElementaryTest, FunctionsAreAccurate) {
       const double place = std::nextafter(std::abs(static_cast<double>(expected)), INFINITY) -
                            std::abs(static_cast<double>(expected));
       // Near a zero of sine and cosine, the error is that of the reduction.
-      const double floor = function.operation == Operation::kSin ||
-                                   function.operation == Operation::kCos
-                               ? 0x1p-56
-                               : 0;
-      worst = std::max(worst, static_cast<double>(std::abs(found - expected)) /
-                                  std::max(place, floor));
+      const double floor =
+          function.operation == Operation::kSin || function.operation == Operation::kCos ? 0x1p-56
+                                                                                         : 0;
+      worst =
+          std::max(worst, static_cast<double>(std::abs(found - expected)) / std::max(place, floor));
     }
     EXPECT_LE(worst, function.tolerance) << static_cast<int>(function.operation);
   }

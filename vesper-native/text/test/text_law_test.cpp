@@ -41,7 +41,8 @@ TEST_P(TextLawTest, TerminalSpeedIsWhereWeightAndDragBalance) {
   EXPECT_NEAR(bodies.velocity[1], -2.5, 1e-12);
 }
 
-// x'' = -x with the velocity half a step behind: the period of this scheme is 2 pi / asin-corrected.
+// x'' = -x with the velocity half a step behind: the period of this scheme is 2 pi /
+// asin-corrected.
 TEST_P(TextLawTest, OscillatorHasThePeriodOfTheScheme) {
   TestEngine engine(Options());
   Bodies bodies(1);
@@ -95,8 +96,9 @@ TEST_P(TextLawTest, WithinCutsShiftsOrSmooths) {
     TestEngine engine(Options());
     Bodies bodies = Couple(r);
     engine.AddBodies(bodies);
-    const vesper_library_id id = LoadText(
-        engine, "law x\n  each pair of bodies within 2 m, r apart" + word + ":\n    energy = 3 J/m r\n");
+    const vesper_library_id id =
+        LoadText(engine, "law x\n  each pair of bodies within 2 m, r apart" + word +
+                             ":\n    energy = 3 J/m r\n");
     EXPECT_OK(engine.Advance(1e-3, 1));
     return PotentialEnergy(engine, id);
   };
@@ -191,7 +193,8 @@ TEST_P(TextLawTest, AFormulaWithoutAValueIsBlamedByItsPlace) {
                                         "    force += (1, 0, 0) N * (1 kg / mass)\n");
   const vesper_error error = engine.Advance(0.1, 1);
   EXPECT_EQ(error.status, VESPER_LAW_FAILED);
-  EXPECT_NE(std::string(error.message).find("x.law:3:28: '(1 kg / mass)' divides by zero for row 1 of body"),
+  EXPECT_NE(std::string(error.message)
+                .find("x.law:3:28: '(1 kg / mass)' divides by zero for row 1 of body"),
             std::string::npos)
       << error.message;
   EXPECT_EQ(error.row, 1u);
@@ -208,8 +211,9 @@ TEST(TextTest, ClaimsFollowFromTheFormulas) {
                      "    let f = 1 kg/s (b.velocity - a.velocity)\n"
                      "    a.force += f; b.force -= f\n"),
             all & ~VESPER_CLAIM_ANGULAR_MOMENTUM);
-  EXPECT_EQ(ClaimsOf("law x\n  each pair of bodies:\n    a.force += 1 N/m (b.position - a.position)\n"),
-            uint32_t{VESPER_CLAIM_TRANSLATION | VESPER_CLAIM_ROTATION});
+  EXPECT_EQ(
+      ClaimsOf("law x\n  each pair of bodies:\n    a.force += 1 N/m (b.position - a.position)\n"),
+      uint32_t{VESPER_CLAIM_TRANSLATION | VESPER_CLAIM_ROTATION});
   EXPECT_EQ(ClaimsOf("law x\n  each body:\n    force -= 1 N/m position\n"),
             uint32_t{VESPER_CLAIM_ROTATION});
   EXPECT_EQ(ClaimsOf("law x\n  each body:\n    force.y -= 10 m/s^2 mass\n"),
@@ -220,8 +224,8 @@ TEST(TextTest, ClaimsFollowFromTheFormulas) {
 
 TEST(TextTest, NotationsOfOneFormulaGiveTheSameNumbers) {
   const char* forms[] = {
-      "1/2 mass |velocity|^2 velocity / (1 m^2/s)",  "0.5 * mass * velocity^2 * velocity / 1 m^2/s",
-      "½ mass velocity² velocity / 1 m^2/s",         "mass (velocity · velocity) velocity / 2 m^2/s",
+      "1/2 mass |velocity|^2 velocity / (1 m^2/s)", "0.5 * mass * velocity^2 * velocity / 1 m^2/s",
+      "½ mass velocity² velocity / 1 m^2/s", "mass (velocity · velocity) velocity / 2 m^2/s",
       "mass dot(velocity, velocity) velocity / (2 m^2/s)"};
   std::vector<std::vector<double>> forces;
   for (const char* form : forms) {
@@ -288,8 +292,8 @@ TEST(TextTest, SeveralLawsOfOneTextAreALibrary) {
   TestEngine engine;
   Bodies bodies(1);
   engine.AddBodies(bodies);
-  const vesper_library_id id = LoadText(
-      engine, std::string("law pull\n  each body:\n    force += (3, 0, 0) N\n") + kMotion);
+  const vesper_library_id id =
+      LoadText(engine, std::string("law pull\n  each body:\n    force += (3, 0, 0) N\n") + kMotion);
   EXPECT_OK(engine.Advance(0.5, 1));
   EXPECT_EQ(bodies.velocity[0], 1 + 1.5);
   EXPECT_STREQ(engine.LawInfo(id, 1).name, "motion");
@@ -302,7 +306,8 @@ TEST(TextTest, FilesAreFoundByNameAndByPath) {
   vesper_engine_config config = TestConfig();
   const std::string path = folder / "";
   config.law_path = path.c_str();
-  for (const std::string& name : {std::string("push"), std::string("push.law"), folder / "push.law"}) {
+  for (const std::string& name :
+       {std::string("push"), std::string("push.law"), folder / "push.law"}) {
     vesper_prepared_library* prepared = nullptr;
     EXPECT_OK(Try([&](vesper_error* error) {
       return vesper_library_prepare(&config, name.c_str(), &prepared, error);

@@ -44,7 +44,8 @@ TEST(WrongTextsTest, LoadingNamesTheFirstProblemAndChangesNothing) {
     vesper_library_id id = 0;
     const vesper_error error = TryLoadText(engine, wrong.text, id);
     EXPECT_EQ(error.status, VESPER_LIBRARY_LOAD_FAILED) << wrong.text;
-    const std::string message = error.message, report = wrong.report.substr(0, wrong.report.find('\n'));
+    const std::string message = error.message,
+                      report = wrong.report.substr(0, wrong.report.find('\n'));
     EXPECT_TRUE(message.starts_with(report.substr(0, 120))) << message << "\n" << report;
     EXPECT_EQ(id, 0u);
   }

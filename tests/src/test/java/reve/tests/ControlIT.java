@@ -104,15 +104,13 @@ class ControlIT {
                             whileItRuns(boss, "load-law", text("each body: force += mass gravity"));
                             after(boss, 5);
                             ActResult refused =
-                                    boss.command(
-                                            "load-law", text("each body: force += velocity"));
+                                    boss.command("load-law", text("each body: force += velocity"));
                             assertThat(refused.code()).contains("law-refused");
                             assertThat(refused.reason().orElseThrow())
                                     .contains("fall.law:2:23: 'velocity' is a vector in m/s")
                                     .contains("  each body: force += velocity\n")
                                     .contains("^~~~~~~~");
-                            whileItRuns(
-                                    boss, "load-law", text("each body: force -= mass gravity"));
+                            whileItRuns(boss, "load-law", text("each body: force -= mass gravity"));
                             after(boss, 5);
                         });
         assertThat(events)

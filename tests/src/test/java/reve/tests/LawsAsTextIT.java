@@ -30,8 +30,10 @@ class LawsAsTextIT {
     }
 
     private String run(String title, Server server) throws Exception {
-        return shell.run(page.titled(title).text().replace(" control ", " control --port "
-                + server.port() + " "));
+        return shell.run(
+                page.titled(title)
+                        .text()
+                        .replace(" control ", " control --port " + server.port() + " "));
     }
 
     @Test

@@ -180,11 +180,7 @@ final class WorldReader {
      * has.
      */
     private LawReference law(
-            String name,
-            Optional<String> text,
-            Node law,
-            String place,
-            PhysicsReader physics) {
+            String name, Optional<String> text, Node law, String place, PhysicsReader physics) {
         Map<String, Double> values = new LinkedHashMap<>();
         Map<String, LawReference.Mention> mentions = new LinkedHashMap<>();
         for (Node node : law.get("parameters").map(Node::children).orElse(List.of())) {

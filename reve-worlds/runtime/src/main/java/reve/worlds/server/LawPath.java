@@ -197,7 +197,10 @@ public record LawPath(Path shipped, Optional<Path> folder, Optional<Path> world,
      * @throws PhysicsException naming it
      */
     void requireKnown(LawLibrary library) {
-        if (!trusted && !library.isText() && !isOperators(library) && !KnownLaws.contains(library.sha256())) {
+        if (!trusted
+                && !library.isText()
+                && !isOperators(library)
+                && !KnownLaws.contains(library.sha256())) {
             throw new PhysicsException(
                     Status.LIBRARY_LOAD_FAILED,
                     "the law library '"
@@ -266,8 +269,7 @@ public record LawPath(Path shipped, Optional<Path> folder, Optional<Path> world,
                                             : file.substring(
                                                     0,
                                                     file.length()
-                                                            - PreparedLibrary.TEXT_ENDING
-                                                                    .length()))
+                                                            - PreparedLibrary.TEXT_ENDING.length()))
                     .toList();
         } catch (IOException unreadable) {
             return List.of(); // an unreadable folder offers no suggestion

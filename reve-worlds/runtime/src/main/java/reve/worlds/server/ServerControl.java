@@ -299,9 +299,7 @@ final class ServerControl implements WorldControl, AutoCloseable {
                             .filter(library -> library.name().equals(prepared.name()))
                             .filter(LawLibrary::isText)
                             .findFirst();
-            if (old.isEmpty()
-                    || replaced.isEmpty()
-                    || !PreparedLibrary.isText(prepared.bytes())) {
+            if (old.isEmpty() || replaced.isEmpty() || !PreparedLibrary.isText(prepared.bytes())) {
                 laws.load(frame, prepared, parameters, file);
                 return;
             }

@@ -227,8 +227,7 @@ public final class Simulation implements AutoCloseable {
                 throw new PhysicsException(Status.INVALID_ARGUMENT, String.join("\n", wrong));
             }
         } catch (PhysicsException refused) {
-            throw new PhysicsException(
-                    refused.status(), law.place() + ": " + refused.getMessage());
+            throw new PhysicsException(refused.status(), law.place() + ": " + refused.getMessage());
         }
     }
 

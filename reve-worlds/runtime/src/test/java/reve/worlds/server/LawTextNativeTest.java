@@ -79,8 +79,7 @@ class LawTextNativeTest {
         Path laws = Files.createDirectory(folder.resolve("laws"));
         Files.writeString(
                 laws.resolve("push.law"), "law push\n  each body:\n    force += (8, 0, 0) N\n");
-        WorldDescription named =
-                world("reve: 1\nname: windy\nlaws: [newton_motion, push]\n");
+        WorldDescription named = world("reve: 1\nname: windy\nlaws: [newton_motion, push]\n");
         LawPath path = LawPath.ofShipped().forWorld(folder);
         assertThat(path.needsTrust("push")).isFalse();
         try (Simulation simulation = new Simulation(named, Pacing.FAST, path)) {

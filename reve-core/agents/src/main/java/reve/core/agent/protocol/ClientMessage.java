@@ -177,8 +177,7 @@ public sealed interface ClientMessage {
      * @param text a law as text
      * @param parameters of its laws, in SI units
      */
-    record LoadLaw(
-            long id, String library, Optional<String> text, Map<String, Double> parameters)
+    record LoadLaw(long id, String library, Optional<String> text, Map<String, Double> parameters)
             implements Control {}
 
     /** Removes the laws of a library. */
