@@ -206,7 +206,7 @@ TEST(LibraryTest, LibraryThatHangsIsKilledAtTheDeadline) {
 }
 
 TEST(LibraryTest, OtherContractVersionIsRefusedBeforeAnythingElseIsRead) {
-  EXPECT_REFUSED(ABI_MISMATCH, "built for 2.0, engine speaks 1.1", Prepare("bomb_7"));
+  EXPECT_REFUSED(ABI_MISMATCH, "built for 2.0, engine speaks 1.2", Prepare("bomb_7"));
 }
 
 TEST(LibraryTest, LibraryWithoutEntryIsRefused) {
@@ -235,7 +235,7 @@ TEST(LibraryTest, LibrariesOfOlderAndNewerMinorVersionsRun) {
 
 TEST(LibraryTest, NewerMinorVersionIsRefusedIfItAsksForWhatThereIsNot) {
   EXPECT_REFUSED(ABI_MISMATCH,
-                 "laws uses a field that contract 1.1 does not have; it needs a newer engine",
+                 "laws uses a field that contract 1.2 does not have; it needs a newer engine",
                  Prepare("of_1_9_asking"));
 }
 

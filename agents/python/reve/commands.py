@@ -64,9 +64,17 @@ class Commands(ABC, Generic[R, Q]):
         target = item if isinstance(item, str) else item.name
         return self._command("edit", item=target, property=property, value=value)
 
-    def load_law(self, library: str, **parameters: float) -> R:
-        """Loads a law library that the server knows by that name; parameters are in SI units."""
-        return self._command("load-law", library=library, parameters=parameters)
+    def load_law(
+        self, library: Optional[str] = None, *, text: Optional[str] = None, **parameters: float
+    ) -> R:
+        """Loads a law library that the server knows by that name, or a law as text, which replaces
+        a loaded text of the same name; parameters are in SI units. With a text, `library` names it
+        in messages.
+        """
+        fields: dict[str, Argument] = {} if library is None else {"library": library}
+        if text is not None:
+            fields["text"] = text
+        return self._command("load-law", **fields, parameters=parameters)
 
     def set_law(self, library: str, **parameters: float) -> R:
         """Changes parameters of a loaded law library, in SI units; the others keep their values."""

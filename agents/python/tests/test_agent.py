@@ -216,6 +216,13 @@ class AgentTest(unittest.TestCase):
             self.assertEqual(boss.load_law("drag", unknown=2.0).code, "law-refused")
             self.assertTrue(boss.load_law("newton_motion"))
             self.assertTrue(boss.unload_law("newton_motion"))
+            wrong = boss.load_law("up.law", text="law up\n  each body: force += velocity\n")
+            self.assertEqual(wrong.code, "law-refused")
+            self.assertIn("up.law:2:23: 'velocity' is a vector in m/s", wrong.reason)
+            right = "law up\n  parameter f = 1 N\n  each body: force.y += f\n"
+            self.assertTrue(boss.load_law(text=right, f=2.0))
+            self.assertTrue(boss.load_law(text=right))
+            self.assertTrue(boss.unload_law("up"))
             self.assertTrue(boss.shut_down())
 
     def test_control_asks_for_the_state_and_the_aspects_of_an_item(self):

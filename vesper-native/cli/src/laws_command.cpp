@@ -120,7 +120,12 @@ Json Describe(const std::string& file) {
 std::vector<std::string> LibrariesIn(const std::string& folder) {
   std::vector<std::string> files;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    if (entry.path().extension() == ".so") files.push_back(entry.path().lexically_normal());
+    const std::filesystem::path& path = entry.path();
+    // A name means the compiled form, if there are two.
+    const auto compiled = path.parent_path() / ("libvesper_law_" + path.stem().string() + ".so");
+    if (path.extension() == ".so" ||
+        (path.extension() == ".law" && !std::filesystem::exists(compiled)))
+      files.push_back(entry.path().lexically_normal());
   }
   std::ranges::sort(files);
   for (std::string& file : files) {
@@ -168,6 +173,11 @@ void PrintLibrary(const Json& library) {
 }
 
 }  // namespace
+
+void DescribeLibrary(const std::string& file) {
+  const Json library = Describe(file.find('/') == std::string::npos ? "./" + file : file);
+  for (const Json& law : library["laws"]) PrintLaw(law);
+}
 
 int ListLaws(const LawsOptions& options) {
   Json libraries = Json::array();

@@ -12,6 +12,9 @@ struct LawsOptions {
   bool json = false;
 };
 
+/// Prints the laws of one library.
+void DescribeLibrary(const std::string& file);
+
 /// Returns the exit code. Lists a library that cannot be loaded with the reason.
 int ListLaws(const LawsOptions& options);
 

@@ -9,6 +9,7 @@
 
 #include "exit_code.hpp"
 #include "folders.hpp"
+#include "law_command.hpp"
 #include "laws_command.hpp"
 #include "new_law_command.hpp"
 #include "run_command.hpp"
@@ -80,6 +81,21 @@ void AddTest(CLI::App& app, int& code) {
   command->callback([options, &code] { code = TestLaws(*options); });
 }
 
+void AddLaw(CLI::App& app, int& code) {
+  auto* command = app.add_subcommand("law", "Works on laws as text.");
+  command->require_subcommand(1);
+  auto* check = command->add_subcommand("check", "Checks a law as text: names, units, grammar.");
+  auto options = std::make_shared<LawOptions>();
+  check->add_option("FILE", options->file, "The law's file, such as wind.law")
+      ->required()
+      ->check(CLI::ExistingFile);
+  check->add_option("--prototype", options->prototype, "Properties to check it against")
+      ->check(CLI::IsMember({"si-f64", "si-f32"}))
+      ->capture_default_str();
+  check->add_flag("--json", options->json, "Print the result as one JSON document");
+  check->callback([options, &code] { code = CheckLaw(*options); });
+}
+
 void AddNewLaw(CLI::App& app, int& code) {
   auto* command =
       app.add_subcommand("new-law", "Writes a folder with a law that builds and passes its tests.");
@@ -116,6 +132,7 @@ int main(int argc, char** argv) {
   AddRun(app, code);
   AddLaws(app, code);
   AddTest(app, code);
+  AddLaw(app, code);
   AddNewLaw(app, code);
   try {
     app.parse(argc, argv);

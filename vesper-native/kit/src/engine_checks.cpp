@@ -52,7 +52,8 @@ std::string CheckReload(const Subject& of) {
   for (int i = 0; i < 100; ++i) {
     const vesper_library_id id = engine.LoadPhysicsLaw(subject.file());
     engine.Advance(kDt);
-    Expect(CountMappings() > mappings, "the library was not mapped again");
+    Expect(CountMappings() > mappings || subject.library().is_text(),
+           "the library was not mapped again");
     engine.UnloadPhysicsLaw(id);
   }
   Expect(CountMappings() == mappings,

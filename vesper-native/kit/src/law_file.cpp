@@ -15,6 +15,8 @@
 namespace vesper {
 namespace {
 
+constexpr const char* kTextEnding = ".law";
+
 std::string ReadFile(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), {}};
@@ -54,8 +56,24 @@ const char* Text(const std::string& elf, const Elf64_Shdr& section, uint64_t off
 
 void LawFile::Close::operator()(void* handle) const { dlclose(handle); }
 
-LawFile::LawFile(const std::string& path)
-    : path_(path), handle_(dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL)) {
+LawFile::LawFile(const std::string& path) : path_(path) {
+  if (path.ends_with(kTextEnding)) {
+    vesper_engine_config config;
+    vesper_engine_config_init(&config);
+    vesper_error error{};
+    vesper_prepared_library* prepared = nullptr;
+    const std::string place = path.find('/') == std::string::npos ? "./" + path : path;
+    if (vesper_library_prepare(&config, place.c_str(), &prepared, &error) != VESPER_OK) {
+      throw std::runtime_error(error.message);
+    }
+    prepared_.reset(prepared);
+    if (vesper_library_table(prepared, vesper_prototype_standard("si-f64"), &table_, &error) !=
+        VESPER_OK) {
+      throw std::runtime_error(error.message);
+    }
+    return;
+  }
+  handle_.reset(dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL));
   if (!handle_) throw std::runtime_error(dlerror());
   void* entry = dlsym(handle_.get(), VESPER_LAW_LIBRARY_ENTRY);
   if (entry == nullptr) throw std::runtime_error(dlerror());
@@ -71,6 +89,7 @@ LawFile::LawFile(const std::string& path)
 std::string LawFile::NameOf(const std::string& path) {
   const std::string stem = std::filesystem::path(path).stem();
   const std::string prefix = "libvesper_law_";
+  if (path.ends_with(kTextEnding)) return stem;
   return stem.starts_with(prefix) ? stem.substr(prefix.size()) : "";
 }
 
@@ -139,7 +158,10 @@ namespace {
 
 /// A host with one thread that discards log lines.
 const vesper_host kHost = {
-    sizeof(vesper_host), 0, nullptr, [](void*, uint32_t, const char*) {},
+    sizeof(vesper_host),
+    0,
+    nullptr,
+    [](void*, uint32_t, const char*) {},
     [](void*, uint64_t count, uint64_t grain, void (*body)(void*, uint64_t, uint64_t), void* user) {
       if (grain == 0) grain = count;
       for (uint64_t begin = 0; begin < count; begin += grain) {
@@ -152,6 +174,12 @@ void Check(vesper_status status, const vesper_error& error) {
   if (status != VESPER_OK) throw std::runtime_error(error.message);
 }
 
+vesper_host HostFor(const vesper_law_library* library) {
+  vesper_host host = kHost;
+  host.user = library == nullptr ? nullptr : library->user;
+  return host;
+}
+
 vesper_suite* Open(const vesper_law_library* library) {
   if (library == nullptr || library->open == nullptr) return nullptr;
   vesper_suite* suite = nullptr;
@@ -162,14 +190,14 @@ vesper_suite* Open(const vesper_law_library* library) {
 
 bool Defers(const vesper_property_use& use) { return (use.flags & VESPER_USE_DEFERRED) != 0; }
 
-vesper_law* Create(const vesper_law_desc& desc, vesper_suite* suite) {
+vesper_law* Create(const vesper_law_desc& desc, const vesper_host& host, vesper_suite* suite) {
   std::vector<double> parameters;
   for (const auto& parameter : std::span(desc.parameters, desc.parameter_count)) {
     parameters.push_back(parameter.default_value);
   }
   vesper_law* law = nullptr;
   vesper_error error{};
-  Check(desc.create(&kHost, suite, parameters.data(), &law, &error), error);
+  Check(desc.create(&host, suite, parameters.data(), &law, &error), error);
   return law;
 }
 
@@ -178,9 +206,10 @@ vesper_law* Create(const vesper_law_desc& desc, vesper_suite* suite) {
 BareLaw::BareLaw(const vesper_law_desc& desc, const std::vector<vesper_property>& properties,
                  const vesper_law_library* library)
     : desc_(desc),
+      host_(HostFor(library)),
       properties_(properties),
       suite_(Open(library), Close{library}),
-      law_(Create(desc, suite_.get()), Destroy{&desc}) {
+      law_(Create(desc, host_, suite_.get()), Destroy{&desc}) {
   Bind();
 }
 

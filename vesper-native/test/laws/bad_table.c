@@ -49,7 +49,7 @@ static vesper_law_desc laws[] = {
 static const vesper_field_desc fields[] = {
     {sizeof(vesper_field_desc), 3, "wind", "A field.", VESPER_UNIT_ONE, NULL}};
 static vesper_law_library library = {
-    sizeof library, VESPER_ABI_VERSION, "bad_table", 2, 0, laws, NULL, NULL, 0, 0, NULL};
+    sizeof library, VESPER_ABI_VERSION, "bad_table", 2, 0, laws, NULL, NULL, 0, 0, NULL, NULL};
 
 const vesper_law_library* vesper_law_library_entry(void) {
   switch (DEFECT) {

@@ -50,7 +50,7 @@ static const vesper_property_use kUses[] = {REAL_USE("mass", 1, VESPER_READ, VES
 static const vesper_law_desc kLaws[] = {
     LAW("bomb", VESPER_PHASE_OBSERVE, 0, kUses, USE_COUNT, NULL, 0, Create, Bind, Act)};
 static vesper_law_library library = {
-    sizeof library, VESPER_ABI_VERSION, "bomb", 1, 0, kLaws, NULL, NULL, 0, 0, NULL};
+    sizeof library, VESPER_ABI_VERSION, "bomb", 1, 0, kLaws, NULL, NULL, 0, 0, NULL, NULL};
 
 const vesper_law_library* vesper_law_library_entry(void) {
 #if BOMB == CRASH_IN_ENTRY

@@ -36,7 +36,7 @@ static void Fill(uint64_t* library_memory) {
                                  LAW("late", VESPER_PHASE_OBSERVE, 0, (void*)uses, USE_COUNT,
                                      (void*)parameters, 1, Create, Bind, Act)};
   const vesper_law_library library = {
-      sizeof library, (1u << 16) | MINOR, NAME, 2, 0, (void*)laws, NULL, NULL, 0, 0, NULL};
+      sizeof library, (1u << 16) | MINOR, NAME, 2, 0, (void*)laws, NULL, NULL, 0, 0, NULL, NULL};
   const uint32_t law_size = SIZE(vesper_law_desc, 112);
   memset(laws, 0xff, sizeof laws); /* the bytes after a table do not belong to it */
   for (int i = 0; i < 2; ++i) {

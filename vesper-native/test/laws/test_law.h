@@ -95,6 +95,7 @@ static inline void Destroy(vesper_law* law) { free(law); }
                                                close,                      \
                                                0,                          \
                                                0,                          \
+                                               NULL,                       \
                                                NULL};                      \
     return &library;                                                       \
   }

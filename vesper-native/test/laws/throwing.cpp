@@ -45,7 +45,8 @@ constexpr vesper_law_desc kLaw = {sizeof(vesper_law_desc),
                                   0,
                                   0};
 constexpr vesper_law_library kLibrary = {
-    sizeof kLibrary, VESPER_ABI_VERSION, "throwing", 1, 0, &kLaw, nullptr, nullptr, 0, 0, nullptr};
+    sizeof kLibrary, VESPER_ABI_VERSION, "throwing", 1, 0, &kLaw, nullptr, nullptr, 0, 0, nullptr,
+    nullptr};
 
 }  // namespace
 

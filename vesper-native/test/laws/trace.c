@@ -19,7 +19,7 @@ static const vesper_property_use kUses[] = {
 static vesper_law_desc laws[] = {
     LAW(NAME, PHASE, STAGES, kUses, USE_COUNT, NULL, 0, Create, Bind, Act)};
 static vesper_law_library library = {
-    sizeof library, VESPER_ABI_VERSION, NAME, 1, 0, laws, NULL, NULL, 0, 0, NULL};
+    sizeof library, VESPER_ABI_VERSION, NAME, 1, 0, laws, NULL, NULL, 0, 0, NULL, NULL};
 
 const vesper_law_library* vesper_law_library_entry(void) {
 #ifdef FIRST_STAGE

@@ -173,6 +173,7 @@ const vesper_law_library* vesper_law_library_entry(void) {
                                              Close,
                                              0,
                                              0,
+                                             NULL,
                                              NULL};
   return &library;
 }

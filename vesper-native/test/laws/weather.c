@@ -40,6 +40,6 @@ static const vesper_field_desc kFields[] = {
 
 const vesper_law_library* vesper_law_library_entry(void) {
   static const vesper_law_library library = {
-      sizeof library, VESPER_ABI_VERSION, "weather", 1, 0, kLaws, Open, Close, 1, 0, kFields};
+      sizeof library, VESPER_ABI_VERSION, "weather", 1, 0, kLaws, Open, Close, 1, 0, kFields, NULL};
   return &library;
 }

@@ -51,7 +51,8 @@ constexpr vesper_law_desc kLaws[] = {{sizeof(vesper_law_desc),
                                       nullptr,
                                       nullptr}};
 constexpr vesper_law_library kLibrary = {
-    sizeof kLibrary, VESPER_ABI_VERSION, "outside", 1, 0, kLaws, nullptr, nullptr, 0, 0, nullptr};
+    sizeof kLibrary, VESPER_ABI_VERSION, "outside", 1, 0, kLaws, nullptr, nullptr, 0, 0, nullptr,
+    nullptr};
 
 }  // namespace
 

@@ -51,8 +51,8 @@ void Checker::OpenJoined(const Block& block) {
       if (participants_.size() == block.participants.size()) break;
       const Name& name = block.participants[participants_.size()];
       if (IsProperty(row_kind_, name.word)) {
-        problems_.Fail(name.span, "'" + name.word + "' is a property of " + Plural(row_kind_) +
-                                      " already",
+        problems_.Fail(name.span,
+                       "'" + name.word + "' is a property of " + Plural(row_kind_) + " already",
                        "choose another name for the row that it refers to");
       }
       RequireNewName(name);
@@ -65,10 +65,9 @@ void Checker::OpenJoined(const Block& block) {
   }
   if (participants_.size() < block.participants.size()) {
     problems_.Fail(block.participants[participants_.size()].span,
-                   participants_.empty()
-                       ? Plural(row_kind_) + " refer to no other rows"
-                       : Plural(row_kind_) + " refer to " + std::to_string(participants_.size()) +
-                             " rows only");
+                   participants_.empty() ? Plural(row_kind_) + " refer to no other rows"
+                                         : Plural(row_kind_) + " refer to " +
+                                               std::to_string(participants_.size()) + " rows only");
   }
   if (participants_.size() == 2 && participants_[0].second == participants_[1].second) {
     OpenSeparation(block);
@@ -101,7 +100,8 @@ void Checker::OpenPairs(const Block& block) {
   RequireNumber(within, "a distance");
   RequireUnit(within, kLength, "the distance behind 'within'");
   if (!graph_[within.node[0]].uniform) {
-    problems_.Fail(block.within->span, "the distance behind 'within' must be the same for all pairs",
+    problems_.Fail(block.within->span,
+                   "the distance behind 'within' must be the same for all pairs",
                    "use parameters and constants here, and a condition in the block: if " +
                        std::string("r < ") + Source(block.within->span) + ":");
   }
@@ -134,9 +134,8 @@ void Checker::OpenSeparation(const Block& block) {
   }
   distance_ = graph_.Sqrt(square);
   const NodeId zero = graph_.Constant(0);
-  const NodeId inverse =
-      graph_.Select(graph_.Binary(Operation::kLess, zero, distance_),
-                    graph_.Divide(graph_.Constant(1), distance_), zero);
+  const NodeId inverse = graph_.Select(graph_.Binary(Operation::kEqual, distance_, zero), zero,
+                                       graph_.Divide(graph_.Constant(1), distance_));
   for (uint32_t i = 0; i < 3; ++i) direction_[i] = graph_.Multiply(inverse, separation_[i]);
   if (block.distance) {
     RequireNewName(*block.distance);
@@ -204,8 +203,7 @@ void Checker::CheckLet(const Statement& statement) {
 void Checker::CheckIf(const Statement& statement, Effects& effects) {
   const Value condition = Evaluate(*statement.value);
   if (!condition.condition) {
-    problems_.Fail(condition.span,
-                   Quoted(condition.span) + " is no condition",
+    problems_.Fail(condition.span, Quoted(condition.span) + " is no condition",
                    "compare two values, such as: if r < 1 m:");
   }
   const auto branch = [&](const std::vector<Statement>& statements) {
@@ -247,9 +245,9 @@ void Checker::CheckIf(const Statement& statement, Effects& effects) {
     if (!is_new) found->second.first = graph_.Add(found->second.first, chosen);
   }
   if (then.energy != kNoNode || otherwise.energy != kNoNode) {
-    const NodeId chosen = graph_.Select(condition.node[0],
-                                        then.energy == kNoNode ? zero : then.energy,
-                                        otherwise.energy == kNoNode ? zero : otherwise.energy);
+    const NodeId chosen =
+        graph_.Select(condition.node[0], then.energy == kNoNode ? zero : then.energy,
+                      otherwise.energy == kNoNode ? zero : otherwise.energy);
     effects.energy = effects.energy == kNoNode ? chosen : graph_.Add(effects.energy, chosen);
     effects.energy_span = then.energy == kNoNode ? otherwise.energy_span : then.energy_span;
   }
@@ -274,9 +272,8 @@ void Checker::Assign(const Statement& statement, Effects& effects) {
     target = target->parts[0].get();
   }
   if (target->kind == ExpressionKind::kMember) {
-    const int found = target->parts[0]->kind == ExpressionKind::kName
-                          ? participant_of(*target->parts[0])
-                          : -1;
+    const int found =
+        target->parts[0]->kind == ExpressionKind::kName ? participant_of(*target->parts[0]) : -1;
     if (found < 0) {
       problems_.Fail(statement.target->span,
                      Quoted(statement.target->span) + " is nothing that can be set");
@@ -285,23 +282,29 @@ void Checker::Assign(const Statement& statement, Effects& effects) {
     name = target->word;
   } else {
     name = target->word;
-    const bool is_let = std::any_of(lets_.begin(), lets_.end(),
-                                    [&](const auto& let) { return let.first == name; });
+    const bool is_let =
+        std::any_of(lets_.begin(), lets_.end(), [&](const auto& let) { return let.first == name; });
     const bool is_parameter =
         std::any_of(parameters_.begin(), parameters_.end(),
                     [&](const Parameter& parameter) { return parameter.name == name; });
-    if (is_let || ((is_parameter || name == "dt" || name == "time" || name == "stage" || name == "pi") &&
-                   !IsProperty(row_kind_, name))) {
+    if (is_let ||
+        ((is_parameter || name == "dt" || name == "time" || name == "stage" || name == "pi") &&
+         !IsProperty(row_kind_, name))) {
       problems_.Fail(target->span, "'" + name + "' keeps its value in a step and cannot be set",
                      is_let ? "give the new value another name: let " + name + "2 = …" : "");
     }
     if (!IsProperty(row_kind_, name)) {
+      if (participant_of(*target) >= 0) {
+        problems_.Fail(target->span, "'" + name + "' is a whole row, expected a property of it",
+                       "write " + name + ".force, for example");
+      }
       if (IsProperty(world_kind_, name)) {
-        problems_.Fail(target->span, "'" + name + "' is a constant of the world; laws only read it");
+        problems_.Fail(target->span,
+                       "'" + name + "' is a constant of the world; laws only read it");
       }
       if (statement.kind == StatementKind::kAssign && participants_.empty()) {
         const std::vector<std::string> names = NamesInScope();
-        const std::string* nearest = NearestName(name, names);
+        const std::string* nearest = name.size() > 2 ? NearestName(name, names) : nullptr;
         problems_.Fail(target->span, Plural(row_kind_) + " have no '" + name + "'",
                        nearest != nullptr ? "did you mean '" + *nearest + "'?"
                                           : "a new name begins with let: let " + name + " = …");
@@ -340,13 +343,15 @@ void Checker::Assign(const Statement& statement, Effects& effects) {
       return count == 1 ? "a number" : count == 3 ? "a vector" : "a rotation";
     };
     std::string hint;
-    if (components == 3) hint = "write (x, y, z) " + UnitName(use.dimension) + ", or multiply it with a direction";
+    if (components == 3)
+      hint = "write (x, y, z) " + UnitName(use.dimension) + ", or multiply it with a direction";
     if (components == 1 && value.components == 3) {
       hint = "write |" + Source(value.span) + "| for its length, or (" + Source(value.span) +
              ").x for a component";
     }
-    problems_.Fail(value.span, Quoted(value.span) + " is " + kind(value.components) + ", but " +
-                                   Quoted(statement.target->span) + " is " + kind(components),
+    problems_.Fail(value.span,
+                   Quoted(value.span) + " is " + kind(value.components) + ", but " +
+                       Quoted(statement.target->span) + " is " + kind(components),
                    hint);
   }
   RequireUnit(value, use.dimension, Quoted(statement.target->span));
@@ -367,19 +372,20 @@ void Checker::Assign(const Statement& statement, Effects& effects) {
                      "write += to add to it");
     }
   } else if ((allowed & VESPER_WRITE) == 0) {
-    problems_.Fail(target->span, "'" + name + "' is only read by laws; the world's designer sets it");
+    problems_.Fail(target->span,
+                   "'" + name + "' is only read by laws; the world's designer sets it");
   }
   const bool shared = participant != kOwnRow;
   if (shared && !adds) {
-    problems_.Fail(statement.span,
-                   "several " + (pass_->kind == BlockKind::kPairs ? std::string("pairs")
-                                                                  : Plural(row_kind_)) +
-                       " may share one row, so " + Quoted(statement.target->span) +
-                       " cannot be set here",
-                   "write += or -=, or set it in a block of its own: each " +
-                       prototype_.kinds()[KindOfParticipant(participant)] + ":");
+    problems_.Fail(
+        statement.span,
+        "several " + (pass_->kind == BlockKind::kPairs ? std::string("pairs") : Plural(row_kind_)) +
+            " may share one row, so " + Quoted(statement.target->span) + " cannot be set here",
+        "write += or -=, or set it in a block of its own: each " +
+            prototype_.kinds()[KindOfParticipant(participant)] + ":");
   }
   added_force_ = added_force_ || use.accumulator;
+  if (use.set_at.end == 0) code_.properties[property].set_at = target->span;
   for (uint16_t i = 0; i < components; ++i) {
     const Load load{participant, property, static_cast<uint16_t>(first + i)};
     NodeId node = value.node[i];
@@ -390,7 +396,8 @@ void Checker::Assign(const Statement& statement, Effects& effects) {
     } else {
       const auto found = effects.stored.find(load);
       if (adds) {
-        const NodeId now = found != effects.stored.end() ? found->second.first : graph_.LoadOf(load);
+        const NodeId now =
+            found != effects.stored.end() ? found->second.first : graph_.LoadOf(load);
         node = graph_.Add(now, node);
       }
       effects.stored.insert_or_assign(load, std::pair(node, statement.span));
@@ -404,11 +411,12 @@ void Checker::AssignEnergy(const Statement& statement, Effects& effects) {
   RequireNumber(value, "an energy");
   RequireUnit(value, kEnergy, "an energy");
   if (statement.kind == StatementKind::kAssign && effects.energy != kNoNode) {
-    problems_.Fail(statement.span, "the energy of this block is set already", "write += to add to it");
+    problems_.Fail(statement.span, "the energy of this block is set already",
+                   "write += to add to it");
   }
   graph_.At(statement.span);
-  const NodeId node = statement.kind == StatementKind::kSubtract ? graph_.Negate(value.node[0])
-                                                                 : value.node[0];
+  const NodeId node =
+      statement.kind == StatementKind::kSubtract ? graph_.Negate(value.node[0]) : value.node[0];
   effects.energy = effects.energy == kNoNode ? node : graph_.Add(effects.energy, node);
   effects.energy_span = statement.span;
 }
@@ -430,8 +438,11 @@ void Checker::AssignPull(const Statement& statement, Effects& effects) {
   }
   RequireNumber(value, "'" + name + "'");
   RequireUnit(value, kForce, "'" + name + "'");
-  if (statement.kind == StatementKind::kAssign && effects.added.contains({kFirst, UseProperty(FindProperty(participants_[0].second, "externalForce")), 0})) {
-    problems_.Fail(statement.span, "a force between the two is set already", "write += to add to it");
+  if (statement.kind == StatementKind::kAssign &&
+      effects.added.contains(
+          {kFirst, UseProperty(FindProperty(participants_[0].second, "externalForce")), 0})) {
+    problems_.Fail(statement.span, "a force between the two is set already",
+                   "write += to add to it");
   }
   graph_.At(statement.span);
   NodeId pull = value.node[0];
@@ -478,7 +489,8 @@ NodeId Checker::EnergyAtEdge(const Block& block, NodeId energy, Span span) {
       graph_.Divide(graph_.Subtract(distance_, begin), graph_.Subtract(pass_->within, begin)));
   const NodeId inner = graph_.Add(
       graph_.Constant(-10),
-      graph_.Multiply(t, graph_.Subtract(graph_.Constant(15), graph_.Multiply(graph_.Constant(6), t))));
+      graph_.Multiply(
+          t, graph_.Subtract(graph_.Constant(15), graph_.Multiply(graph_.Constant(6), t))));
   return graph_.Multiply(
       energy, graph_.Add(graph_.Constant(1), graph_.Multiply(graph_.WholePower(t, 3), inner)));
 }
@@ -496,13 +508,14 @@ void Checker::FinishEnergy(const Block& block, Effects& effects) {
       wanted.push_back(load);
     } else if (use.name == "velocity" || use.name == "angularVelocity" ||
                use.name == "orientation") {
-      problems_.Fail(span, "an energy depends on positions only, but this one depends on '" +
-                               use.name + "'",
-                     "write the force itself: force += …");
+      problems_.Fail(
+          span, "an energy depends on positions only, but this one depends on '" + use.name + "'",
+          "write the force itself: force += …");
     }
   }
   if (wanted.empty()) {
-    problems_.Fail(span, "the energy depends on no position of a body, so no force follows from it");
+    problems_.Fail(span,
+                   "the energy depends on no position of a body, so no force follows from it");
   }
   std::sort(wanted.begin(), wanted.end());
   std::map<Load, NodeId> gradient = graph_.Gradient(energy, wanted);

@@ -19,16 +19,16 @@ struct Function {
 };
 
 constexpr Function kFunctions[] = {
-    {"sqrt", 1, Units::kSqrt, Operation::kSqrt},     {"abs", 1, Units::kSame, Operation::kAbs},
-    {"sign", 1, Units::kIgnored, Operation::kLess},  {"floor", 1, Units::kPlain, Operation::kFloor},
-    {"min", 2, Units::kSame, Operation::kMin},       {"max", 2, Units::kSame, Operation::kMax},
-    {"clamp", 3, Units::kSame, Operation::kMin},     {"sin", 1, Units::kPlain, Operation::kSin},
-    {"cos", 1, Units::kPlain, Operation::kCos},      {"tan", 1, Units::kPlain, Operation::kTan},
-    {"asin", 1, Units::kPlain, Operation::kAsin},    {"acos", 1, Units::kPlain, Operation::kAcos},
-    {"atan", 1, Units::kPlain, Operation::kAtan},    {"atan2", 2, Units::kAngle, Operation::kAtan2},
-    {"exp", 1, Units::kPlain, Operation::kExp},      {"ln", 1, Units::kPlain, Operation::kLn},
-    {"log10", 1, Units::kPlain, Operation::kLn},     {"tanh", 1, Units::kPlain, Operation::kTanh},
-    {"sinh", 1, Units::kPlain, Operation::kExp},     {"cosh", 1, Units::kPlain, Operation::kExp}};
+    {"sqrt", 1, Units::kSqrt, Operation::kSqrt},    {"abs", 1, Units::kSame, Operation::kAbs},
+    {"sign", 1, Units::kIgnored, Operation::kLess}, {"floor", 1, Units::kPlain, Operation::kFloor},
+    {"min", 2, Units::kSame, Operation::kMin},      {"max", 2, Units::kSame, Operation::kMax},
+    {"clamp", 3, Units::kSame, Operation::kMin},    {"sin", 1, Units::kPlain, Operation::kSin},
+    {"cos", 1, Units::kPlain, Operation::kCos},     {"tan", 1, Units::kPlain, Operation::kTan},
+    {"asin", 1, Units::kPlain, Operation::kAsin},   {"acos", 1, Units::kPlain, Operation::kAcos},
+    {"atan", 1, Units::kPlain, Operation::kAtan},   {"atan2", 2, Units::kAngle, Operation::kAtan2},
+    {"exp", 1, Units::kPlain, Operation::kExp},     {"ln", 1, Units::kPlain, Operation::kLn},
+    {"log10", 1, Units::kPlain, Operation::kLn},    {"tanh", 1, Units::kPlain, Operation::kTanh},
+    {"sinh", 1, Units::kPlain, Operation::kExp},    {"cosh", 1, Units::kPlain, Operation::kExp}};
 
 struct VectorFunction {
   std::string_view name;
@@ -61,9 +61,9 @@ Value Checker::EvaluateCall(const Expression& tree) {
 }
 
 Value Checker::CallOnNumbers(const Expression& tree, std::vector<Value>& arguments) {
-  const auto& function = *std::find_if(
-      std::begin(kFunctions), std::end(kFunctions),
-      [&](const Function& known) { return known.name == tree.word; });
+  const auto& function =
+      *std::find_if(std::begin(kFunctions), std::end(kFunctions),
+                    [&](const Function& known) { return known.name == tree.word; });
   const bool any_number = tree.word == "min" || tree.word == "max";
   if (any_number ? arguments.size() < 2 : arguments.size() != function.arguments) {
     problems_.Fail(tree.span, tree.word + " takes " + std::to_string(function.arguments) +
@@ -93,30 +93,29 @@ Value Checker::CallOnNumbers(const Expression& tree, std::vector<Value>& argumen
     return value;
   }
   if (tree.word == "clamp") {
-    value.node[0] = graph_.Binary(
-        Operation::kMin, graph_.Binary(Operation::kMax, a, arguments[1].node[0]),
-        arguments[2].node[0]);
+    value.node[0] =
+        graph_.Binary(Operation::kMin, graph_.Binary(Operation::kMax, a, arguments[1].node[0]),
+                      arguments[2].node[0]);
     return value;
   }
   if (tree.word == "sign") {
     value.dimension = kNumber;
-    value.node[0] =
-        graph_.Select(graph_.Binary(Operation::kLess, zero, a), one,
-                      graph_.Select(graph_.Binary(Operation::kLess, a, zero), graph_.Constant(-1),
-                                    zero));
+    value.node[0] = graph_.Select(
+        graph_.Binary(Operation::kLess, zero, a), one,
+        graph_.Select(graph_.Binary(Operation::kLess, a, zero), graph_.Constant(-1), zero));
     return value;
   }
   if (tree.word == "log10") {
-    value.node[0] = graph_.Multiply(graph_.Unary(Operation::kLn, a),
-                                    graph_.Constant(0.43429448190325182765));
+    value.node[0] =
+        graph_.Multiply(graph_.Unary(Operation::kLn, a), graph_.Constant(0.43429448190325182765));
     return value;
   }
   if (tree.word == "sinh" || tree.word == "cosh") {
     const NodeId grown = graph_.Unary(Operation::kExp, a);
     const NodeId shrunk = graph_.Unary(Operation::kExp, graph_.Negate(a));
-    value.node[0] = graph_.Multiply(
-        graph_.Constant(0.5),
-        tree.word == "sinh" ? graph_.Subtract(grown, shrunk) : graph_.Add(grown, shrunk));
+    value.node[0] =
+        graph_.Multiply(graph_.Constant(0.5), tree.word == "sinh" ? graph_.Subtract(grown, shrunk)
+                                                                  : graph_.Add(grown, shrunk));
     return value;
   }
   if (function.arguments == 2) {
@@ -136,9 +135,9 @@ Value Checker::CallOnNumbers(const Expression& tree, std::vector<Value>& argumen
 }
 
 Value Checker::CallOnVectors(const Expression& tree, std::vector<Value>& arguments) {
-  const auto& function = *std::find_if(
-      std::begin(kVectorFunctions), std::end(kVectorFunctions),
-      [&](const VectorFunction& known) { return known.name == tree.word; });
+  const auto& function =
+      *std::find_if(std::begin(kVectorFunctions), std::end(kVectorFunctions),
+                    [&](const VectorFunction& known) { return known.name == tree.word; });
   const auto fits = [&](size_t i, uint32_t components) {
     return arguments[i].components == components;
   };
@@ -157,10 +156,9 @@ Value Checker::CallOnVectors(const Expression& tree, std::vector<Value>& argumen
   if (!right) {
     std::string found;
     for (const Value& argument : arguments) {
-      found += (found.empty() ? "" : ", ") +
-               std::string(argument.IsVector()     ? "a vector"
-                           : argument.IsRotation() ? "a rotation"
-                                                   : "a number");
+      found += (found.empty() ? "" : ", ") + std::string(argument.IsVector()     ? "a vector"
+                                                         : argument.IsRotation() ? "a rotation"
+                                                                                 : "a number");
     }
     problems_.Fail(tree.span, "found " + tree.word + "(" + found + "), expected " + function.form);
   }

@@ -21,7 +21,8 @@ std::string KindOfValue(const Value& value) {
 
 std::string KindAndUnit(const Value& value) {
   if (value.condition || value.IsRotation()) return KindOfValue(value);
-  if (value.dimension.IsOne()) return value.IsVector() ? "a vector of plain numbers" : "a plain number";
+  if (value.dimension.IsOne())
+    return value.IsVector() ? "a vector of plain numbers" : "a plain number";
   return (value.IsVector() ? "a vector in " : "") + Describe(value.dimension);
 }
 
@@ -52,12 +53,12 @@ void Checker::RequireQuantity(const Value& value) {
 void Checker::RequireNumber(const Value& value, const std::string& where) {
   RequireQuantity(value);
   if (value.components == 1) return;
-  problems_.Fail(value.span,
-                 Quoted(value.span) + " is " + KindOfValue(value) + ", but " + where +
-                     " takes a number",
-                 value.IsVector() ? "write |" + Source(value.span) + "| for its length, or (" +
-                                        Source(value.span) + ").x for a component"
-                                  : "");
+  problems_.Fail(
+      value.span,
+      Quoted(value.span) + " is " + KindOfValue(value) + ", but " + where + " takes a number",
+      value.IsVector() ? "write |" + Source(value.span) + "| for its length, or (" +
+                             Source(value.span) + ").x for a component"
+                       : "");
 }
 
 void Checker::RequireUnit(Value& value, const Dimension& expected, const std::string& what) {
@@ -103,8 +104,7 @@ void Checker::CheckUnitSymbols(const Expression& tree) {
     if (!known) continue;
     std::string number = Source(tree.span);
     number = number.substr(0, number.find(' '));
-    problems_.Fail(tree.span,
-                   "'" + symbol + "' is a unit here, but also a name of this law",
+    problems_.Fail(tree.span, "'" + symbol + "' is a unit here, but also a name of this law",
                    "write " + number + " * " + symbol + " for the name, or call it otherwise");
   }
 }
@@ -224,10 +224,10 @@ Value Checker::EvaluateMember(const Expression& tree) {
   const std::string_view names = value.IsRotation() ? "xyzw" : "xyz";
   const size_t component = tree.word.size() == 1 ? names.find(tree.word[0]) : std::string::npos;
   if (value.components == 1 || component == std::string::npos) {
-    problems_.Fail(tree.span,
-                   Quoted(outer.span) + " is " + KindOfValue(value) + " and has no '" + tree.word +
-                       "'",
-                   value.components == 1 ? "" : "its components are x, y and z");
+    problems_.Fail(
+        tree.span,
+        Quoted(outer.span) + " is " + KindOfValue(value) + " and has no '" + tree.word + "'",
+        value.components == 1 ? "" : "its components are x, y and z");
   }
   uses_axes_ = true;
   Value one = Number(value.node[component], value.dimension, tree.span);
@@ -264,15 +264,19 @@ Value Checker::EvaluateBinary(const Expression& tree) {
 Value Checker::EvaluateSum(const Expression& tree, Value left, Value right) {
   const std::string what = tree.word == "+" ? "added" : "subtracted";
   const auto is_zero = [](const Value& value) { return value.any_unit && value.components == 1; };
-  if (is_zero(left) && right.components == 3) left = {right.dimension, 3, false, true, {left.node[0], left.node[0], left.node[0]}, left.span};
-  if (is_zero(right) && left.components == 3) right = {left.dimension, 3, false, true, {right.node[0], right.node[0], right.node[0]}, right.span};
-  if (left.components != right.components && (left.dimension == right.dimension || left.any_unit || right.any_unit)) {
+  if (is_zero(left) && right.components == 3)
+    left = {right.dimension, 3, false, true, {left.node[0], left.node[0], left.node[0]}, left.span};
+  if (is_zero(right) && left.components == 3)
+    right = {left.dimension, 3, false, true, {right.node[0], right.node[0], right.node[0]},
+             right.span};
+  if (left.components != right.components &&
+      (left.dimension == right.dimension || left.any_unit || right.any_unit)) {
     const Value& vector = left.components > right.components ? left : right;
     problems_.Fail(tree.span,
                    Quoted(left.span) + " is " + KindAndUnit(left) + " and " + Quoted(right.span) +
                        " is " + KindAndUnit(right) + ": they cannot be " + what,
-                   "write |" + Source(vector.span) + "| for the length of the vector, or a vector (" +
-                       "x, y, z) for the number");
+                   "write |" + Source(vector.span) +
+                       "| for the length of the vector, or a vector (" + "x, y, z) for the number");
   }
   RequireSameUnit(left, right, what, tree.span);
   if (left.components != right.components) return left;
@@ -328,9 +332,10 @@ Value Checker::EvaluateProduct(const Expression& tree, const Value& left, const 
       const auto& b = right.node;
       for (uint32_t i = 0; i < 3; ++i) {
         const uint32_t j = (i + 1) % 3, k = (i + 2) % 3;
-        const NodeId cross = graph_.Subtract(graph_.Multiply(a[j], b[k]), graph_.Multiply(a[k], b[j]));
-        product.node[i] = graph_.Add(
-            graph_.Add(graph_.Multiply(a[3], b[i]), graph_.Multiply(b[3], a[i])), cross);
+        const NodeId cross =
+            graph_.Subtract(graph_.Multiply(a[j], b[k]), graph_.Multiply(a[k], b[j]));
+        product.node[i] =
+            graph_.Add(graph_.Add(graph_.Multiply(a[3], b[i]), graph_.Multiply(b[3], a[i])), cross);
       }
       NodeId w = graph_.Multiply(a[3], b[3]);
       for (uint32_t i = 0; i < 3; ++i) w = graph_.Subtract(w, graph_.Multiply(a[i], b[i]));
@@ -388,9 +393,10 @@ Value Checker::EvaluatePower(const Expression& tree) {
     if (base.IsVector() && whole && n == 2) {
       return Number(DotOf(base, base), base.dimension * base.dimension, tree.span);
     }
-    problems_.Fail(tree.span, Quoted(base.span) + " is " + KindOfValue(base) +
-                                  ": only its square has a meaning",
-                   "write |" + Source(base.span) + "| for its length");
+    problems_.Fail(
+        tree.span,
+        Quoted(base.span) + " is " + KindOfValue(base) + ": only its square has a meaning",
+        "write |" + Source(base.span) + "| for its length");
   }
   Dimension dimension;
   int twelfths = 0;
@@ -444,8 +450,8 @@ Value Checker::EvaluateComparison(const Expression& tree, const Value& left, con
 
 Value Checker::EvaluateTuple(const Expression& tree) {
   if (tree.parts.size() != 3) {
-    problems_.Fail(tree.span, "a vector has three components, found " +
-                                  std::to_string(tree.parts.size()),
+    problems_.Fail(tree.span,
+                   "a vector has three components, found " + std::to_string(tree.parts.size()),
                    "write (x, y, z); y points up");
   }
   CheckUnitSymbols(tree);
@@ -529,8 +535,8 @@ Value Checker::LengthOf(const Value& vector, Span span) {
 Value Checker::DirectionOf(const Value& vector, Span span) {
   const NodeId length = graph_.Sqrt(DotOf(vector, vector));
   const NodeId zero = graph_.Constant(0);
-  const NodeId inverse = graph_.Select(graph_.Binary(Operation::kLess, zero, length),
-                                       graph_.Divide(graph_.Constant(1), length), zero);
+  const NodeId inverse = graph_.Select(graph_.Binary(Operation::kEqual, length, zero), zero,
+                                       graph_.Divide(graph_.Constant(1), length));
   Value direction = vector;
   direction.dimension = kNumber;
   for (uint32_t i = 0; i < vector.components; ++i) {

@@ -24,8 +24,18 @@ constexpr UsualName kUsualNames[] = {
     {"damping", "spring", "dampingConstant"},
 };
 
-constexpr std::string_view kBuiltIn[] = {"dt", "time", "pi", "stage", "energy", "attraction",
-                                         "repulsion"};
+/// Letters of textbooks for properties and constants.
+constexpr std::pair<std::string_view, std::string_view> kLetters[] = {
+    {"m", "mass"},          {"M", "mass"},           {"v", "velocity"},
+    {"x", "position"},      {"q", "charge"},         {"Q", "charge"},
+    {"F", "force"},         {"g", "gravity"},        {"G", "gravitationalConstant"},
+    {"E", "electricField"}, {"B", "magneticField"},  {"t", "time"},
+    {"I", "inertia"},       {"k", "springConstant"}, {"omega", "angularVelocity"},
+    {"L", "length"},
+};
+
+constexpr std::string_view kBuiltIn[] = {"dt",     "time",       "pi",       "stage",
+                                         "energy", "attraction", "repulsion"};
 
 bool IsUnitSymbol(std::string_view name) {
   try {
@@ -103,8 +113,7 @@ uint16_t Checker::UseProperty(uint32_t property) {
 
 uint16_t Checker::UseOwned(size_t owned) {
   const Owned& declared = owned_[owned];
-  const std::string key =
-      prototype_.kinds()[declared.kind] + "." + declared.tree->name.word;
+  const std::string key = prototype_.kinds()[declared.kind] + "." + declared.tree->name.word;
   for (const auto& [known, place] : used_) {
     if (known == key) return place;
   }
@@ -154,8 +163,10 @@ uint16_t Checker::Resolve(uint16_t participant, const std::string& name, Span sp
   }
   const PropertySpec& spec = prototype_.properties()[property];
   if (IsField(spec.type)) {
-    problems_.Fail(span, "'" + name + "' is a field, a function of the place; a law as text cannot "
-                                      "evaluate fields",
+    problems_.Fail(span,
+                   "'" + name +
+                       "' is a field, a function of the place; a law as text cannot "
+                       "evaluate fields",
                    "a compiled law can, see docs/writing-a-law.md");
   }
   if (!IsReal(spec.type) && spec.refers_to == kNone) {
@@ -252,14 +263,24 @@ void Checker::FailUnknown(const std::string& name, Span span) {
   }
   for (const auto& [participant, kind] : participants_) {
     if (!IsProperty(kind, name)) continue;
-    problems_.Fail(span, "'" + name + "' is no property of " + Plural(row_kind_) +
-                             " but of " + Plural(kind),
-                   "write " + participant + "." + name);
+    problems_.Fail(
+        span, "'" + name + "' is no property of " + Plural(row_kind_) + " but of " + Plural(kind),
+        "write " + participant + "." + name);
   }
   const std::vector<std::string> names = NamesInScope();
   // Of two letters, another one says nothing.
   const std::string* nearest = name.size() > 2 ? NearestName(name, names) : nullptr;
   std::string hint;
+  if (name == prototype_.kinds()[row_kind_ == kNone ? 0 : row_kind_] && row_kind_ != kNone) {
+    hint = "write the property alone, without '" + name + ".'";
+  }
+  for (const auto& [letter, meaning] : kLetters) {
+    const bool known = std::find(names.begin(), names.end(), meaning) != names.end();
+    if (name == letter && known) {
+      hint = "if it stands for " + std::string(meaning) + ", write " + std::string(meaning) +
+             ", or first: let " + name + " = " + std::string(meaning);
+    }
+  }
   if (IsFunction(name)) hint = "write " + name + "(…)";
   if (name == "length" || name == "norm" || name == "magnitude") {
     hint = "the length of a vector v is |v|";
@@ -271,6 +292,16 @@ void Checker::FailUnknown(const std::string& name, Span span) {
       nearest = nullptr;
     }
   }
+  if (hint.empty() && nearest == nullptr && IsUnitSymbol(name)) {
+    hint =
+        "a unit stands behind a number and has no spaces inside, such as 1 " + name + " or 1 N*m";
+  }
+  for (uint32_t kind = 0; kind < prototype_.kinds().size(); ++kind) {
+    if (!hint.empty() || nearest != nullptr || kind == row_kind_ || !IsProperty(kind, name))
+      continue;
+    hint = "it is a property of " + Plural(kind) + "; use it in a block: each " +
+           prototype_.kinds()[kind] + ":";
+  }
   if (hint.empty()) hint = nearest != nullptr ? "did you mean '" + *nearest + "'?" : "";
   if (hint.empty() && block_ == nullptr) {
     hint = "only parameters, constants of the world and numbers have a value here";
@@ -278,8 +309,8 @@ void Checker::FailUnknown(const std::string& name, Span span) {
   if (hint.empty()) {
     hint = "a constant is declared by: parameter " + name + " = VALUE UNIT";
     if (row_kind_ != kNone) {
-      hint += ", a property by: each " + prototype_.kinds()[row_kind_] + " has " + name +
-              " in UNIT";
+      hint +=
+          ", a property by: each " + prototype_.kinds()[row_kind_] + " has " + name + " in UNIT";
     }
   }
   problems_.Fail(span, "nothing here is called '" + name + "'", hint);
@@ -298,6 +329,7 @@ std::string Checker::FactorHint(const std::string& which, const Dimension& found
       candidates.emplace_back(parameter.name, parameter.value.dimension);
     }
   }
+  const size_t own = candidates.size();  // names of the law come first
   candidates.emplace_back("dt", kTime);
   for (const uint32_t kind : {row_kind_, world_kind_}) {
     if (kind == kNone) continue;
@@ -317,7 +349,9 @@ std::string Checker::FactorHint(const std::string& which, const Dimension& found
   const Dimension inverse = Dimension{} / missing;
   std::string hint;
   int found_hints = 0;
-  for (const auto& [name, dimension] : candidates) {
+  for (size_t i = 0; i < candidates.size(); ++i) {
+    const auto& [name, dimension] = candidates[i];
+    if (i == own && !hint.empty()) break;
     if (dimension.IsOne()) continue;
     std::string one;
     if (dimension == missing) one = "multiply " + which + " by " + name;

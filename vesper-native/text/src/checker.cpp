@@ -31,7 +31,7 @@ Checker::Checker(std::string_view text, const LawTree& tree, const Prototype& pr
 
 LawCode Checker::Run() {
   code_.name = tree_.name.word;
-  code_.doc = tree_.doc;
+  code_.doc = tree_.doc.empty() ? "A law as text." : tree_.doc;
   code_.version = tree_.version;
   try {
     Declare();
@@ -52,7 +52,15 @@ LawCode Checker::Run() {
     if (!problems_.empty()) return std::move(code_);
     DerivePhase();
     FinishProperties();
-    if (problems_.empty()) code_.claims = DeriveClaims(code_, uses_axes_);
+    if (!problems_.empty()) return std::move(code_);
+    code_.claims = DeriveClaims(code_, uses_axes_);
+    std::vector<NodeId*> roots;
+    for (PassCode& pass : code_.passes) {
+      for (Output& output : pass.outputs) roots.push_back(&output.value);
+      if (pass.energy != kNoNode) roots.push_back(&pass.energy);
+      if (pass.within != kNoNode) roots.push_back(&pass.within);
+    }
+    graph_.ShareDivisions(roots);
   } catch (const Abandon&) {
   } catch (const TooLarge&) {
     problems_.Add(tree_.name.span, "the law is too large: its formulas have more than 10000 parts");
@@ -123,19 +131,21 @@ void Checker::DeclareParameter(const ParameterTree& tree) {
     ParameterCode code;
     code.name = tree.name.word;
     if (value.components == 3) code.name += std::string("_") + "xyz"[i];
-    code.doc = tree.doc;
+    code.doc = tree.doc.empty() ? "Parameter " + tree.name.word + "." : tree.doc;
     code.dimension = value.dimension;
     code.value = component;
     code.minimum = minimum;
     code.maximum = maximum;
-    if (!value.dimension.IsWhole()) problems_.Fail(tree.value->span, "its unit is no unit of columns");
+    if (!value.dimension.IsWhole())
+      problems_.Fail(tree.value->span, "its unit is no unit of columns");
     const auto same_name = [&](const ParameterCode& known) { return known.name == code.name; };
     if (std::any_of(code_.parameters.begin(), code_.parameters.end(), same_name)) {
       problems_.Fail(tree.name.span, "a parameter '" + code.name + "' is there already");
     }
     parameter.value.node[i] = graph_.Parameter(static_cast<uint32_t>(code_.parameters.size()));
     code_.parameters.push_back(std::move(code));
-    if (code_.parameters.size() > 200) problems_.Fail(tree.name.span, "the law has over 200 parameters");
+    if (code_.parameters.size() > 200)
+      problems_.Fail(tree.name.span, "the law has over 200 parameters");
   }
   parameter.value.any_unit = false;
   parameters_.push_back(std::move(parameter));
@@ -227,8 +237,9 @@ void Checker::DerivePhase() {
     sum += code_.force_weights.back();
   }
   if (code_.force_weights.size() != code_.stages + 1 || std::abs(sum - 1) > 1e-9) {
-    problems_.Fail(tree_.phase->span, "expected one weight before the step and one for each stage, "
-                                      "with the sum 1");
+    problems_.Fail(tree_.phase->span,
+                   "expected one weight before the step and one for each stage, "
+                   "with the sum 1");
   }
 }
 
@@ -245,9 +256,11 @@ void Checker::FinishProperties() {
         PropertyCode& use = code_.properties[load.property];
         use.read = true;
         if (use.accumulator && code_.phase == VESPER_PHASE_FORCE) {
-          problems_.Fail(graph_[root].span,
-                         "'" + use.name + "' is being summed by the laws of phase force, so this "
-                                          "law cannot read it");
+          const Span span = graph_[graph_.LoadOf(load)].span;
+          problems_.Fail(span,
+                         Quoted(span) +
+                             " is being summed by the laws of phase force, so this law cannot "
+                             "read it");
         }
       }
     }
@@ -261,8 +274,8 @@ void Checker::FinishProperties() {
             std::count_if(pass.outputs.begin(), pass.outputs.end(), [&](const Output& other) {
               return other.to.property == output.to.property && !other.add;
             }));
-        const bool every_row = components == use.components && !pass.stage &&
-                               pass.kind == BlockKind::kRows;
+        const bool every_row =
+            components == use.components && !pass.stage && pass.kind == BlockKind::kRows;
         (every_row ? use.stored : use.modified) = true;
       }
     }
@@ -273,8 +286,13 @@ void Checker::FinishProperties() {
     if (found == kNone || use.own) continue;
     const vesper_access lacking = use.Access() & ~prototype_.properties()[found].law_access;
     if (lacking == 0) continue;
-    problems_.Fail(tree_.name.span, "'" + use.name + "' may be set by laws, but not read",
+    problems_.Fail(use.set_at, "'" + use.name + "' may be set by laws, but not read",
                    "set it for every row, without conditions that leave it as it is");
+  }
+  for (const bool own : {false, true}) {
+    for (uint32_t i = 0; i < code_.properties.size(); ++i) {
+      if (code_.properties[i].own == own) code_.table_order.push_back(i);
+    }
   }
   if (code_.properties.size() > 200) {
     problems_.Fail(tree_.name.span, "the law uses over 200 properties");

@@ -152,7 +152,7 @@ class Checker {
   PassCode* pass_ = nullptr;
   Effects* effects_ = nullptr;
   std::vector<std::pair<std::string, Value>> lets_;
-  uint32_t row_kind_ = kNone;  // kNone: no row of its own
+  uint32_t row_kind_ = kNone;                                   // kNone: no row of its own
   std::vector<std::pair<std::string, uint32_t>> participants_;  // name and kind
   std::array<NodeId, 3> separation_{kNoNode, kNoNode, kNoNode};
   NodeId distance_ = kNoNode;

@@ -9,9 +9,7 @@
 namespace vesper::text {
 namespace {
 
-bool IsPosition(const PropertyCode& use) {
-  return use.name == "position" && use.components == 3;
-}
+bool IsPosition(const PropertyCode& use) { return use.name == "position" && use.components == 3; }
 
 /// How often a node contains the origin: 1 for a position, 0 for a difference of positions. Nothing
 /// for a node that depends on the origin in another way.

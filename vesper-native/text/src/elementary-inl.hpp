@@ -65,9 +65,10 @@ HWY_INLINE V64<D> Exp(D d, V64<D> x) {
   const auto half = hn::Floor(hn::Mul(k, hn::Set(d, 0.5)));
   auto value = hn::Mul(Polynomial(d, r, kSeries), PowerOfTwo(d, half));
   value = hn::Mul(value, PowerOfTwo(d, hn::Sub(k, half)));
-  value = hn::IfThenElse(hn::Gt(x, most), hn::Set(d, std::numeric_limits<double>::infinity()), value);
+  value =
+      hn::IfThenElse(hn::Gt(x, most), hn::Set(d, std::numeric_limits<double>::infinity()), value);
   value = hn::IfThenElse(hn::Lt(x, least), hn::Zero(d), value);
-  return hn::IfThenElse(hn::Ne(x, x), x, value);
+  return hn::IfThenElse(hn::IsNaN(x), x, value);
 }
 
 template <class D>
@@ -93,13 +94,13 @@ HWY_INLINE V64<D> Ln(D d, V64<D> x) {
   const auto half = hn::Mul(hn::Mul(hn::Set(d, 0.5), f), f);
   const auto low = hn::Add(hn::Mul(s, hn::Add(half, series)),
                            hn::Mul(k, hn::Set(d, 1.90821492927058770002e-10)));
-  auto value = hn::Sub(hn::Mul(k, hn::Set(d, 6.93147180369123816490e-01)),
-                       hn::Sub(hn::Sub(half, low), f));
+  auto value =
+      hn::Sub(hn::Mul(k, hn::Set(d, 6.93147180369123816490e-01)), hn::Sub(hn::Sub(half, low), f));
   const auto infinity = hn::Set(d, std::numeric_limits<double>::infinity());
   value = hn::IfThenElse(hn::Eq(x, infinity), infinity, value);
   value = hn::IfThenElse(hn::Eq(x, hn::Zero(d)), hn::Neg(infinity), value);
   const auto nan = hn::Set(d, std::numeric_limits<double>::quiet_NaN());
-  return hn::IfThenElse(hn::Or(hn::Lt(x, hn::Zero(d)), hn::Ne(x, x)), nan, value);
+  return hn::IfThenElse(hn::Or(hn::Lt(x, hn::Zero(d)), hn::IsNaN(x)), nan, value);
 }
 
 /// Sine and cosine; to the last digits for |x| below 1e6.
@@ -108,9 +109,9 @@ HWY_INLINE void SinCos(D d, V64<D> x, V64<D>& sine, V64<D>& cosine) {
   static constexpr double kSine[] = {-1.66666666666666324348e-01, 8.33333333332248946124e-03,
                                      -1.98412698298579493134e-04, 2.75573137070700676789e-06,
                                      -2.50507602534068634195e-08, 1.58969099521155010221e-10};
-  static constexpr double kCosine[] = {4.16666666666666019037e-02,  -1.38888888888741095749e-03,
-                                       2.48015872894767294178e-05,  -2.75573143513906633035e-07,
-                                       2.08757232129817482790e-09,  -1.13596475577881948265e-11};
+  static constexpr double kCosine[] = {4.16666666666666019037e-02, -1.38888888888741095749e-03,
+                                       2.48015872894767294178e-05, -2.75573143513906633035e-07,
+                                       2.08757232129817482790e-09, -1.13596475577881948265e-11};
   const auto k = hn::Round(hn::Mul(x, hn::Set(d, 6.36619772367581382433e-01)));
   auto r = hn::Sub(x, hn::Mul(k, hn::Set(d, 1.57079632673412561417e+00)));
   r = hn::Sub(r, hn::Mul(k, hn::Set(d, 6.07710050630396597660e-11)));
@@ -136,12 +137,11 @@ HWY_INLINE void SinCos(D d, V64<D> x, V64<D>& sine, V64<D>& cosine) {
 /// Arc tangent of x >= 0.
 template <class D>
 HWY_INLINE V64<D> AtanOfPositive(D d, V64<D> x) {
-  static constexpr double kAt[] = {3.33333333333329318027e-01,  -1.99999999998764832476e-01,
-                                   1.42857142725034663711e-01,  -1.11111104054623557880e-01,
-                                   9.09088713343650656196e-02,  -7.69187620504482999495e-02,
-                                   6.66107313738753120669e-02,  -5.83357013379057348645e-02,
-                                   4.97687799461593236017e-02,  -3.65315727442169155270e-02,
-                                   1.62858201153657823623e-02};
+  static constexpr double kAt[] = {
+      3.33333333333329318027e-01,  -1.99999999998764832476e-01, 1.42857142725034663711e-01,
+      -1.11111104054623557880e-01, 9.09088713343650656196e-02,  -7.69187620504482999495e-02,
+      6.66107313738753120669e-02,  -5.83357013379057348645e-02, 4.97687799461593236017e-02,
+      -3.65315727442169155270e-02, 1.62858201153657823623e-02};
   const auto one = hn::Set(d, 1.0), two = hn::Set(d, 2.0), half = hn::Set(d, 0.5),
              more = hn::Set(d, 1.5);
   const auto from = [&](double at) { return hn::Ge(x, hn::Set(d, at)); };
@@ -179,10 +179,13 @@ HWY_INLINE V64<D> Atan2(D d, V64<D> y, V64<D> x) {
   const auto far = hn::Abs(y), near = hn::Abs(x);
   const auto steep = hn::Gt(far, near);
   const auto larger = hn::Max(far, near), smaller = hn::Min(far, near);
+  // Max and Min of NaN differ between instruction sets.
+  const auto nan = hn::Or(hn::IsNaN(x), hn::IsNaN(y));
   const auto ratio = hn::IfThenElse(hn::Eq(larger, zero), zero, hn::Div(smaller, larger));
   auto angle = AtanOfPositive(d, ratio);
   angle = hn::IfThenElse(steep, hn::Sub(hn::Set(d, 1.5707963267948966), angle), angle);
   angle = hn::IfThenElse(hn::Lt(x, zero), hn::Sub(hn::Set(d, 3.141592653589793), angle), angle);
+  angle = hn::IfThenElse(nan, hn::Set(d, std::numeric_limits<double>::quiet_NaN()), angle);
   return hn::CopySign(angle, y);
 }
 
@@ -204,7 +207,7 @@ HWY_INLINE V64<D> Tanh(D d, V64<D> x) {
   const auto grown = Exp(d, hn::Mul(two, hn::Min(size, hn::Set(d, 40.0))));
   const auto large = hn::Sub(one, hn::Div(two, hn::Add(grown, one)));
   const auto value = hn::IfThenElse(hn::Lt(size, hn::Set(d, 0.15)), small, large);
-  return hn::IfThenElse(hn::Ne(x, x), x, hn::CopySign(value, x));
+  return hn::IfThenElse(hn::IsNaN(x), x, hn::CopySign(value, x));
 }
 
 /// Computes a^b. A negative base needs a whole exponent.
@@ -216,11 +219,12 @@ HWY_INLINE V64<D> Pow(D d, V64<D> a, V64<D> b) {
   auto value = Exp(d, hn::Mul(b, Ln(d, hn::Abs(a))));
   const auto whole = hn::Eq(b, hn::Floor(b));
   const auto half = hn::Mul(b, hn::Set(d, 0.5));
-  const auto odd = hn::And(whole, hn::Ne(half, hn::Floor(half)));
+  const auto odd = hn::And(whole, hn::Not(hn::Eq(half, hn::Floor(half))));
   const auto negative = hn::Lt(a, zero);
   value = hn::IfThenElse(hn::And(negative, odd), hn::Neg(value), value);
   value = hn::IfThenElse(hn::AndNot(whole, negative), nan, value);
   value = hn::IfThenElse(hn::Eq(a, zero), hn::IfThenElse(hn::Lt(b, zero), infinity, zero), value);
+  value = hn::IfThenElse(hn::Or(hn::IsNaN(a), hn::IsNaN(b)), nan, value);
   return hn::IfThenElse(hn::Eq(b, zero), one, value);
 }
 

@@ -10,7 +10,7 @@
 namespace vesper::text {
 namespace {
 
-constexpr uint64_t kGrain = 16 * kBlock;  // rows of a chunk of a thread, at least
+constexpr uint64_t kGrain = 4096;  // rows of a chunk of a thread, at least
 
 template <class Body>
 void ParallelFor(const vesper_host& host, uint64_t count, uint64_t grain, Body& body) {
@@ -59,8 +59,9 @@ Evaluator<Real>::Evaluator(const LawCode& law, std::string_view source, std::str
 
 template <class Real>
 void Evaluator<Real>::Bind(const vesper_property* properties) {
-  for (size_t i = 0; i < columns_.size(); ++i) {
-    const vesper_property& property = properties[i];
+  for (size_t use = 0; use < columns_.size(); ++use) {
+    const uint32_t i = law_.table_order[use];
+    const vesper_property& property = properties[use];
     Column& column = columns_[i];
     column = {};
     column.count = property.row_count;
@@ -90,8 +91,8 @@ void Evaluator<Real>::Bind(const vesper_property* properties) {
   }
   if (paired == 0) return;
   shares_ = std::clamp<uint64_t>(paired / 1024, 1, kPlaces);
-  split_.assign(split, std::vector<Real>(paired + kBlock + kPadding));
-  sums_.assign(shares_ * sums, std::vector<Real>(paired + kBlock + kPadding));
+  split_.assign(split, LineVector<Real>(paired + kBlock + kPadding));
+  sums_.assign(shares_ * sums, LineVector<Real>(paired + kBlock + kPadding));
 }
 
 template <class Real>
@@ -149,8 +150,8 @@ void Evaluator<Real>::ComputeConstants(const Program& program, const vesper_step
         break;
       }
       default:
-        constants[i] = ComputeIn<double>(node.operation, value_of(node.a), value_of(node.b),
-                                         value_of(node.c));
+        constants[i] =
+            ComputeIn<double>(node.operation, value_of(node.a), value_of(node.b), value_of(node.c));
         break;
     }
   }
@@ -178,11 +179,10 @@ void Evaluator<Real>::LoadRows(const Program& program, uint64_t begin, size_t co
     }
     const Real* from = column.data + begin * column.components;
     if (column.components == 1) {
-      if (count == kBlock) {
+      if (count == kBlock && !group.written) {
         place.registers[group.to[0]] = const_cast<Real*>(from);  // loads are never overwritten
       } else {
-        place.registers[group.to[0]] =
-            place.memory.data() + group.to[0] * (kBlock + kPadding);
+        place.registers[group.to[0]] = place.memory.data() + group.to[0] * (kBlock + kPadding);
         std::copy_n(from, count, place.registers[group.to[0]]);
       }
       continue;
@@ -195,7 +195,8 @@ void Evaluator<Real>::LoadRows(const Program& program, uint64_t begin, size_t co
     }
     for (uint32_t k = 0; k < column.components; ++k) {
       if (group.to[k] == kNothing) continue;
-      for (size_t i = 0; i < count; ++i) registers[group.to[k]][i] = from[i * column.components + k];
+      for (size_t i = 0; i < count; ++i)
+        registers[group.to[k]][i] = from[i * column.components + k];
     }
   }
 }
@@ -206,49 +207,61 @@ void Evaluator<Real>::LoadParticipants(const Program& program, size_t count, Pla
     if (group.participant == kOwnRow) continue;
     const Column& column = columns_[group.property];
     const uint32_t* rows = place.rows[group.participant - kFirst].data();
-    for (uint32_t k = 0; k < column.components; ++k) {
-      if (group.to[k] == kNothing) continue;
-      Real* to = place.registers[group.to[k]];
-      if (column.data == nullptr) {
-        std::fill_n(to, count, Real(0));
-        continue;
+    const auto to = [&](size_t k) { return place.registers[group.to[k]]; };
+    if (column.data == nullptr) {
+      for (const uint16_t each : group.to) {
+        if (each != kNothing) std::fill_n(place.registers[each], count, Real(0));
       }
-      for (size_t i = 0; i < count; ++i) to[i] = column.data[uint64_t{rows[i]} * column.components + k];
+    } else if (column.components == 3 && group.to[0] != kNothing && group.to[1] != kNothing &&
+               group.to[2] != kNothing) {
+      Real *x = to(0), *y = to(1), *z = to(2);
+      for (size_t i = 0; i < count; ++i) {
+        const Real* from = column.data + 3 * uint64_t{rows[i]};
+        x[i] = from[0];
+        y[i] = from[1];
+        z[i] = from[2];
+      }
+    } else {
+      for (uint32_t k = 0; k < column.components; ++k) {
+        if (group.to[k] == kNothing) continue;
+        for (size_t i = 0; i < count; ++i) {
+          to(k)[i] = column.data[uint64_t{rows[i]} * column.components + k];
+        }
+      }
     }
   }
 }
 
 template <class Real>
-void Evaluator<Real>::StoreRows(const Program& program, uint64_t begin, size_t count,
+bool Evaluator<Real>::StoreRows(const Program& program, uint64_t begin, size_t count,
                                 Place& place) const {
+  bool finite = true;
   for (const ResultGroup& group : program.results) {
     if (group.participant != kOwnRow) continue;
     const Column& column = columns_[group.property];
     if (column.data == nullptr) continue;
     Real* to = column.data + begin * column.components;
     const auto from = [&](size_t k) { return place.registers[group.from[k]]; };
-    const bool whole = group.from[0] != kNothing && group.from[1] != kNothing &&
-                       group.from[2] != kNothing;
+    const bool whole =
+        group.from[0] != kNothing && group.from[1] != kNothing && group.from[2] != kNothing;
     if (column.components == 3 && whole) {
-      (group.add ? kernels_.add3 : kernels_.join3)(to, count, from(0), from(1), from(2));
+      finite &= (group.add ? kernels_.add3 : kernels_.join3)(to, count, from(0), from(1), from(2));
       continue;
     }
-    if (column.components == 1) {
-      if (group.add) {
-        kernels_.add1(to, count, from(0));
-      } else {
-        std::memmove(to, from(0), count * sizeof(Real));
-      }
+    if (column.components == 1 && group.add) {
+      finite &= kernels_.add1(to, count, from(0));
       continue;
     }
     for (uint32_t k = 0; k < column.components; ++k) {
       if (group.from[k] == kNothing) continue;
+      finite &= kernels_.finite(from(k), count);
       for (size_t i = 0; i < count; ++i) {
         Real& value = to[i * column.components + k];
         value = group.add ? value + from(k)[i] : from(k)[i];
       }
     }
   }
+  return finite;
 }
 
 template <class Real>
@@ -258,10 +271,23 @@ void Evaluator<Real>::AddToParticipants(const Program& program, size_t count, Pl
     const Column& column = columns_[group.property];
     if (column.data == nullptr) continue;
     const uint32_t* rows = place.rows[group.participant - kFirst].data();
+    const auto from = [&](size_t k) { return place.registers[group.from[k]]; };
+    if (column.components == 3 && group.from[0] != kNothing && group.from[1] != kNothing &&
+        group.from[2] != kNothing) {
+      const Real *x = from(0), *y = from(1), *z = from(2);
+      for (size_t i = 0; i < count; ++i) {
+        Real* to = column.data + 3 * uint64_t{rows[i]};
+        to[0] += x[i];
+        to[1] += y[i];
+        to[2] += z[i];
+      }
+      continue;
+    }
     for (uint32_t k = 0; k < column.components; ++k) {
       if (group.from[k] == kNothing) continue;
-      const Real* from = place.registers[group.from[k]];
-      for (size_t i = 0; i < count; ++i) column.data[uint64_t{rows[i]} * column.components + k] += from[i];
+      for (size_t i = 0; i < count; ++i) {
+        column.data[uint64_t{rows[i]} * column.components + k] += from(k)[i];
+      }
     }
   }
 }
@@ -334,10 +360,9 @@ std::optional<Fault> Evaluator<Real>::RunRows(Pass& pass) {
       const auto rows = static_cast<size_t>(std::min<uint64_t>(kBlock, end - row));
       LoadRows(program, row, rows, place);
       kernels_.run(program.code, place.registers.data(), place.uniforms.data(), rows);
-      if (!ResultsAreFinite(program, rows, place)) {
+      if (!StoreRows(program, row, rows, place)) {
         NoteFault(Explain(*pass.code, program, rows, row, place));
       }
-      StoreRows(program, row, rows, place);
     }
     taken_[at].clear(std::memory_order_release);
   };

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "aligned.hpp"
 #include "kernels.hpp"
 #include "law_code.hpp"
 #include "neighbours.hpp"
@@ -52,7 +53,7 @@ class Evaluator {
 
   /// Memory of one thread at work.
   struct Place {
-    std::vector<Real> memory;
+    LineVector<Real> memory;
     std::vector<Real*> registers;
     std::array<std::vector<uint32_t>, kMostParticipants> rows;  // of each participant in a block
     std::vector<Real> uniforms;
@@ -69,7 +70,8 @@ class Evaluator {
   uint64_t RowsOf(const std::string& kind) const;
   void LoadRows(const Program& program, uint64_t begin, size_t count, Place& place) const;
   void LoadParticipants(const Program& program, size_t count, Place& place) const;
-  void StoreRows(const Program& program, uint64_t begin, size_t count, Place& place) const;
+  /// Writes the results of own rows; returns true if all are finite.
+  bool StoreRows(const Program& program, uint64_t begin, size_t count, Place& place) const;
   void AddToParticipants(const Program& program, size_t count, Place& place) const;
   bool ResultsAreFinite(const Program& program, size_t count, const Place& place) const;
   std::optional<Fault> Explain(const PassCode& pass, const Program& program, size_t count,
@@ -114,8 +116,8 @@ class Evaluator {
 
   Neighbours<Real> neighbours_;
   // All pairs: components of the second of a pair as columns, and sums of each share.
-  std::vector<std::vector<Real>> split_;
-  std::vector<std::vector<Real>> sums_;
+  std::vector<LineVector<Real>> split_;
+  std::vector<LineVector<Real>> sums_;
   uint64_t shares_ = 0;
 };
 

@@ -14,7 +14,7 @@ void Evaluator<Real>::SplitSecond(const Program& program, uint64_t rows) {
     const Column& column = columns_[group.property];
     for (uint32_t k = 0; k < column.components; ++k) {
       if (group.to[k] == kNothing) continue;
-      std::vector<Real>& to = split_[4 * g + k];
+      LineVector<Real>& to = split_[4 * g + k];
       if (column.data == nullptr) {
         std::fill(to.begin(), to.end(), Real(0));
         continue;
@@ -62,7 +62,11 @@ template <class Use>
 void Evaluator<Real>::ForEachRowOfSecond(const Program& program, uint64_t first, uint64_t rows,
                                          Place& place, Use&& use) {
   LoadFirst(program, first, place);
-  for (uint64_t begin = first + 1; begin < rows; begin += kBlock) {
+  const auto clear = [&](uint16_t result, size_t count) {
+    if (result != kNothing) std::fill_n(place.registers[result], count, Real(0));
+  };
+  // Blocks begin at cache lines; rows up to the first one add nothing.
+  for (uint64_t begin = (first + 1) / kPadding * kPadding; begin < rows; begin += kBlock) {
     const auto count = static_cast<size_t>(std::min<uint64_t>(kBlock, rows - begin));
     for (size_t g = 0; g < program.loads.size(); ++g) {
       for (size_t k = 0; k < 4; ++k) {
@@ -71,6 +75,13 @@ void Evaluator<Real>::ForEachRowOfSecond(const Program& program, uint64_t first,
       }
     }
     kernels_.run(program.code, place.registers.data(), place.uniforms.data(), count);
+    if (begin <= first) {
+      const auto before = static_cast<size_t>(first + 1 - begin);
+      for (const ResultGroup& group : program.results) {
+        for (const uint16_t result : group.from) clear(result, before);
+      }
+      clear(program.energy, before);
+    }
     use(begin, count);
   }
 }
@@ -87,7 +98,7 @@ void Evaluator<Real>::RunShare(Pass& pass, uint64_t share, uint64_t shares) {
   Place& place = places_[share];
   FillUniforms(program, place);
   Prepare(place, program);
-  std::vector<Real>* sums = sums_.data() + share * program.results.size() * 4;
+  LineVector<Real>* sums = sums_.data() + share * program.results.size() * 4;
   for (size_t i = 0; i < program.results.size() * 4; ++i) {
     if (program.results[i / 4].from[i % 4] != kNothing) std::fill_n(sums[i].begin(), rows, Real(0));
   }
@@ -105,7 +116,7 @@ void Evaluator<Real>::RunShare(Pass& pass, uint64_t share, uint64_t shares) {
         for (size_t k = 0; k < 4; ++k) {
           if (group.from[k] == kNothing) continue;
           Real* values = place.registers[group.from[k]];
-          std::vector<Real>& sum = sums[4 * g + k];
+          LineVector<Real>& sum = sums[4 * g + k];
           if (group.participant == kFirst) {
             sum[first] += kernels_.sum(values, count);
           } else {
@@ -127,7 +138,7 @@ void Evaluator<Real>::AddShares(const Pass& pass, uint64_t shares) {
       for (size_t k = 0; k < 4; ++k) {
         if (group.from[k] == kNothing || column.data == nullptr) continue;
         for (uint64_t share = 0; share < shares; ++share) {
-          const std::vector<Real>& sum = sums_[(share * program.results.size() + g) * 4 + k];
+          const LineVector<Real>& sum = sums_[(share * program.results.size() + g) * 4 + k];
           for (uint64_t i = begin; i < end; ++i) column.data[i * column.components + k] += sum[i];
         }
       }
@@ -176,7 +187,8 @@ std::optional<Fault> Evaluator<Real>::Explain(const PassCode& pass, const Progra
   // All values of that row again, one by one.
   const Graph& graph = law_.graph;
   std::vector<Real> values(graph.size());
-  for (size_t i = 0; i < program.constants.size(); ++i) values[program.constants[i]] = place.uniforms[i];
+  for (size_t i = 0; i < program.constants.size(); ++i)
+    values[program.constants[i]] = place.uniforms[i];
   for (size_t i = 0; i < program.of_first.size(); ++i) {
     values[program.of_first[i]] = place.uniforms[program.constants.size() + i];
   }
@@ -189,7 +201,8 @@ std::optional<Fault> Evaluator<Real>::Explain(const PassCode& pass, const Progra
     if (is_there(id)) continue;
     if (node.operation == Operation::kLoad) {
       for (const LoadGroup& group : program.loads) {
-        if (group.participant != node.load.participant || group.property != node.load.property) continue;
+        if (group.participant != node.load.participant || group.property != node.load.property)
+          continue;
         const uint16_t from = group.to[node.load.component];
         if (from != kNothing) values[id] = place.registers[from][at];
       }
@@ -239,7 +252,8 @@ Fault Evaluator<Real>::MakeFault(const PassCode& pass, NodeId made, const std::v
                   : " for row " + std::to_string(rows[0]);
   message += " of " + pass.rows;
   const size_t first = pair ? 1 : 0;
-  const uint64_t row = rows[std::min<size_t>(to.participant - std::min<size_t>(first, to.participant), rows.size() - 1)];
+  const uint64_t row = rows[std::min<size_t>(
+      to.participant - std::min<size_t>(first, to.participant), rows.size() - 1)];
   return {message, law_.properties[to.property].name, row};
 }
 

@@ -296,9 +296,18 @@ class ExpressionParser {
     return std::string(reader_.text().substr(span.begin, span.end - span.begin));
   }
 
-  [[noreturn]] void FailAmbiguous(const Expression& left, const std::vector<ExpressionTree>& right) {
+  [[noreturn]] void FailAmbiguous(const Expression& left,
+                                  const std::vector<ExpressionTree>& right) {
     const std::string over = Source(left.span), under = Source(right.front()->span);
     const std::string rest = Source(Join(right[1]->span, right.back()->span));
+    const Expression& divisor = *right.front();
+    const Expression& symbol =
+        divisor.kind == ExpressionKind::kBinary ? *divisor.parts[0] : divisor;
+    if (symbol.kind == ExpressionKind::kName && IsUnit(symbol.word)) {
+      reader_.problems().Fail(Join(left.span, right.back()->span),
+                              "a division before a product without a sign can be read in two ways",
+                              "if this is a unit, write it without spaces, such as 3 kg*m/s^2");
+    }
     reader_.problems().Fail(
         Join(left.span, right.back()->span),
         "a division before a product without a sign can be read in two ways",
@@ -408,9 +417,11 @@ class ExpressionParser {
     while (begin < text.size() && text[begin] == ' ') ++begin;
     const Token& next = reader_.Peek();
     if (next.span.begin != begin || next.kind == TokenKind::kEnd) return;
-    UnitScanner scanner(text, begin);
+    // 3 1/s
+    const size_t inverse = text.substr(begin).starts_with("1/") ? begin + 2 : begin;
+    UnitScanner scanner(text, inverse);
     const size_t end = scanner.Run();
-    if (end == begin) return;
+    if (end == inverse) return;
     try {
       tree.unit = ParseUnitOrThrowWhere(text.substr(begin, end - begin));
     } catch (const UnitError& error) {
@@ -526,9 +537,7 @@ Name TokenReader::ExpectName(std::string_view what) {
 void TokenReader::FailHere(const std::string& expected, std::string hint) {
   const Token& token = Peek();
   Span span = token.span;
-  if (span.end == span.begin && span.begin > 0) {  // marks the end of the line
-    span.end = span.begin + 1;
-  }
+  if (span.end == span.begin) span.end = span.begin + 1;  // marks the end of the line
   problems_.Fail(span, "found " + Found(token) + ", expected " + expected, std::move(hint));
 }
 

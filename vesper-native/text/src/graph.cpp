@@ -100,6 +100,11 @@ NodeId Graph::Binary(Operation operation, NodeId a, NodeId b) {
       if (negated(a) && negated(b)) return Negate(Add(nodes_[a].a, nodes_[b].a));
       if (negated(b)) return Subtract(a, nodes_[b].a);
       if (negated(a)) return Subtract(b, nodes_[a].a);
+      if (nodes_[a].operation == Operation::kSubtract &&
+          nodes_[b].operation == Operation::kSubtract && nodes_[a].a == nodes_[b].b &&
+          nodes_[a].b == nodes_[b].a) {
+        return Constant(0);
+      }
       break;
     case Operation::kSubtract:
       if (IsConstant(b, 0)) return a;
@@ -111,6 +116,7 @@ NodeId Graph::Binary(Operation operation, NodeId a, NodeId b) {
     case Operation::kMultiply:
       // 0 is exact only for finite factors; the others are faults, which stay visible elsewhere.
       if (IsConstant(a, 0) || IsConstant(b, 0)) return Constant(0);
+      if (a == b && nodes_[a].operation == Operation::kSqrt) return nodes_[a].a;
       if (IsConstant(a, 1)) return b;
       if (IsConstant(b, 1)) return a;
       if (IsConstant(a, -1)) return Negate(b);
@@ -225,6 +231,40 @@ NodeId Graph::Substitute(NodeId root, const std::map<NodeId, NodeId>& replacemen
   return copies[root];
 }
 
+void Graph::ShareDivisions(const std::vector<NodeId*>& roots) {
+  const auto size = static_cast<NodeId>(nodes_.size());
+  std::vector<bool> needed(size);
+  std::vector<uint32_t> divisions(size);
+  for (const NodeId* root : roots) needed[*root] = true;
+  for (NodeId id = size; id-- > 0;) {
+    if (!needed[id]) continue;
+    const Node& node = nodes_[id];
+    for (const NodeId operand : {node.a, node.b, node.c}) {
+      if (operand != kNoNode) needed[operand] = true;
+    }
+    if (node.operation == Operation::kDivide && !node.uniform) ++divisions[node.b];
+  }
+  std::vector<NodeId> copies(size, kNoNode);
+  for (NodeId id = 0; id < size; ++id) {
+    if (!needed[id]) continue;
+    const Node node = nodes_[id];
+    At(node.span);
+    if (node.a == kNoNode) {
+      copies[id] = id;
+    } else if (node.operation == Operation::kDivide && !node.uniform &&
+               (divisions[node.b] > 1 || nodes_[node.b].uniform)) {
+      copies[id] = Multiply(copies[node.a], Divide(Constant(1), copies[node.b]));
+    } else if (node.c != kNoNode) {
+      copies[id] = Select(copies[node.a], copies[node.b], copies[node.c]);
+    } else if (node.b != kNoNode) {
+      copies[id] = Binary(node.operation, copies[node.a], copies[node.b]);
+    } else {
+      copies[id] = Unary(node.operation, copies[node.a]);
+    }
+  }
+  for (NodeId* root : roots) *root = copies[*root];
+}
+
 std::map<Load, NodeId> Graph::Gradient(NodeId root, const std::vector<Load>& wanted) {
   std::map<Load, NodeId> gradient;
   Differentiate(root, Constant(1), wanted, gradient, 0);
@@ -307,8 +347,8 @@ void Graph::Differentiate(NodeId root, NodeId adjoint, const std::vector<Load>& 
         add(a, Negate(by));
         break;
       case Operation::kSqrt:  // 0 at 0, where the length of a vector has no direction
-        add(a, Select(Binary(Operation::kLess, Constant(0), a),
-                      Divide(Multiply(Constant(0.5), by), id), Constant(0)));
+        add(a, Select(Binary(Operation::kEqual, a, Constant(0)), Constant(0),
+                      Divide(Multiply(Constant(0.5), by), id)));
         break;
       case Operation::kAbs:
         add(a, Select(Binary(Operation::kLess, a, Constant(0)), Negate(by), by));

@@ -56,11 +56,11 @@ enum class Operation : uint8_t {
 using NodeId = uint32_t;
 inline constexpr NodeId kNoNode = UINT32_MAX;
 
-/// Rows that a formula reads or writes: the row of the block itself, a row that it refers to, one of
-/// a pair, or the one row of kind world.
+/// Rows that a formula reads or writes: the row of the block itself, a row that it refers to, one
+/// of a pair, or the one row of kind world.
 struct Load {
   uint16_t participant;
-  uint16_t property;   // index in the law's list of properties
+  uint16_t property;  // index in the law's list of properties
   uint16_t component;
   uint16_t reserved = 0;
 
@@ -74,14 +74,14 @@ inline constexpr uint16_t kWorld = 0xff;  // the one row of kind world
 
 struct Node {
   Operation operation;
-  bool uniform;       // the same for all rows
-  Span span;          // part of the text that made it first
+  bool uniform;  // the same for all rows
+  Span span;     // part of the text that made it first
   NodeId a = kNoNode;
   NodeId b = kNoNode;
   NodeId c = kNoNode;
-  double value = 0;   // kConstant
-  uint32_t index = 0; // kParameter
-  Load load{};        // kLoad
+  double value = 0;    // kConstant
+  uint32_t index = 0;  // kParameter
+  Load load{};         // kLoad
 };
 
 /// Thrown when a formula is too large.
@@ -121,6 +121,10 @@ class Graph {
 
   /// Copies `root` with some nodes replaced.
   NodeId Substitute(NodeId root, const std::map<NodeId, NodeId>& replacements);
+
+  /// Replaces several divisions by one number, and divisions by what is the same for all rows, by
+  /// multiplications with its inverse.
+  void ShareDivisions(const std::vector<NodeId*>& roots);
 
   /// Adds the derivatives of `root` with respect to the loads for which `wanted` is true.
   std::map<Load, NodeId> Gradient(NodeId root, const std::vector<Load>& wanted);

@@ -92,7 +92,7 @@ HWY_INLINE void Select(const Operands<Real>& all, const Instruction& step, size_
   Real* to = all.registers[step.to];
   const auto choose = [&](auto condition, auto b, auto c) {
     Each(count, to, [&](auto d, size_t i) {
-      return hn::IfThenElse(hn::Ne(condition(d, i), hn::Zero(d)), b(d, i), c(d, i));
+      return hn::IfThenElse(hn::Eq(condition(d, i), hn::Zero(d)), c(d, i), b(d, i));
     });
   };
   const auto with = [&](auto condition) {
@@ -134,8 +134,10 @@ HWY_INLINE void InDouble(const Operands<Real>& all, const Instruction& step, siz
     if constexpr (sizeof(Real) == sizeof(double)) {
       hn::StoreU(value, d, to + i);
     } else {
-      const hn::Rebind<Real, decltype(d)> narrow;
-      hn::StoreU(hn::DemoteTo(narrow, value), narrow, to + i);
+      // One by one, because DemoteTo of some sets replaces infinity by the largest number.
+      HWY_ALIGN double values[8];
+      hn::Store(value, d, values);
+      for (size_t k = 0; k < lanes; ++k) to[i + k] = static_cast<Real>(values[k]);
     }
   }
 }
@@ -202,7 +204,8 @@ void Run(std::span<const Instruction> program, Real* const* registers, const Rea
         Unary(all, step, count, [](auto, auto a) { return hn::Abs(a); });
         break;
       case Operation::kFloor:
-        Unary(all, step, count, [](auto, auto a) { return hn::Floor(a); });
+        // Plus 0, because some sets lose the sign of -0.
+        Unary(all, step, count, [](auto d, auto a) { return hn::Add(hn::Floor(a), hn::Zero(d)); });
         break;
       case Operation::kMin:
         Binary(all, step, count,
@@ -223,12 +226,12 @@ void Run(std::span<const Instruction> program, Real* const* registers, const Rea
         break;
       case Operation::kAnd:
         Binary(all, step, count, [](auto d, auto a, auto b) {
-          return Truth(d, hn::And(hn::Ne(a, hn::Zero(d)), hn::Ne(b, hn::Zero(d))));
+          return Truth(d, hn::Not(hn::Or(hn::Eq(a, hn::Zero(d)), hn::Eq(b, hn::Zero(d)))));
         });
         break;
       case Operation::kOr:
         Binary(all, step, count, [](auto d, auto a, auto b) {
-          return Truth(d, hn::Or(hn::Ne(a, hn::Zero(d)), hn::Ne(b, hn::Zero(d))));
+          return Truth(d, hn::Not(hn::And(hn::Eq(a, hn::Zero(d)), hn::Eq(b, hn::Zero(d)))));
         });
         break;
       case Operation::kNot:
@@ -264,49 +267,78 @@ void Split3(const Real* rows, size_t count, Real* x, Real* y, Real* z) {
   }
 }
 
+/// Notes values that are not finite: their difference from themselves is NaN.
 template <class Real>
-void Join3(Real* rows, size_t count, const Real* x, const Real* y, const Real* z) {
+struct Watch {
+  hn::Vec<Lanes<Real>> difference;
+  bool finite = true;
+
+  // An implicit constructor would be compiled for the baseline.
+  HWY_INLINE Watch() : difference(hn::Zero(Lanes<Real>())) {}
+  HWY_INLINE hn::Vec<Lanes<Real>> See(hn::Vec<Lanes<Real>> value) {
+    difference = hn::Add(difference, hn::Sub(value, value));
+    return value;
+  }
+  HWY_INLINE Real See(Real value) {
+    finite = finite && std::isfinite(value);
+    return value;
+  }
+  HWY_INLINE bool AllFinite() const {
+    const Lanes<Real> d;
+    return finite && hn::AllTrue(d, hn::Eq(difference, hn::Zero(d)));
+  }
+};
+
+template <class Real>
+bool Join3(Real* rows, size_t count, const Real* x, const Real* y, const Real* z) {
   const Lanes<Real> d;
   const size_t lanes = hn::Lanes(d);
+  Watch<Real> watch;
   size_t i = 0;
   for (; i + lanes <= count; i += lanes) {
-    hn::StoreInterleaved3(hn::LoadU(d, x + i), hn::LoadU(d, y + i), hn::LoadU(d, z + i), d,
-                          rows + 3 * i);
+    hn::StoreInterleaved3(watch.See(hn::LoadU(d, x + i)), watch.See(hn::LoadU(d, y + i)),
+                          watch.See(hn::LoadU(d, z + i)), d, rows + 3 * i);
   }
   for (; i < count; ++i) {
-    rows[3 * i] = x[i];
-    rows[3 * i + 1] = y[i];
-    rows[3 * i + 2] = z[i];
+    rows[3 * i] = watch.See(x[i]);
+    rows[3 * i + 1] = watch.See(y[i]);
+    rows[3 * i + 2] = watch.See(z[i]);
   }
+  return watch.AllFinite();
 }
 
 template <class Real>
-void Add3(Real* rows, size_t count, const Real* x, const Real* y, const Real* z) {
+bool Add3(Real* rows, size_t count, const Real* x, const Real* y, const Real* z) {
   const Lanes<Real> d;
   const size_t lanes = hn::Lanes(d);
+  Watch<Real> watch;
   size_t i = 0;
   for (; i + lanes <= count; i += lanes) {
     hn::Vec<Lanes<Real>> vx, vy, vz;
     hn::LoadInterleaved3(d, rows + 3 * i, vx, vy, vz);
-    hn::StoreInterleaved3(hn::Add(vx, hn::LoadU(d, x + i)), hn::Add(vy, hn::LoadU(d, y + i)),
-                          hn::Add(vz, hn::LoadU(d, z + i)), d, rows + 3 * i);
+    hn::StoreInterleaved3(watch.See(hn::Add(vx, hn::LoadU(d, x + i))),
+                          watch.See(hn::Add(vy, hn::LoadU(d, y + i))),
+                          watch.See(hn::Add(vz, hn::LoadU(d, z + i))), d, rows + 3 * i);
   }
   for (; i < count; ++i) {
-    rows[3 * i] += x[i];
-    rows[3 * i + 1] += y[i];
-    rows[3 * i + 2] += z[i];
+    rows[3 * i] = watch.See(rows[3 * i] + x[i]);
+    rows[3 * i + 1] = watch.See(rows[3 * i + 1] + y[i]);
+    rows[3 * i + 2] = watch.See(rows[3 * i + 2] + z[i]);
   }
+  return watch.AllFinite();
 }
 
 template <class Real>
-void Add1(Real* rows, size_t count, const Real* x) {
+bool Add1(Real* rows, size_t count, const Real* x) {
   const Lanes<Real> d;
   const size_t lanes = hn::Lanes(d);
+  Watch<Real> watch;
   size_t i = 0;
   for (; i + lanes <= count; i += lanes) {
-    hn::StoreU(hn::Add(hn::LoadU(d, rows + i), hn::LoadU(d, x + i)), d, rows + i);
+    hn::StoreU(watch.See(hn::Add(hn::LoadU(d, rows + i), hn::LoadU(d, x + i))), d, rows + i);
   }
-  for (; i < count; ++i) rows[i] += x[i];
+  for (; i < count; ++i) rows[i] = watch.See(rows[i] + x[i]);
+  return watch.AllFinite();
 }
 
 template <class Real>
@@ -332,20 +364,17 @@ template <class Real>
 bool Finite(const Real* values, size_t count) {
   const Lanes<Real> d;
   const size_t lanes = hn::Lanes(d);
-  auto difference = hn::Zero(d);  // NaN if a value is not finite
+  Watch<Real> watch;
   size_t i = 0;
-  for (; i + lanes <= count; i += lanes) {
-    const auto value = hn::LoadU(d, values + i);
-    difference = hn::Add(difference, hn::Sub(value, value));
-  }
-  bool finite = hn::AllTrue(d, hn::Eq(difference, hn::Zero(d)));
-  for (; i < count; ++i) finite = finite && std::isfinite(values[i]);
-  return finite;
+  for (; i + lanes <= count; i += lanes) watch.See(hn::LoadU(d, values + i));
+  for (; i < count; ++i) watch.See(values[i]);
+  return watch.AllFinite();
 }
 
 template <class Real>
 Kernels<Real> All(const char* name) {
-  return {name, Run<Real>, Split3<Real>, Join3<Real>, Add3<Real>, Add1<Real>, Sum<Real>, Finite<Real>};
+  return {name,       Run<Real>,  Split3<Real>, Join3<Real>,
+          Add3<Real>, Add1<Real>, Sum<Real>,    Finite<Real>};
 }
 
 Kernels<float> AllF32(const char* name) { return All<float>(name); }
@@ -365,9 +394,9 @@ namespace vesper::text {
 namespace {
 
 #if HWY_ARCH_X86_64
-#define VESPER_TEXT_SETS(function)                                            \
-  std::vector sets{HWY_STATIC_DISPATCH(function)("baseline")};                \
-  if (HasAvx2()) sets.insert(sets.begin(), N_AVX2::function("AVX2"));         \
+#define VESPER_TEXT_SETS(function)                                                      \
+  std::vector sets{HWY_STATIC_DISPATCH(function)("baseline")};                          \
+  if (HasAvx2()) sets.insert(sets.begin(), N_AVX2::function("AVX2"));                   \
   if (HasAvx2() && HasAvx512()) sets.insert(sets.begin(), N_AVX3::function("AVX-512")); \
   return sets
 
@@ -383,7 +412,8 @@ bool HasAvx512() {
          __builtin_cpu_supports("avx512vl");
 }
 #else
-#define VESPER_TEXT_SETS(function) return std::vector{HWY_STATIC_DISPATCH(function)("baseline")}
+#define VESPER_TEXT_SETS(function) \
+  return std::vector { HWY_STATIC_DISPATCH(function)("baseline") }
 #endif
 
 std::vector<Kernels<float>> FindF32() { VESPER_TEXT_SETS(AllF32); }
@@ -429,7 +459,7 @@ Real ComputeIn(Operation operation, Real a, Real b, Real c) {
     case Operation::kMax:
       return a < b ? b : a;
     case Operation::kFloor:
-      return std::floor(a);
+      return std::floor(a) + Real(0);
     case Operation::kLess:
       return a < b ? Real(1) : Real(0);
     case Operation::kLessOrEqual:

@@ -13,7 +13,7 @@
 namespace vesper::text {
 
 /// Rows of a block. Blocks of registers stay in the first-level cache.
-inline constexpr size_t kBlock = 256;
+inline constexpr size_t kBlock = 64;
 /// Rows beyond a block that loops may read and write.
 inline constexpr size_t kPadding = 16;
 
@@ -37,11 +37,11 @@ struct Kernels {
               size_t count);
   /// Splits rows of three components.
   void (*split3)(const Real* rows, size_t count, Real* x, Real* y, Real* z);
-  /// Joins rows of three components.
-  void (*join3)(Real* rows, size_t count, const Real* x, const Real* y, const Real* z);
+  /// Joins rows of three components. Returns true if all are finite, like the next two.
+  bool (*join3)(Real* rows, size_t count, const Real* x, const Real* y, const Real* z);
   /// Adds to rows of three components.
-  void (*add3)(Real* rows, size_t count, const Real* x, const Real* y, const Real* z);
-  void (*add1)(Real* rows, size_t count, const Real* x);
+  bool (*add3)(Real* rows, size_t count, const Real* x, const Real* y, const Real* z);
+  bool (*add1)(Real* rows, size_t count, const Real* x);
   /// Returns the sum of values, in an order that is the same for all sets.
   Real (*sum)(Real* values, size_t count);
   /// Returns true if no value is NaN or infinite.

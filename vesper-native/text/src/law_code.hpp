@@ -30,6 +30,7 @@ struct PropertyCode {
   bool stored = false;    // `=`, every row in every call
   bool modified = false;  // written otherwise
   bool added = false;     // `+=` into an accumulator
+  Span set_at{};          // first statement that changes it
 
   vesper_access Access() const;
 };
@@ -78,6 +79,9 @@ struct LawCode {
   bool has_energy = false;
   std::vector<ParameterCode> parameters;
   std::vector<PropertyCode> properties;
+  /// Places in `properties` in the order of the law's table: own memory comes last, so that a value
+  /// that is not finite is blamed on a property of the world first.
+  std::vector<uint32_t> table_order;
   std::vector<PassCode> passes;
   Graph graph;
 };

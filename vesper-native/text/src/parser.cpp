@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "expression_parser.hpp"
+#include "nearest_name.hpp"
 #include "syntax.hpp"
 
 namespace vesper::text {
@@ -14,14 +15,14 @@ constexpr int kMaxDepth = 16;
 constexpr size_t kMaxStatements = 1000;
 
 constexpr std::string_view kFunctions[] = {
-    "sqrt", "abs",  "sign", "floor", "min",   "max",  "clamp", "sin",    "cos",       "tan",
-    "asin", "acos", "atan", "atan2", "exp",   "ln",   "log10", "tanh",   "sinh",      "cosh",
-    "dot",  "cross", "direction", "rotate", "unrotate", "quaternion"};
+    "sqrt", "abs",  "sign", "floor", "min",       "max",    "clamp",    "sin",       "cos",
+    "tan",  "asin", "acos", "atan",  "atan2",     "exp",    "ln",       "log10",     "tanh",
+    "sinh", "cosh", "dot",  "cross", "direction", "rotate", "unrotate", "quaternion"};
 
-constexpr std::string_view kReserved[] = {"law",  "parameter", "each",   "pair", "of",   "from",
-                                          "to",   "within",    "apart",  "along", "let", "if",
-                                          "else", "and",       "or",     "not",  "has",  "may",
-                                          "have", "in",        "phase",  "version", "at"};
+constexpr std::string_view kReserved[] = {"law",  "parameter", "each",  "pair",    "of",  "from",
+                                          "to",   "within",    "apart", "along",   "let", "if",
+                                          "else", "and",       "or",    "not",     "has", "may",
+                                          "have", "in",        "phase", "version", "at"};
 
 constexpr std::string_view kPhases[] = {"force", "integrate", "constrain", "observe"};
 
@@ -31,6 +32,7 @@ class Parser {
 
   std::vector<LawTree> Run() {
     std::vector<LawTree> laws;
+    if (!reader_.problems().empty()) return laws;  // their consequences would only confuse
     while (reader_.Peek().kind != TokenKind::kEnd && !reader_.problems().full()) {
       Guarded([&] {
         if (!reader_.Peek().Is("law")) {
@@ -120,14 +122,18 @@ class Parser {
       Stage(law);
     } else {
       const Token& next = reader_.Peek();
-      const bool statement = next.kind == TokenKind::kName &&
-                             (reader_.Peek(1).Is("+=") || reader_.Peek(1).Is("-=") ||
-                              reader_.Peek(1).Is("=") || reader_.Peek(1).Is("."));
+      const bool statement =
+          next.kind == TokenKind::kName && (reader_.Peek(1).Is("+=") || reader_.Peek(1).Is("-=") ||
+                                            reader_.Peek(1).Is("=") || reader_.Peek(1).Is("."));
       if (statement || next.Is("if")) {
         reader_.FailHere("a block that says which rows this is for",
                          "write it, indented, below a line such as: each body:");
       }
-      reader_.FailHere("'parameter', 'let', 'each', 'phase' or 'version'");
+      static const std::vector<std::string> kMembers{"parameter", "let", "each", "phase",
+                                                     "version"};
+      const std::string* nearest = NearestName(next.word, kMembers);
+      reader_.FailHere("'parameter', 'let', 'each', 'phase' or 'version'",
+                       nearest == nullptr ? "" : "did you mean '" + *nearest + "'?");
     }
   }
 
@@ -381,8 +387,9 @@ class Parser {
     }
     if (reader_.Peek().Is("else")) reader_.FailHere("a statement", "'else' belongs below an 'if'");
     if (reader_.Peek().Is("each")) {
-      reader_.FailHere("a statement", "blocks are not nested; begin 'each' as far left as the "
-                                      "heading of this block");
+      reader_.FailHere("a statement",
+                       "blocks are not nested; begin 'each' as far left as the "
+                       "heading of this block");
     }
     statement.target = Target();
     const Token sign = reader_.Peek();

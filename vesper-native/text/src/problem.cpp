@@ -69,18 +69,19 @@ std::string Problems::FirstLine(std::string_view source, std::string_view text) 
 
 std::string Problems::Report(std::string_view source, std::string_view text) const {
   std::vector<Problem> ordered = problems_;
-  std::stable_sort(ordered.begin(), ordered.end(), [](const Problem& a, const Problem& b) {
-    return a.span.begin < b.span.begin;
-  });
+  std::stable_sort(ordered.begin(), ordered.end(),
+                   [](const Problem& a, const Problem& b) { return a.span.begin < b.span.begin; });
   std::string report;
   for (const Problem& problem : ordered) {
     const Place place = PlaceOf(text, problem.span.begin);
     const std::string_view line = LineAt(text, problem.span.begin);
-    const size_t begin = std::min<size_t>(static_cast<size_t>(line.data() - text.data()), text.size());
+    const size_t begin =
+        std::min<size_t>(static_cast<size_t>(line.data() - text.data()), text.size());
     const size_t end = std::min<size_t>(problem.span.end, begin + line.size());
-    const size_t marked = end > problem.span.begin
-                              ? Characters(text.substr(problem.span.begin, end - problem.span.begin))
-                              : 1;
+    const size_t marked =
+        end > problem.span.begin
+            ? Characters(text.substr(problem.span.begin, end - problem.span.begin))
+            : 1;
     report += Located(source, place) + problem.message + "\n";
     report += "  " + Printable(line) + "\n";
     report += "  " + std::string(place.column - 1, ' ') + "^" +

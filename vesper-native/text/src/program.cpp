@@ -35,8 +35,7 @@ class Compiler {
     }
     PlaceLoads();
     for (NodeId id = 0; id < graph_.size(); ++id) {
-      if (needed_[id] && levels_[id] == Level::kEach &&
-          graph_[id].operation != Operation::kLoad) {
+      if (needed_[id] && levels_[id] == Level::kEach && graph_[id].operation != Operation::kLoad) {
         Emit(id);
       }
     }
@@ -44,6 +43,11 @@ class Compiler {
       program_.energy = ResultRegister(pass_.energy);
     } else {
       for (const Output& output : pass_.outputs) AddResult(output);
+    }
+    for (LoadGroup& group : program_.loads) {
+      for (const ResultGroup& result : program_.results) {
+        group.written = group.written || result.property == group.property;
+      }
     }
     return std::move(program_);
   }
@@ -65,7 +69,8 @@ class Compiler {
     for (NodeId id = 0; id < graph_.size(); ++id) {
       const Node& node = graph_[id];
       if (node.operation == Operation::kLoad && node.load.participant != kWorld) {
-        levels_[id] = all_pairs_ && node.load.participant == kFirst ? Level::kOfFirst : Level::kEach;
+        levels_[id] =
+            all_pairs_ && node.load.participant == kFirst ? Level::kOfFirst : Level::kEach;
       }
       for (const NodeId operand : {node.a, node.b, node.c}) {
         if (operand != kNoNode) levels_[id] = std::max(levels_[id], levels_[operand]);
@@ -92,7 +97,9 @@ class Compiler {
     for (LoadGroup& group : groups) {
       if (group.participant == load.participant && group.property == load.property) return group;
     }
-    groups.push_back({load.participant, load.property});
+    groups.emplace_back();
+    groups.back().participant = load.participant;
+    groups.back().property = load.property;
     return groups.back();
   }
 
@@ -100,7 +107,8 @@ class Compiler {
   void PlaceLoads() {
     for (NodeId id = 0; id < graph_.size(); ++id) {
       const Node& node = graph_[id];
-      if (!needed_[id] || levels_[id] != Level::kEach || node.operation != Operation::kLoad) continue;
+      if (!needed_[id] || levels_[id] != Level::kEach || node.operation != Operation::kLoad)
+        continue;
       place_[id] = program_.registers++;
       GroupOf(program_.loads, node.load).to[node.load.component] = place_[id];
     }
@@ -113,7 +121,8 @@ class Compiler {
     if (node.b != kNoNode) step.b = place_[node.b];
     if (node.c != kNoNode) step.c = place_[node.c];
     for (const NodeId operand : {node.a, node.b, node.c}) {
-      if (operand == kNoNode || last_use_[operand] != id || levels_[operand] != Level::kEach) continue;
+      if (operand == kNoNode || last_use_[operand] != id || levels_[operand] != Level::kEach)
+        continue;
       if (graph_[operand].operation == Operation::kLoad) continue;
       if (std::find(free_.begin(), free_.end(), place_[operand]) == free_.end()) {
         free_.push_back(place_[operand]);
@@ -129,7 +138,18 @@ class Compiler {
     program_.code.push_back(step);
   }
 
+  /// Returns the register of a result. All pairs clear parts of results, so there they are neither
+  /// columns nor filled registers.
   uint16_t ResultRegister(NodeId id) {
+    const uint16_t found = RegisterOf(id);
+    const bool own = levels_[id] == Level::kEach && graph_[id].operation != Operation::kLoad;
+    if (!all_pairs_ || own) return found;
+    const uint16_t copy = program_.registers++;
+    program_.code.push_back({Operation::kMin, copy, found, found, kNothing});
+    return copy;
+  }
+
+  uint16_t RegisterOf(NodeId id) {
     if (levels_[id] == Level::kEach) return place_[id];
     const auto from = static_cast<uint16_t>(place_[id] - kUniform);
     for (const Fill& fill : program_.fills) {
@@ -156,7 +176,7 @@ class Compiler {
   const bool all_pairs_;
   Program program_;
   std::vector<Level> levels_;
-  std::vector<uint16_t> place_;     // register, or kUniform + index
+  std::vector<uint16_t> place_;  // register, or kUniform + index
   std::vector<NodeId> last_use_;
   std::vector<bool> needed_;
   std::vector<uint16_t> free_;

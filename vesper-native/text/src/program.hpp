@@ -18,6 +18,7 @@ struct LoadGroup {
   uint16_t participant;
   uint16_t property;
   std::array<uint16_t, 4> to{kNothing, kNothing, kNothing, kNothing};  // registers
+  bool written = false;  // the pass writes the property too, so registers need a copy
 };
 
 /// Components of one property of one participant, written at the end of a block.
@@ -35,8 +36,8 @@ struct Fill {
 };
 
 struct Program {
-  std::vector<NodeId> constants;   // uniform values of a call of the law, operands first
-  std::vector<NodeId> of_first;    // all pairs: values of the first of a pair, after the constants
+  std::vector<NodeId> constants;  // uniform values of a call of the law, operands first
+  std::vector<NodeId> of_first;   // all pairs: values of the first of a pair, after the constants
   std::vector<LoadGroup> loads;
   std::vector<LoadGroup> loads_of_first;  // all pairs: `to` are indices of uniform values
   std::vector<Fill> fills;

@@ -32,7 +32,8 @@ struct Expression {
   std::string word = {};
   double number = 0;
   std::optional<vesper_unit> unit = {};
-  std::vector<std::string> unit_symbols = {};  // names inside the unit, which might be meant as names
+  std::vector<std::string> unit_symbols =
+      {};  // names inside the unit, which might be meant as names
   std::vector<std::unique_ptr<Expression>> parts = {};
 };
 using ExpressionTree = std::unique_ptr<Expression>;
@@ -61,9 +62,10 @@ enum class Edge { kUnsaid, kCut, kShifted, kSmooth };
 
 struct Block {
   BlockKind kind;
-  Span span;                       // of its heading
-  Name rows;                       // kind of the rows, as written
-  std::vector<Name> participants = {};  // kJoined: names of the references; kPairs: two names, or none
+  Span span;  // of its heading
+  Name rows;  // kind of the rows, as written
+  std::vector<Name> participants =
+      {};  // kJoined: names of the references; kPairs: two names, or none
   ExpressionTree within = nullptr;
   std::optional<Name> distance = {};
   std::optional<Name> direction = {};

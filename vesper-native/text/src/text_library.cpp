@@ -29,7 +29,9 @@ class InstanceOf final : public Instance {
   explicit InstanceOf(Arguments&&... arguments)
       : evaluator_(std::forward<Arguments>(arguments)...) {}
   void Bind(const vesper_property* properties) override { evaluator_.Bind(properties); }
-  std::optional<Fault> Advance(const vesper_step& step) override { return evaluator_.Advance(step); }
+  std::optional<Fault> Advance(const vesper_step& step) override {
+    return evaluator_.Advance(step);
+  }
   double PotentialEnergy() override { return evaluator_.PotentialEnergy(); }
 
  private:
@@ -60,18 +62,19 @@ void Destroy(vesper_law* law) { delete &InstanceOfLaw(law); }
 
 }  // namespace
 
-/// The tables of a text for one prototype.
+/// The table of a text for one prototype, with each law in both precisions.
 class CompiledText {
  public:
-  CompiledText(std::string_view source, std::string_view text, std::vector<LawCode> laws,
-               vesper_scalar_type real_type)
-      : source_(source), text_(text), laws_(std::move(laws)), real_type_(real_type) {
-    uses_.resize(laws_.size());
+  CompiledText(std::string_view source, std::string_view text, std::vector<LawCode> laws)
+      : source_(source), text_(text), laws_(std::move(laws)) {
+    uses_.resize(2 * laws_.size());
     parameters_.resize(laws_.size());
     for (size_t i = 0; i < laws_.size(); ++i) {
-      FillUses(i);
       FillParameters(i);
-      descs_.push_back(Describe(i));
+      for (const size_t precision : {0, 1}) {
+        FillUses(i, precision);
+        descs_.push_back(Describe(i, precision));
+      }
     }
     table_.struct_size = sizeof table_;
     table_.abi_version = VESPER_ABI_VERSION;
@@ -82,45 +85,48 @@ class CompiledText {
   }
 
   const vesper_law_library& table() const { return table_; }
-  vesper_scalar_type real_type() const { return real_type_; }
 
-  std::unique_ptr<Instance> Create(size_t law, const vesper_host& host,
+  /// `entry`: index in the table.
+  std::unique_ptr<Instance> Create(size_t entry, const vesper_host& host,
                                    const double* parameters) const {
-    if (real_type_ == VESPER_F32) {
-      return std::make_unique<InstanceOf<float>>(laws_[law], source_, text_, host, parameters);
+    const LawCode& law = laws_[entry / 2];
+    if (kPrecisions[entry % 2] == VESPER_F32) {
+      return std::make_unique<InstanceOf<float>>(law, source_, text_, host, parameters);
     }
-    return std::make_unique<InstanceOf<double>>(laws_[law], source_, text_, host, parameters);
+    return std::make_unique<InstanceOf<double>>(law, source_, text_, host, parameters);
   }
 
  private:
   using CreateFunction = decltype(vesper_law_desc::create);
+  static constexpr vesper_scalar_type kPrecisions[] = {VESPER_F64, VESPER_F32};
 
-  template <size_t law>
+  template <size_t entry>
   static vesper_status CreateLaw(const vesper_host* host, vesper_suite*, const double* parameters,
                                  vesper_law** out, vesper_error* error) {
     return Guarded(error, [&] {
       const auto* text = static_cast<const CompiledText*>(host->user);
-      *out = reinterpret_cast<vesper_law*>(text->Create(law, *host, parameters).release());
+      *out = reinterpret_cast<vesper_law*>(text->Create(entry, *host, parameters).release());
     });
   }
-  template <size_t... laws>
-  static constexpr std::array<CreateFunction, sizeof...(laws)> CreateFunctions(
-      std::index_sequence<laws...>) {
-    return {CreateLaw<laws>...};
+  template <size_t... entries>
+  static constexpr std::array<CreateFunction, sizeof...(entries)> CreateFunctions(
+      std::index_sequence<entries...>) {
+    return {CreateLaw<entries>...};
   }
 
-  void FillUses(size_t law) {
-    for (const PropertyCode& property : laws_[law].properties) {
+  void FillUses(size_t law, size_t precision) {
+    for (const uint32_t place : laws_[law].table_order) {
+      const PropertyCode& property = laws_[law].properties[place];
       vesper_property_use use{};
       use.struct_size = sizeof use;
-      use.scalar_type = property.is_reference ? VESPER_U32 : real_type_;
+      use.scalar_type = property.is_reference ? VESPER_U32 : kPrecisions[precision];
       use.name = property.name.c_str();
       use.kind = property.kind.c_str();
       use.components = property.components;
       use.access = property.Access();
       use.unit = ToUnit(property.dimension);
       use.flags = property.optional ? VESPER_USE_OPTIONAL : 0;
-      uses_[law].push_back(use);
+      uses_[2 * law + precision].push_back(use);
     }
   }
 
@@ -138,24 +144,25 @@ class CompiledText {
     }
   }
 
-  vesper_law_desc Describe(size_t law) const {
-    static constexpr auto kCreate = CreateFunctions(std::make_index_sequence<kMaxLaws>());
+  vesper_law_desc Describe(size_t law, size_t precision) const {
+    static constexpr auto kCreate = CreateFunctions(std::make_index_sequence<2 * kMaxLaws>());
+    const auto& uses = uses_[2 * law + precision];
     const LawCode& code = laws_[law];
     vesper_law_desc desc{};
     desc.struct_size = sizeof desc;
-    desc.real_type = real_type_;
+    desc.real_type = kPrecisions[precision];
     desc.name = code.name.c_str();
     desc.version = code.version.c_str();
     desc.doc = code.doc.c_str();
     desc.phase = code.phase;
     desc.stages = code.stages;
     desc.first_stage = code.first_stage;
-    desc.use_count = static_cast<uint32_t>(uses_[law].size());
-    desc.uses = uses_[law].data();
+    desc.use_count = static_cast<uint32_t>(uses.size());
+    desc.uses = uses.data();
     desc.parameter_count = static_cast<uint32_t>(parameters_[law].size());
     desc.parameters = parameters_[law].data();
     desc.claims = code.claims;
-    desc.create = kCreate[law];
+    desc.create = kCreate[2 * law + precision];
     desc.bind = text::Bind;
     desc.advance = text::Advance;
     desc.destroy = text::Destroy;
@@ -167,8 +174,7 @@ class CompiledText {
   std::string_view source_;
   std::string_view text_;
   std::vector<LawCode> laws_;
-  vesper_scalar_type real_type_;
-  std::vector<std::vector<vesper_property_use>> uses_;
+  std::vector<std::vector<vesper_property_use>> uses_;  // by law and precision
   std::vector<std::vector<vesper_parameter_desc>> parameters_;
   std::vector<vesper_law_desc> descs_;
   vesper_law_library table_{};
@@ -225,8 +231,7 @@ const vesper_law_library& TextLibrary::TableFor(const Prototype& prototype) {
   Problems problems;
   std::vector<LawCode> codes = CheckAll(text_, laws_, prototype, problems);
   if (!problems.empty()) Refuse(problems, source_, text_);
-  compiled_.push_back(
-      std::make_unique<CompiledText>(source_, text_, std::move(codes), prototype.real_type()));
+  compiled_.push_back(std::make_unique<CompiledText>(source_, text_, std::move(codes)));
   return compiled_.back()->table();
 }
 

@@ -30,8 +30,8 @@ class TextLibrary {
 
   /// Returns the name of the first law.
   const std::string& name() const { return laws_.front().name.word; }
-  /// Compiles the laws for the properties and the precision of a prototype. The table lives as long
-  /// as this object. Throws LIBRARY_LOAD_FAILED with the first problem.
+  /// Compiles the laws, in both precisions, for the properties of a prototype. The table lives as
+  /// long as this object. Throws LIBRARY_LOAD_FAILED with the first problem.
   const vesper_law_library& TableFor(const Prototype& prototype);
 
  private:

@@ -17,18 +17,18 @@ struct Spelling {
 };
 
 constexpr Spelling kGreek[] = {
-    {"α", "alpha"}, {"β", "beta"},  {"γ", "gamma"},   {"δ", "delta"}, {"ε", "epsilon"},
-    {"ζ", "zeta"},  {"η", "eta"},   {"θ", "theta"},   {"κ", "kappa"}, {"λ", "lambda"},
-    {"μ", "mu"},    {"µ", "mu"},    {"ν", "nu"},      {"ξ", "xi"},    {"π", "pi"},
-    {"ρ", "rho"},   {"σ", "sigma"}, {"τ", "tau"},     {"φ", "phi"},   {"χ", "chi"},
-    {"ψ", "psi"},   {"ω", "omega"}, {"Γ", "Gamma"},   {"Δ", "Delta"}, {"Θ", "Theta"},
-    {"Λ", "Lambda"}, {"Φ", "Phi"},  {"Ψ", "Psi"},     {"Ω", "Omega"}};
+    {"α", "alpha"},  {"β", "beta"},  {"γ", "gamma"}, {"δ", "delta"}, {"ε", "epsilon"},
+    {"ζ", "zeta"},   {"η", "eta"},   {"θ", "theta"}, {"κ", "kappa"}, {"λ", "lambda"},
+    {"μ", "mu"},     {"µ", "mu"},    {"ν", "nu"},    {"ξ", "xi"},    {"π", "pi"},
+    {"ρ", "rho"},    {"σ", "sigma"}, {"τ", "tau"},   {"φ", "phi"},   {"χ", "chi"},
+    {"ψ", "psi"},    {"ω", "omega"}, {"Γ", "Gamma"}, {"Δ", "Delta"}, {"Θ", "Theta"},
+    {"Λ", "Lambda"}, {"Φ", "Phi"},   {"Ψ", "Psi"},   {"Ω", "Omega"}};
 
-constexpr Spelling kSigns[] = {{"−", "-"},  {"×", "×"},  {"·", "·"},  {"⋅", "·"}, {"≤", "<="},
-                               {"≥", ">="}, {"≠", "!="}, {"√", "√"},  {"+=", "+="}, {"-=", "-="},
-                               {"*=", "*="}, {"/=", "/="}, {"<=", "<="}, {">=", ">="},
-                               {"!=", "!="}, {"==", "=="}, {"**", "**"}, {"&&", "&&"},
-                               {"||", "||"}, {"%", "%"},  {"°", "°"}};
+constexpr Spelling kSigns[] = {{"−", "-"},   {"×", "×"},   {"·", "·"},   {"⋅", "·"},   {"≤", "<="},
+                               {"≥", ">="},  {"≠", "!="},  {"√", "√"},   {"+=", "+="}, {"-=", "-="},
+                               {"*=", "*="}, {"/=", "/="}, {"<=", "<="}, {">=", ">="}, {"!=", "!="},
+                               {"==", "=="}, {"**", "**"}, {"&&", "&&"}, {"||", "||"}, {"%", "%"},
+                               {"°", "°"}};
 constexpr std::string_view kSingles = "+-*/^()|,:;.=<>!%[]{}&?@~$'`\\";
 
 constexpr std::string_view kRaised[] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
@@ -57,15 +57,19 @@ class Lexer {
   bool IsNext(std::string_view word) const { return text_.substr(at_).starts_with(word); }
   char Here() const { return at_ < text_.size() ? text_[at_] : '\0'; }
   void Push(TokenKind kind, size_t begin, size_t end, std::string word = {}, double number = 0) {
-    tokens_.push_back({kind, {static_cast<uint32_t>(begin), static_cast<uint32_t>(end)},
-                       std::move(word), number});
+    tokens_.push_back({kind,
+                       {static_cast<uint32_t>(begin), static_cast<uint32_t>(end)},
+                       std::move(word),
+                       number});
   }
   bool OpensLine() const {
     return tokens_.empty() || tokens_.back().kind == TokenKind::kLineEnd ||
            tokens_.back().kind == TokenKind::kIndent || tokens_.back().kind == TokenKind::kDedent;
   }
   void EndLine() {
-    if (!OpensLine()) Push(TokenKind::kLineEnd, at_, at_);
+    if (OpensLine()) return;
+    const size_t end = tokens_.back().span.end;
+    Push(TokenKind::kLineEnd, end, end);
   }
 
   void Line() {
@@ -93,8 +97,8 @@ class Lexer {
     if (OpensLine()) return false;
     if (brackets_ > 0) return true;
     const Token& last = tokens_.back();
-    if (last.kind == TokenKind::kSign && last.word != ")" && last.word != "|" &&
-        last.word != ":" && last.word != ";" && last.word != "%") {
+    if (last.kind == TokenKind::kSign && last.word != ")" && last.word != "|" && last.word != ":" &&
+        last.word != ";" && last.word != "%") {
       return true;
     }
     for (const std::string_view sign : {"+", "*", "/", "·", "×", "^", "<", ">", "≤", "≥"}) {
@@ -122,8 +126,9 @@ class Lexer {
       if (width > indents_.back()) {
         problems_.Add({static_cast<uint32_t>(at_), static_cast<uint32_t>(at_ + 1)},
                       "this line begins between two blocks: " + std::to_string(width) +
-                          " spaces, expected " + std::to_string(indents_.back()) + " or more than "
-                              "the line above",
+                          " spaces, expected " + std::to_string(indents_.back()) +
+                          " or more than "
+                          "the line above",
                       "align it with the lines of the block that it belongs to");
         indents_.push_back(width);
         Push(TokenKind::kIndent, at_, at_);
@@ -176,9 +181,8 @@ class Lexer {
   }
 
   bool Half() {
-    for (const auto& [sign, value] : {std::pair<std::string_view, double>{"½", 0.5},
-                                      {"¼", 0.25},
-                                      {"¾", 0.75}}) {
+    for (const auto& [sign, value] :
+         {std::pair<std::string_view, double>{"½", 0.5}, {"¼", 0.25}, {"¾", 0.75}}) {
       if (!IsNext(sign)) continue;
       Push(TokenKind::kNumber, at_, at_ + sign.size(), std::string(sign), value);
       at_ += sign.size();

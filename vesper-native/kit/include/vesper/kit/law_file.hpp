@@ -9,19 +9,22 @@
 #include <string>
 #include <vector>
 
+#include "vesper/engine.h"
 #include "vesper/law.h"
 
 namespace vesper {
 
-/// A mapped law library. Throws std::runtime_error if it cannot be loaded.
+/// A mapped law library, or a text that was compiled for the standard prototypes. Throws
+/// std::runtime_error if it cannot be loaded.
 class LawFile {
  public:
   explicit LawFile(const std::string& path);
 
-  /// Returns NAME of a path that ends with libvesper_law_NAME.so.
+  /// Returns NAME of a path that ends with libvesper_law_NAME.so or NAME.law.
   static std::string NameOf(const std::string& path);
 
   const vesper_law_library& table() const { return *table_; }
+  bool is_text() const { return prepared_ != nullptr; }
   /// Returns the laws of one precision, in the order of the table.
   std::vector<const vesper_law_desc*> Laws(vesper_scalar_type real_type) const;
   /// Returns the fields that it provides for FIELD properties.
@@ -45,8 +48,13 @@ class LawFile {
   };
   std::vector<Symbol> DynamicSymbols() const;
 
+  struct Discard {
+    void operator()(vesper_prepared_library* prepared) const { vesper_library_discard(prepared); }
+  };
+
   std::string path_;
-  std::unique_ptr<void, Close> handle_;
+  std::unique_ptr<void, Close> handle_;                           // null: a text
+  std::unique_ptr<vesper_prepared_library, Discard> prepared_{};  // of a text
   const vesper_law_library* table_;
 };
 
@@ -86,6 +94,7 @@ class BareLaw {
   void TakeArrays() const;
 
   const vesper_law_desc& desc_;
+  vesper_host host_;
   mutable std::vector<vesper_property> properties_;
   std::unique_ptr<vesper_suite, Close> suite_;
   std::unique_ptr<vesper_law, Destroy> law_;

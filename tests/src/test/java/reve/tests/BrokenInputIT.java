@@ -63,7 +63,7 @@ class BrokenInputIT {
 
             assertThat(fault(events, "text.so")).contains("not an ELF file");
             assertThat(fault(events, "no_law.so")).contains("vesper_law_library_entry");
-            assertThat(fault(events, "other_abi.so")).contains("7.3").contains("1.1");
+            assertThat(fault(events, "other_abi.so")).contains("7.3").contains("1.2");
             JsonNode nan =
                     events.await(
                             "fault",

@@ -94,6 +94,47 @@ class ControlIT {
     }
 
     @Test
+    void aTextActsIsReplacedAndIsReplayedToTheBit() throws Exception {
+        recording = Optional.of(folder.resolve("run.log"));
+        RunReport report =
+                serve(
+                        boss -> {
+                            accepted(boss, "pause", Map.of());
+                            accepted(boss, "rewind", Map.of());
+                            whileItRuns(boss, "load-law", text("each body: force += mass gravity"));
+                            after(boss, 5);
+                            ActResult refused =
+                                    boss.command("load-law", text("each body: force += velocity"));
+                            assertThat(refused.code()).contains("law-refused");
+                            assertThat(refused.reason().orElseThrow())
+                                    .contains("fall.law:2:23: 'velocity' is a vector in m/s")
+                                    .contains("  each body: force += velocity\n")
+                                    .contains("^~~~~~~~");
+                            whileItRuns(boss, "load-law", text("each body: force -= mass gravity"));
+                            after(boss, 5);
+                        });
+        assertThat(events)
+                .filteredOn(event -> event.type().equals("law-loaded"))
+                .extracting(event -> event.fields().get("library"))
+                .containsExactly("fall", "fall");
+        assertThat(events).extracting(Event::type).doesNotContain("fault");
+        try (Replay replay = new Replay(Optional.empty(), Pacing.FAST);
+                RunLog.Reader records = RunLog.open(recording.get())) {
+            while (records.hasNext() && replay.take(records.next())) {
+                // each record is made as it is read
+            }
+            assertThat(replay.divergence()).isEmpty();
+            try (Simulation again = replay.release()) {
+                assertThat(again.physics().stateHash()).isEqualTo(report.stateHash());
+            }
+        }
+    }
+
+    private static Map<String, Object> text(String block) {
+        return Map.of("library", "fall.law", "text", "law fall\n  " + block + "\n");
+    }
+
+    @Test
     void aLawThatIsNotThereIsRefusedAndNothingElseHappens() throws Exception {
         serve(
                 boss -> {

@@ -75,6 +75,34 @@ class LawFolderNativeTest {
     }
 
     @Test
+    void aLawAsTextActsIsReplacedAndRefusedWithItsPlace() throws IOException {
+        Path file = folder.resolve("push.law");
+        Files.writeString(file, "law push\n  each body:\n    force += (1, 0, 0) N\n");
+        lookAndRun(3);
+        assertThat(loaded()).containsExactly("newton_motion", "push");
+        double before = speed();
+        Files.writeString(file, "law push\n  each body:\n    force += velocity * mass\n");
+        lookAndRun(3);
+        assertThat(loaded()).containsExactly("newton_motion", "push");
+        assertThat(world.events("fault"))
+                .last()
+                .satisfies(
+                        event ->
+                                assertThat(String.valueOf(event.fields().get("message")))
+                                        .contains("push.law:3:14: 'velocity * mass' is a vector in")
+                                        .contains("divide it by dt"));
+        assertThat(speed()).isGreaterThan(before);
+        Files.writeString(file, "law push\n  each body:\n    force += (0, 0, 0) N\n");
+        lookAndRun(3);
+        double coasting = speed();
+        lookAndRun(2);
+        assertThat(speed()).isEqualTo(coasting);
+        Files.delete(file);
+        lookAndRun(2);
+        assertThat(loaded()).containsExactly("newton_motion");
+    }
+
+    @Test
     void aFileThatKeepsGrowingWaitsUntilItIsWhole() throws IOException {
         byte[] whole = Files.readAllBytes(NativeFiles.testLaw("wind"));
         Path file = folder.resolve("wind.so");

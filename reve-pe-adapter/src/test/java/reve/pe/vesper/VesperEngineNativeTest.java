@@ -52,7 +52,7 @@ class VesperEngineNativeTest extends EngineContract {
 
     @Test
     void theBuildIsNamed() {
-        assertThat(VesperEngine.buildInfo()).contains("contract 1.1");
+        assertThat(VesperEngine.buildInfo()).contains("contract 1.2");
     }
 
     @Test

@@ -32,6 +32,12 @@ public record RoomControl(World world, FrameLoop loop, Image beginning) implemen
     }
 
     @Override
+    public Change loadText(String source, String text, Map<String, Double> parameters)
+            throws ActionRefused {
+        return WorldControl.none().loadText(source, text, parameters);
+    }
+
+    @Override
     public Change unloadLaw(String library) throws ActionRefused {
         return WorldControl.none().unloadLaw(library);
     }

@@ -12,12 +12,17 @@ import java.util.Optional;
  * A physics law that a world requires.
  *
  * @param name of its library, never a path: {@code hooke_spring}
+ * @param text of a law that the world file contains; its name is then that of its first law
  * @param parameters values [coherent SI units] by parameter name, in the order of the file
  * @param place of the reference, as {@code file:line:column}, for messages
  * @param mentions places and units of the parameters in the file, by name; empty without a file
  */
 public record LawReference(
-        String name, Map<String, Double> parameters, String place, Map<String, Mention> mentions) {
+        String name,
+        Optional<String> text,
+        Map<String, Double> parameters,
+        String place,
+        Map<String, Mention> mentions) {
     /**
      * The occurrence of a parameter in a file.
      *
@@ -34,6 +39,6 @@ public record LawReference(
 
     /** Creates a reference that is not in a file. */
     public LawReference(String name, Map<String, Double> parameters, String place) {
-        this(name, parameters, place, Map.of());
+        this(name, Optional.empty(), parameters, place, Map.of());
     }
 }

@@ -16,9 +16,14 @@ import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
+import java.util.regex.Matcher;
+import java.util.regex.Pattern;
 
 /** Reader of a whole file after the schema check; it checks what the schema cannot express. */
 final class WorldReader {
+    private static final Pattern FIRST_LAW =
+            Pattern.compile("(?m)^law[ \\t]+([A-Za-z_][A-Za-z0-9_]{0,46})");
+
     private static final Unit METRE = Unit.parse("m");
     private static final double DEFAULT_FOV_RADIANS = Math.PI / 4;
 
@@ -122,8 +127,16 @@ final class WorldReader {
         List<LawReference> laws = new ArrayList<>();
         Map<String, Node> byName = new HashMap<>();
         for (Node node : nodes) {
-            Optional<Node> nameNode = node.isMapping() ? node.get("name") : Optional.of(node);
+            Optional<Node> textNode = node.isMapping() ? node.get("text") : Optional.empty();
+            Optional<Node> nameNode =
+                    textNode.isPresent()
+                            ? textNode
+                            : node.isMapping() ? node.get("name") : Optional.of(node);
+            if (node.isMapping() && node.get("name").isPresent() == textNode.isPresent()) {
+                problems.add(node, "expected one of `name` and `text`");
+            }
             nameNode.flatMap(Node::text)
+                    .map(given -> textNode.isPresent() ? nameInText(given) : given)
                     .ifPresent(
                             name -> {
                                 Node first = byName.putIfAbsent(name, nameNode.get());
@@ -144,17 +157,30 @@ final class WorldReader {
                                                                         + Node.shorten(name)
                                                                         + "` "
                                                                         + fault));
-                                laws.add(law(name, node, Problems.place(nameNode.get()), physics));
+                                laws.add(
+                                        law(
+                                                name,
+                                                textNode.flatMap(Node::text),
+                                                node,
+                                                Problems.place(nameNode.get()),
+                                                physics));
                             });
         }
         return laws;
+    }
+
+    /** Returns the name of the first law of a text; the engine reports a text without one. */
+    private static String nameInText(String text) {
+        Matcher name = FIRST_LAW.matcher(text);
+        return name.find() ? name.group(1) : "text";
     }
 
     /**
      * Reads a law and converts its parameters to SI units. Only the law knows which parameters it
      * has.
      */
-    private LawReference law(String name, Node law, String place, PhysicsReader physics) {
+    private LawReference law(
+            String name, Optional<String> text, Node law, String place, PhysicsReader physics) {
         Map<String, Double> values = new LinkedHashMap<>();
         Map<String, LawReference.Mention> mentions = new LinkedHashMap<>();
         for (Node node : law.get("parameters").map(Node::children).orElse(List.of())) {
@@ -173,7 +199,7 @@ final class WorldReader {
                                                 Problems.keyPlace(node), quantity.unit()));
                             });
         }
-        return new LawReference(name, values, place, mentions);
+        return new LawReference(name, text, values, place, mentions);
     }
 
     private Optional<CameraDescription> camera(Node node) {

@@ -195,15 +195,20 @@ public final class WorldWriter {
     }
 
     private static Object law(LawReference law) {
-        if (law.parameters().isEmpty()) {
+        if (law.parameters().isEmpty() && law.text().isEmpty()) {
             return law.name();
         }
         Map<String, Object> parameters = new LinkedHashMap<>();
         law.parameters()
                 .forEach((name, value) -> parameters.put(name, YamlWriter.Numeral.of(value)));
         Map<String, Object> tree = new LinkedHashMap<>();
-        tree.put("name", law.name());
-        tree.put("parameters", parameters);
+        law.text()
+                .ifPresentOrElse(
+                        text -> tree.put("text", new YamlWriter.Lines(text)),
+                        () -> tree.put("name", law.name()));
+        if (!parameters.isEmpty()) {
+            tree.put("parameters", parameters);
+        }
         return tree;
     }
 

@@ -131,6 +131,7 @@ final class YamlWriter {
             case Numeral number -> plain(number.text());
             case Boolean truth -> plain(truth.toString());
             case String text -> text(text);
+            case Lines lines -> scalar(lines.text, QUOTED, ScalarStyle.LITERAL);
             default -> throw new IllegalArgumentException("cannot write " + value.getClass());
         }
     }
@@ -150,6 +151,9 @@ final class YamlWriter {
     private void plain(String text) {
         scalar(text, NO_TAG, ScalarStyle.PLAIN);
     }
+
+    /** A text of several lines, written as it is. */
+    record Lines(String text) {}
 
     /** Writes a text, quoted if it would otherwise be read as a number, a boolean or null. */
     private void text(String text) {

@@ -17,6 +17,8 @@ import reve.agent.Trust;
 import java.io.IOException;
 import java.io.PrintWriter;
 import java.net.UnknownHostException;
+import java.nio.charset.MalformedInputException;
+import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.LinkedHashMap;
@@ -36,10 +38,12 @@ import java.util.concurrent.Callable;
                         + "save, edit, load-law, set-law, unload-law, picture, shut-down; or asks: "
                         + "state, laws, inspect, ledger. For example: "
                         + "control rewind image=calm, "
-                        + "control edit item=blue property=physics.velocity value=0,3,0.")
+                        + "control edit item=blue property=physics.velocity value=0,3,0, "
+                        + "control load-law file=wind.law.")
 public final class ControlCommand implements Callable<Integer> {
     private static final String TOKEN = "REVE_TOKEN";
     private static final int MAX_PORT = 65_535;
+    private static final int MAX_TEXT_BYTES = 65_536;
 
     /**
      * Fields of each command that can be written as FIELD=VALUE. Only commands with a result are
@@ -56,7 +60,7 @@ public final class ControlCommand implements Callable<Integer> {
                             Map.entry("save", Set.of("file")),
                             Map.entry("edit", Set.of("item", "property", "value")),
                             Map.entry("speed", Set.of("factor")),
-                            Map.entry("load-law", Set.of("library")),
+                            Map.entry("load-law", Set.of("library", "file", "text")),
                             Map.entry("set-law", Set.of("library")),
                             Map.entry("unload-law", Set.of("library")),
                             Map.entry("picture", Set.of()),
@@ -194,9 +198,11 @@ public final class ControlCommand implements Callable<Integer> {
                                 + ", expected FIELD=VALUE, e.g. image=calm");
             }
             String field = each.substring(0, equals);
-            if (field.startsWith(PARAMETERS) && WITH_PARAMETERS.contains(command)) {
-                parameters.put(
-                        field.substring(PARAMETERS.length()), value(each.substring(equals + 1)));
+            if (WITH_PARAMETERS.contains(command)
+                    && (field.startsWith(PARAMETERS) || !known.contains(field))) {
+                String name =
+                        field.startsWith(PARAMETERS) ? field.substring(PARAMETERS.length()) : field;
+                parameters.put(name, value(each.substring(equals + 1)));
                 continue;
             }
             if (!known.contains(field)) {
@@ -214,7 +220,31 @@ public final class ControlCommand implements Callable<Integer> {
         if (!parameters.isEmpty()) {
             fields.put("parameters", parameters);
         }
+        if (command.equals("load-law") && fields.containsKey("file")) {
+            putText(fields);
+        }
         return fields;
+    }
+
+    /** Replaces the file of a law as text by its name and content. */
+    private void putText(Map<String, Object> fields) {
+        Path file = Path.of(String.valueOf(fields.remove("file")));
+        try {
+            if (Files.size(file) > MAX_TEXT_BYTES) {
+                throw wrong(
+                        file
+                                + " has "
+                                + Files.size(file)
+                                + " bytes, expected a law text of at most "
+                                + MAX_TEXT_BYTES);
+            }
+            fields.put("library", file.getFileName().toString());
+            fields.put("text", Files.readString(file));
+        } catch (MalformedInputException e) {
+            throw wrong(file + " is no text in UTF-8, expected a law such as wind.law");
+        } catch (IOException e) {
+            throw wrong(file + " cannot be read: " + e.getMessage());
+        }
     }
 
     private ParameterException wrong(String problem) {

@@ -208,7 +208,10 @@ public record LawPath(
      * @throws PhysicsException naming it
      */
     void requireKnown(LawLibrary library) {
-        if (!trusted && !library.isText() && !isOperators(library) && !KnownLaws.contains(library.sha256())) {
+        if (!trusted
+                && !library.isText()
+                && !isOperators(library)
+                && !KnownLaws.contains(library.sha256())) {
             throw new PhysicsException(
                     Status.LIBRARY_LOAD_FAILED,
                     "the law library '"
@@ -226,6 +229,11 @@ public record LawPath(
     void remember(List<LawLibrary> libraries) {
         KnownLaws.keep(
                 libraries.stream().filter(library -> holds(shipped, library.bytes())).toList());
+    }
+
+    /** Returns whether a file that ships has the bytes of a library. */
+    boolean ships(LawLibrary library) {
+        return holds(shipped, library.bytes());
     }
 
     private boolean isOperators(LawLibrary library) {
@@ -285,8 +293,7 @@ public record LawPath(
                                             : file.substring(
                                                     0,
                                                     file.length()
-                                                            - PreparedLibrary.TEXT_ENDING
-                                                                    .length()))
+                                                            - PreparedLibrary.TEXT_ENDING.length()))
                     .toList();
         } catch (IOException unreadable) {
             return List.of(); // an unreadable folder offers no suggestion

@@ -16,9 +16,12 @@ import reve.core.world.WorldSnapshot;
 import reve.pe.PhysicsException;
 import reve.pe.PhysicsLaw;
 import reve.pe.PreparedLibrary;
+import reve.pe.adapter.LawLibrary;
+import reve.pe.adapter.Laws;
 import reve.worlds.journal.SimulationImage;
 
 import java.io.IOException;
+import java.nio.charset.StandardCharsets;
 import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.Collection;
@@ -26,6 +29,7 @@ import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
+import java.util.OptionalInt;
 import java.util.function.Consumer;
 import java.util.regex.Pattern;
 
@@ -43,7 +47,10 @@ final class ServerControl implements WorldControl, AutoCloseable {
      * Permitted names of laws. Never a path, because a remote operator must not choose which files
      * the server runs.
      */
-    private static final Pattern LIBRARY = Pattern.compile("[A-Za-z0-9_]{1,64}");
+    private static final Pattern LIBRARY = Pattern.compile("[A-Za-z0-9_]{1,64}(\\.law)?");
+
+    /** Permitted names of texts in messages. */
+    private static final Pattern SOURCE = Pattern.compile("[A-Za-z0-9_][A-Za-z0-9_.-]{0,63}");
 
     /** Permitted names of world files; never a path. */
     private static final Pattern FILE = Pattern.compile("[A-Za-z0-9][A-Za-z0-9_-]{0,63}");
@@ -89,6 +96,30 @@ final class ServerControl implements WorldControl, AutoCloseable {
                     "law-refused",
                     "the library \"" + library + "\" is refused: " + failed.status() + SEE_LOG,
                     failed);
+        }
+    }
+
+    @Override
+    public Change loadText(String source, String text, Map<String, Double> parameters)
+            throws ActionRefused {
+        if (!SOURCE.matcher(source).matches()) {
+            throw new ActionRefused(
+                    "law-refused",
+                    "\""
+                            + source
+                            + "\" is no name of a text: letters, digits, _, - and . only, 64 at"
+                            + " most");
+        }
+        byte[] bytes = text.getBytes(StandardCharsets.UTF_8);
+        try {
+            String problems = simulation.engine().checkText(source, bytes);
+            if (!problems.isEmpty()) {
+                throw new ActionRefused("law-refused", problems);
+            }
+            return new Load(
+                    simulation.engine().prepareText(source, bytes), parameters, Path.of(source));
+        } catch (PhysicsException failed) {
+            throw refusal(failed);
         }
     }
 
@@ -281,9 +312,38 @@ final class ServerControl implements WorldControl, AutoCloseable {
         @Override
         public void make(World world, long frame) throws ActionRefused {
             try (prepared) {
-                simulation.physics().laws().load(frame, prepared, parameters, file);
+                replaceText(frame);
             } catch (PhysicsException refused) {
                 throw refusal(refused);
+            }
+        }
+
+        /** Loads the library in place of a loaded text of its name, which returns if it fails. */
+        private void replaceText(long frame) {
+            Laws laws = simulation.physics().laws();
+            OptionalInt old =
+                    laws.loaded().stream()
+                            .filter(law -> law.library().equals(prepared.name()))
+                            .mapToInt(PhysicsLaw::libraryId)
+                            .findFirst();
+            Optional<LawLibrary> replaced =
+                    laws.libraries().stream()
+                            .filter(library -> library.name().equals(prepared.name()))
+                            .filter(LawLibrary::isText)
+                            .findFirst();
+            if (old.isEmpty() || replaced.isEmpty() || !PreparedLibrary.isText(prepared.bytes())) {
+                laws.load(frame, prepared, parameters, file);
+                return;
+            }
+            laws.unload(frame, old.getAsInt());
+            try {
+                laws.load(frame, prepared, parameters, file);
+            } catch (PhysicsException refused) {
+                PreparedLibrary back = simulation.engine().prepare(replaced.get().bytes());
+                try (back) {
+                    laws.load(frame, back, replaced.get().parameters());
+                }
+                throw refused;
             }
         }
 

@@ -24,6 +24,7 @@ import reve.pe.PhysicsLaw;
 import reve.pe.PreparedLibrary;
 import reve.pe.Status;
 import reve.pe.adapter.LawChange;
+import reve.pe.adapter.LawLibrary;
 import reve.pe.adapter.PhysicsAdapter;
 import reve.pe.adapter.PropertyNames;
 import reve.pe.adapter.SharedArena;
@@ -34,8 +35,10 @@ import reve.worlds.journal.JournalSink;
 import reve.worlds.journal.SimulationImage;
 import reve.worlds.journal.WorldHeader;
 
+import java.nio.charset.StandardCharsets;
 import java.nio.file.Path;
 import java.util.ArrayList;
+import java.util.Collection;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
@@ -188,6 +191,10 @@ public final class Simulation implements AutoCloseable {
         Status status = Status.INVALID_ARGUMENT;
         List<String> problems;
         try {
+            if (law.text().isPresent()) {
+                loadText(law, law.text().get());
+                return;
+            }
             LawPath.Found found = lawPath.find(law.name());
             lawPath.hidden(law.name(), found).ifPresent(LOG::warn);
             try (PreparedLibrary prepared = lawPath.prepare(engine, law.name(), found)) {
@@ -206,6 +213,23 @@ public final class Simulation implements AutoCloseable {
         }
         if (!problems.isEmpty()) {
             throw new PhysicsException(status, String.join("\n", problems));
+        }
+    }
+
+    /** Loads a law that the world file contains. */
+    private void loadText(LawReference law, String text) {
+        byte[] bytes = text.getBytes(StandardCharsets.UTF_8);
+        try (PreparedLibrary prepared = engine.prepareText(law.name() + ".law", bytes)) {
+            int id =
+                    physics.laws()
+                            .load(0, prepared, law.parameters(), Path.of(law.name() + ".law"));
+            Collection<String> wrong =
+                    LawParameters.wrongUnits(law, LawParameters.lawsOf(id, engine)).values();
+            if (!wrong.isEmpty()) {
+                throw new PhysicsException(Status.INVALID_ARGUMENT, String.join("\n", wrong));
+            }
+        } catch (PhysicsException refused) {
+            throw new PhysicsException(refused.status(), law.place() + ": " + refused.getMessage());
         }
     }
 
@@ -255,9 +279,18 @@ public final class Simulation implements AutoCloseable {
                                 library ->
                                         new LawReference(
                                                 library.name(),
+                                                textOf(library),
                                                 library.parameters(),
-                                                library.name()))
+                                                library.name(),
+                                                Map.of()))
                         .toList());
+    }
+
+    /** Returns the text of a law that was loaded as text, so that a saved world contains it. */
+    private Optional<String> textOf(LawLibrary library) {
+        return library.isText() && !lawPath.ships(library)
+                ? Optional.of(new String(library.bytes(), StandardCharsets.UTF_8))
+                : Optional.empty();
     }
 
     /** Returns what {@link #descriptionNow} cannot describe, for messages. World's thread. */

@@ -121,7 +121,15 @@ public final class ControlDesk {
                             requester,
                             load,
                             true,
-                            () -> port.control().loadLaw(load.library(), load.parameters()));
+                            () ->
+                                    load.text().isPresent()
+                                            ? port.control()
+                                                    .loadText(
+                                                            load.library(),
+                                                            load.text().get(),
+                                                            load.parameters())
+                                            : port.control()
+                                                    .loadLaw(load.library(), load.parameters()));
             case ClientMessage.UnloadLaw unload ->
                     change(
                             requester,

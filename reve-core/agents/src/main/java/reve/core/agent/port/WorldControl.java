@@ -41,6 +41,16 @@ public interface WorldControl {
      */
     Change loadLaw(String library, Map<String, Double> parameters) throws ActionRefused;
 
+    /**
+     * Prepares loading a law as text. It replaces a loaded text of the same name.
+     *
+     * @param source name of the text in messages, such as "wind.law"
+     * @param parameters of its laws, by {@code parameter} or {@code law.parameter}, in SI units
+     * @throws ActionRefused with all problems of the text and their lines
+     */
+    Change loadText(String source, String text, Map<String, Double> parameters)
+            throws ActionRefused;
+
     /** Prepares unloading a library of laws by its name. */
     Change unloadLaw(String library) throws ActionRefused;
 
@@ -126,6 +136,12 @@ public interface WorldControl {
 
         @Override
         public Change loadLaw(String library, Map<String, Double> parameters) throws ActionRefused {
+            throw unsupported("laws");
+        }
+
+        @Override
+        public Change loadText(String source, String text, Map<String, Double> parameters)
+                throws ActionRefused {
             throw unsupported("laws");
         }
 

@@ -179,9 +179,12 @@ public sealed interface ClientMessage {
     record Step(long id, int frames) implements Control {}
 
     /**
+     * @param library that the server knows; with a text, the name of the text in messages
+     * @param text a law as text
      * @param parameters of its laws, in SI units
      */
-    record LoadLaw(long id, String library, Map<String, Double> parameters) implements Control {}
+    record LoadLaw(long id, String library, Optional<String> text, Map<String, Double> parameters)
+            implements Control {}
 
     /** Removes the laws of a library. */
     record UnloadLaw(long id, String library) implements Control {}

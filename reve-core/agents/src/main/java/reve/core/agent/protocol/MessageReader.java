@@ -171,7 +171,12 @@ public final class MessageReader {
                                     : 1);
             case "load-law" ->
                     new ClientMessage.LoadLaw(
-                            fields.required(), fields.text("library"), fields.parameters());
+                            fields.required(),
+                            fields.has("text") && !fields.has("library")
+                                    ? "text"
+                                    : fields.text("library"),
+                            fields.optionalText("text"),
+                            fields.parameters());
             case "unload-law" ->
                     new ClientMessage.UnloadLaw(fields.required(), fields.text("library"));
             case "edit" ->

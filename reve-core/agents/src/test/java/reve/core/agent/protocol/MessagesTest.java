@@ -225,9 +225,11 @@ class MessagesTest {
             case ClientMessage.Ready ready ->
                     ready.frame().ifPresent(frame -> json.put("frame", frame));
             case ClientMessage.Step step -> json.put("frames", step.frames());
-            case ClientMessage.LoadLaw load ->
-                    json.put("library", load.library())
-                            .set("parameters", JSON.valueToTree(load.parameters()));
+            case ClientMessage.LoadLaw load -> {
+                json.put("library", load.library())
+                        .set("parameters", JSON.valueToTree(load.parameters()));
+                load.text().ifPresent(text -> json.put("text", text));
+            }
             case ClientMessage.UnloadLaw unload -> json.put("library", unload.library());
             case ClientMessage.Edit edit ->
                     json.put("item", edit.item())

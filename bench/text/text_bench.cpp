@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+// Measures laws as text beside the compiled laws of the same name, in turn, on one thread, and all
+// pairs beside a plain loop. Prints a table.
+#include <time.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "vesper/vesper.hpp"
+
+namespace {
+
+using namespace vesper;
+
+/// Returns the processor time of this thread, which excludes other programs.
+double Now() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+template <class Real>
+struct World {
+  std::vector<Real> mass, position, velocity, applied, force, linear, quadratic, charge;
+  std::vector<Real> length, stiffness, damping;
+  std::vector<uint32_t> ends;
+  std::vector<Real> gravity{Real(0.1), Real(-9.81), 0}, electric{1, 2, 3}, magnetic{3, 2, 1};
+  std::vector<Real> gravitation{1}, softening{Real(0.05)};
+
+  explicit World(uint64_t bodies) {
+    std::mt19937 random(1);
+    const auto draw = [&](double low, double high) {
+      return static_cast<Real>(low + (high - low) * (static_cast<double>(random()) / 4294967296.0));
+    };
+    for (uint64_t i = 0; i < bodies; ++i) {
+      mass.push_back(draw(0.5, 2));
+      linear.push_back(draw(0, 1));
+      quadratic.push_back(draw(0, 1));
+      charge.push_back(draw(-1, 1));
+      for (int k = 0; k < 3; ++k) {
+        position.push_back(draw(-20, 20));
+        velocity.push_back(draw(-1, 1));
+        applied.push_back(0);
+        force.push_back(0);
+      }
+      ends.push_back(static_cast<uint32_t>(i));
+      ends.push_back(static_cast<uint32_t>((i + 1) % bodies));
+      length.push_back(draw(0.1, 1));
+      stiffness.push_back(draw(1, 5));
+      damping.push_back(draw(0, 1));
+    }
+  }
+
+  PhysicsEngine Engine(const std::string& law_path) {
+    PhysicsEngine engine(sizeof(Real) == 8 ? "si-f64" : "si-f32", {.law_path = law_path});
+    PhysicalPropertyProvider provider = engine.PropertyProvider();
+    provider.AddPhysicalProperty("mass", mass);
+    provider.AddPhysicalProperty("position", position);
+    provider.AddPhysicalProperty("velocity", velocity);
+    provider.AddPhysicalProperty("appliedForce", applied);
+    provider.AddPhysicalProperty("externalForce", force);
+    provider.AddPhysicalProperty("linearDragCoefficient", linear);
+    provider.AddPhysicalProperty("dragCoefficient", quadratic);
+    provider.AddPhysicalProperty("charge", charge);
+    provider.AddPhysicalProperty("endpoints", ends);
+    provider.AddPhysicalProperty("length", length);
+    provider.AddPhysicalProperty("hookeConstant", stiffness);
+    provider.AddPhysicalProperty("dampingConstant", damping);
+    provider.AddPhysicalProperty("gravity", gravity);
+    provider.AddPhysicalProperty("electricField", electric);
+    provider.AddPhysicalProperty("magneticField", magnetic);
+    provider.AddPhysicalProperty("gravitationalConstant", gravitation);
+    provider.AddPhysicalProperty("softening", softening);
+    return engine;
+  }
+};
+
+/// The loop that one would write: each pair once, in double loops over rows.
+template <class Real>
+[[gnu::noinline]] void PlainLoop(World<Real>& world) {
+  const size_t n = world.mass.size();
+  const Real soft2 = world.softening[0] * world.softening[0], g = world.gravitation[0];
+  for (size_t i = 0; i < n; ++i) {
+    for (size_t j = i + 1; j < n; ++j) {
+      Real d[3], r2 = soft2;
+      for (int k = 0; k < 3; ++k) {
+        d[k] = world.position[3 * j + k] - world.position[3 * i + k];
+        r2 += d[k] * d[k];
+      }
+      const Real strength = g * world.mass[i] * world.mass[j] / (r2 * std::sqrt(r2));
+      for (int k = 0; k < 3; ++k) {
+        world.force[3 * i + k] += strength * d[k];
+        world.force[3 * j + k] -= strength * d[k];
+      }
+    }
+  }
+}
+
+double Median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+
+template <class A, class B>
+void Compare(const std::string& name, uint64_t rows, const char* precision, const char* beside,
+             int rounds, double work, A&& a, B&& b) {
+  std::vector<double> text, other;
+  for (int round = 0; round < rounds; ++round) {
+    double start = Now();
+    a();
+    text.push_back(Now() - start);
+    start = Now();
+    b();
+    other.push_back(Now() - start);
+  }
+  const double ours = Median(text), theirs = Median(other);
+  std::printf("| %s | %llu | %s | %s | %.2f | %.2f | %.2f |\n", name.c_str(),
+              static_cast<unsigned long long>(rows), precision, beside, ours / work * 1e9,
+              theirs / work * 1e9, theirs / ours);
+}
+
+template <class Real>
+void Measure(const std::string& compiled, const std::string& sources, int rounds) {
+  const char* precision = sizeof(Real) == 8 ? "f64" : "f32";
+  const auto engine_of = [&](World<Real>& world, const std::string& law, bool text) {
+    PhysicsEngine engine = world.Engine(compiled);
+    engine.LoadPhysicsLaw(text ? sources + "/" + law + "/" + law + ".law" : law);
+    engine.Advance(1e-6, 2);
+    return engine;
+  };
+  for (const char* law : {"gravity_field", "drag", "lorentz_field", "hooke_spring", "newton_motion",
+                          "velocity_verlet"}) {
+    constexpr uint64_t kRows = 100000;
+    World<Real> a(kRows), b(kRows);
+    PhysicsEngine text = engine_of(a, law, true), other = engine_of(b, law, false);
+    Compare(
+        law, kRows, precision, "compiled law", rounds, 4.0 * kRows, [&] { text.Advance(1e-6, 4); },
+        [&] { other.Advance(1e-6, 4); });
+  }
+  for (const uint64_t rows : {1536, 16384}) {
+    World<Real> a(rows), b(rows), c(rows);
+    const double pairs = static_cast<double>(rows) * static_cast<double>(rows - 1) / 2;
+    const int fewer = rows > 2000 ? std::max(1, rounds / 10) : rounds;
+    PhysicsEngine text = engine_of(a, "newton_gravitation", true);
+    PhysicsEngine other = engine_of(b, "newton_gravitation", false);
+    Compare(
+        "newton_gravitation", rows, precision, "compiled law", fewer, pairs,
+        [&] { text.Advance(1e-6); }, [&] { other.Advance(1e-6); });
+    Compare(
+        "newton_gravitation", rows, precision, "plain loop, -O3 -march=native", fewer, pairs,
+        [&] { text.Advance(1e-6); }, [&] { PlainLoop(c); });
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 4) {
+    std::fprintf(stderr, "usage: text_bench COMPILED-LAWS LAW-SOURCES ROUNDS\n");
+    return 2;
+  }
+  const int rounds = std::atoi(argv[3]);
+  std::printf("%s\n\n", vesper_build_info());
+  std::printf(
+      "| law | rows | | beside | text [ns per row or pair] | other [ns] | times as fast |\n");
+  std::printf("|---|---:|---|---|---:|---:|---:|\n");
+  Measure<double>(argv[1], argv[2], rounds);
+  Measure<float>(argv[1], argv[2], rounds);
+  return 0;
+}

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.worlds.server;
+
+import static org.assertj.core.api.Assertions.assertThat;
+import static org.assertj.core.api.Assertions.assertThatThrownBy;
+import static org.assertj.core.api.Assertions.within;
+
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+
+import reve.core.file.WorldDescription;
+import reve.core.file.WorldFile;
+import reve.core.frame.Pacing;
+import reve.pe.PhysicsException;
+import reve.pe.PhysicsLaw;
+
+import java.nio.file.Files;
+import java.nio.file.Path;
+
+/** Laws as text that a world file contains, or that lie beside it. */
+class LawTextNativeTest {
+    private static final String ITEMS =
+            """
+            items:
+              - {name: stone, physical: {shape: sphere, radius: 1 m}, physics: {mass: 2 kg}}
+            """;
+    private static final String INLINE =
+            """
+            reve: 1
+            name: windy
+            laws:
+              - newton_motion
+              - text: |
+                  law push "A constant force."
+                    parameter f = 1 N, from 0 N to 100 N
+                    each body:
+                      force += f (1, 0, 0)
+                parameters: {f: 0.008 kN}
+            """;
+
+    @TempDir private Path folder;
+
+    private WorldDescription world(String text) throws Exception {
+        return WorldFile.load(Files.writeString(folder.resolve("world.yaml"), text + ITEMS));
+    }
+
+    private static double speed(Simulation simulation) {
+        return simulation.world().find("stone").orElseThrow().physics().get("velocity")[0];
+    }
+
+    @Test
+    void aTextInTheWorldFileActsWithItsParameters() throws Exception {
+        try (Simulation simulation = new Simulation(world(INLINE), Pacing.FAST)) {
+            simulation.loop().run(60);
+            assertThat(speed(simulation)).isCloseTo(4, within(1e-9));
+        }
+    }
+
+    @Test
+    void aWrongTextIsRefusedWithItsPlaceInTheFileAndInTheText() throws Exception {
+        WorldDescription wrong =
+                world(INLINE.replace("force += f (1, 0, 0)", "force += f velocity"));
+        assertThatThrownBy(() -> new Simulation(wrong, Pacing.FAST).close())
+                .isInstanceOf(PhysicsException.class)
+                .hasMessageContaining("world.yaml:5:11: push.law:4:14: 'f velocity' is a vector in")
+                .hasMessageContaining("but 'force' is N (a force)");
+    }
+
+    @Test
+    void aParameterOfATextKeepsItsUnit() throws Exception {
+        WorldDescription wrong = world(INLINE.replace("0.008 kN", "3 kg"));
+        assertThatThrownBy(() -> new Simulation(wrong, Pacing.FAST).close())
+                .isInstanceOf(PhysicsException.class)
+                .hasMessageContaining("parameter f: unit kg");
+    }
+
+    @Test
+    void aTextBesideTheWorldFileNeedsNoTrust() throws Exception {
+        Path laws = Files.createDirectory(folder.resolve("laws"));
+        Files.writeString(
+                laws.resolve("push.law"), "law push\n  each body:\n    force += (8, 0, 0) N\n");
+        WorldDescription named = world("reve: 1\nname: windy\nlaws: [newton_motion, push]\n");
+        LawPath path = LawPath.ofShipped().forWorld(folder);
+        assertThat(path.needsTrust("push")).isFalse();
+        try (Simulation simulation = new Simulation(named, Pacing.FAST, path)) {
+            simulation.loop().run(60);
+            assertThat(speed(simulation)).isCloseTo(4, within(1e-9));
+        }
+        Files.write(laws.resolve("libvesper_law_push.so"), new byte[] {0x7f, 'E', 'L', 'F'});
+        assertThatThrownBy(() -> path.find("push"))
+                .hasMessageContaining("is there twice")
+                .hasMessageContaining("push.law");
+        assertThat(path.find("push.law").isText()).isTrue();
+    }
+
+    @Test
+    void aShippedNameMeansTheCompiledLawUnlessItsEndingIsWritten() throws Exception {
+        LawPath path = LawPath.ofShipped();
+        assertThat(path.find("drag").file().toString()).endsWith("libvesper_law_drag.so");
+        assertThat(path.find("drag.law").file().toString()).endsWith("/drag.law");
+    }
+
+    @Test
+    void aSavedWorldContainsItsTextsAndContinuesToTheBit() throws Exception {
+        long expected;
+        Path saved = folder.resolve("saved.yaml");
+        try (Simulation simulation = new Simulation(world(INLINE), Pacing.FAST)) {
+            simulation.loop().run(30);
+            WorldFile.save(saved, simulation.descriptionNow());
+            simulation.loop().run(60);
+            expected = simulation.physics().stateHash();
+        }
+        assertThat(Files.readString(saved)).contains("law push \"A constant force.\"");
+        try (Simulation simulation = new Simulation(WorldFile.load(saved), Pacing.FAST)) {
+            simulation.loop().run(30);
+            assertThat(simulation.physics().stateHash()).isEqualTo(expected);
+            assertThat(simulation.physics().laws().loaded())
+                    .extracting(PhysicsLaw::name)
+                    .contains("push");
+        }
+    }
+}

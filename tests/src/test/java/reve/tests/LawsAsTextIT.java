@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.tests;
+
+import static org.assertj.core.api.Assertions.assertThat;
+import static org.assertj.core.api.Assertions.assertThatThrownBy;
+
+import org.junit.jupiter.api.Tag;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+
+import java.io.IOException;
+import java.nio.file.Files;
+import java.nio.file.Path;
+
+/** Does what docs/laws-as-text.md says, block by block, in a folder outside the checkout. */
+@Tag("slow")
+class LawsAsTextIT {
+    private final Path folder;
+    private final Shell shell;
+    private final Document page;
+
+    LawsAsTextIT(@TempDir Path folder) throws IOException {
+        this.folder = folder;
+        shell = new Shell(folder);
+        page = Document.read(Project.ROOT.resolve("docs/laws-as-text.md"));
+    }
+
+    private void write(String text) throws IOException {
+        Files.writeString(folder.resolve("wind.law"), text);
+    }
+
+    private String run(String title, Server server) throws Exception {
+        return shell.run(
+                page.titled(title)
+                        .text()
+                        .replace(" control ", " control --port " + server.port() + " "));
+    }
+
+    @Test
+    void aWindIsWrittenReplacedMistakenAndRemoved() throws Exception {
+        String wind = page.titled("wind.law").text();
+        try (Server server = shell.serve(page.titled("serve.sh").text())) {
+            write(wind);
+            assertThat(run("load.sh", server)).startsWith("load-law: frame ");
+            assertThat(run("stronger.sh", server)).startsWith("load-law: frame ");
+            write(wind.replace("c (w - velocity)", "c w - velocity"));
+            assertThatThrownBy(() -> run("load.sh", server))
+                    .hasMessageContaining(page.titled("mistake").text().strip());
+            assertThat(run("unload.sh", server)).startsWith("unload-law: frame ");
+        }
+    }
+}
