@@ -11,19 +11,20 @@ final class BoundColumn extends BoundProperty {
     private final Column column;
     private long seen;
 
-    BoundColumn(String name, Table table, Column column) {
-        super(name, table);
+    BoundColumn(String name, Table table, boolean scenery, Column column) {
+        super(name, table, scenery);
         this.column = column;
     }
 
     @Override
     MemorySegment memory() {
-        return column.segment();
+        return column.segment()
+                .asSlice((long) firstRow() * column.descriptor().rowBytes(), bytes());
     }
 
     /** Returns the size of the rows that the engine sees [bytes]. */
     long bytes() {
-        return (long) table().physicsRowCount() * column.descriptor().rowBytes();
+        return (long) rowCount() * column.descriptor().rowBytes();
     }
 
     @Override
