@@ -28,13 +28,15 @@ struct ContactMemory {
   SlotVectors<Real>& impulses;
   bool is_first;  // the body is the first one of the contact
 
-  /** Gives the points of a contact the impulses of the nearest points of the last step, not farther
-   *  than `reach` [m]. */
+  /** Gives the points of a contact the impulses and the order of the nearest points of the last
+   *  step, not farther than `reach` [m]. With another order, the same points would get slightly
+   *  different impulses, which keeps resting bodies moving. */
   void Recall(Contact<Real>& contact, uint32_t partner, Real reach) const {
     const auto found = std::find(partners.begin(), partners.end(), partner + 1);
     if (found == partners.end()) return;
     const auto first = static_cast<uint32_t>(found - partners.begin()) * Manifold::kMost;
     uint32_t taken = 0;
+    std::array<typename Contact<Real>::Point, Manifold::kMost> ordered;
     for (int i = 0; i < contact.count; ++i) {
       auto& point = contact.points[i];
       const Vec3<Real> arm = is_first ? point.arm_a : point.arm_b;
@@ -47,6 +49,7 @@ struct ContactMemory {
         nearest = square;
         chosen = j;
       }
+      point.place = chosen < 0 ? Manifold::kMost : chosen;
       if (chosen < 0) continue;
       taken |= 1u << chosen;
       const Vec3<Real> impulse = Get(impulses, first + chosen) * sign();
@@ -54,6 +57,13 @@ struct ContactMemory {
       point.rub[0] = Dot(impulse, contact.across[0]);
       point.rub[1] = Dot(impulse, contact.across[1]);
     }
+    int next = 0;
+    for (int place = 0; place <= Manifold::kMost; ++place) {
+      for (int i = 0; i < contact.count; ++i) {
+        if (contact.points[i].place == place) ordered[next++] = contact.points[i];
+      }
+    }
+    contact.points = ordered;
   }
 
   /** Stores a contact in the next free slot; drops it if all are used. */

@@ -24,8 +24,11 @@ constexpr uint64_t kBodyGrain = 256, kPairGrain = 64, kContactGrain = 128;
 constexpr uint32_t kManyContacts = 512;
 // Separation at which shapes are already contacts, as part of their thickness.
 constexpr double kSlop = 0.02;
-// Overlap that is not undone, as part of the thickness.
-constexpr double kLeft = 0.002;
+// Contacts yield like springs of this many oscillations per step, damped by this multiple of the
+// critical damping.
+constexpr double kOscillations = 0.5, kDamping = 10;
+// Rotation after which the inertia of a body in the world is computed again [rad].
+constexpr double kTurned = 0.02;
 // Distance within which a point of contact is one of the last step, as part of the thickness.
 constexpr double kNear = 0.2;
 
@@ -92,9 +95,7 @@ struct RigidContact {
   void Advance(const Step& step) {
     const auto count = static_cast<uint32_t>(std::lround(substeps.value()));
     const auto dt = static_cast<Real>(step.dt);
-    const SolverStep<Real> solver{
-        dt,           dt / static_cast<Real>(count), Real(0.25) / dt, Real(push_speed),
-        Real(restitution_speed), count};
+    const SolverStep<Real> solver = SolverFor(dt, count);
     Gather(step);
     FindContacts(step);
     Solve(step, solver);
@@ -103,6 +104,21 @@ struct RigidContact {
   }
 
  private:
+  /** Returns the constants of a step; see the Limits of the README for the springs. */
+  SolverStep<Real> SolverFor(Real dt, uint32_t count) const {
+    constexpr double kTurn = 2 * 3.14159265358979323846;
+    const double substep = double{dt} / count, angle = kTurn * kOscillations / count;
+    const double damped = 2 * kDamping + angle, stiff = angle * damped;
+    return {dt,
+            static_cast<Real>(substep),
+            static_cast<Real>(angle / (substep * damped)),
+            static_cast<Real>(stiff / (1 + stiff)),
+            static_cast<Real>(1 / (1 + stiff) / count),
+            Real(push_speed),
+            Real(restitution_speed),
+            count};
+  }
+
   static constexpr vesper_unit kImpulseUnit = VESPER_UNIT_INIT(1, 1, -1, 0, 0, 0, 0, 1.0, "N*s");
 
   /** A body besides its motion. */
@@ -113,6 +129,8 @@ struct RigidContact {
     bool translates, rotates;
     bool gyrates;  // its moments differ, so that its spin changes without a torque
     bool broken;   // has values that are not finite
+    Vector turned;  // since its inertia in the world was computed [rad]
+    bool renewed;   // its inertia in the world was computed in this substep
   };
 
   uint64_t rows() const { return mass.size(); }
@@ -154,6 +172,8 @@ struct RigidContact {
     Vector moments = inertia.present() ? Wide(inertia[i]) : Vector{};
     if (moments == Vector{}) moments = shapes_[i].Moments(weight);
     body.moments = {moments.x, moments.y, moments.z};
+    body.turned = {};
+    body.renewed = false;
     body.translates = weight > 0;
     body.rotates = moments.x > 0 || moments.y > 0 || moments.z > 0;
     body.gyrates = moments.x > 0 && moments.y > 0 && moments.z > 0 &&
@@ -292,8 +312,6 @@ struct RigidContact {
     contact.friction = static_cast<Real>(std::sqrt(rub_a * rub_b));
     contact.restitution =
         static_cast<Real>(std::max(RestitutionOf(pair.a), RestitutionOf(pair.b)));
-    const double thickness = std::min(shapes_[pair.a].Thickness(), shapes_[pair.b].Thickness());
-    contact.slop = static_cast<Real>(kLeft * thickness);
     for (int i = 0; i < manifold.count; ++i) {
       const ContactPoint& from = manifold.points[i];
       auto& point = contact.points[i];
@@ -394,18 +412,23 @@ struct RigidContact {
         if (bodies_[i].rotates) Turn(bodies_[i], motion, double{h});
       }
     });
+    step.ParallelFor(contacts_.size(), kContactGrain, [&](uint64_t begin, uint64_t end) {
+      for (uint64_t i = begin; i < end; ++i) {
+        Contact<Real>& contact = contacts_[i];
+        if (IsRenewed(contact.a) || IsRenewed(contact.b)) {
+          contact.Prepare(MotionOf(contact.a), MotionOf(contact.b));
+        }
+      }
+    });
   }
+  bool IsRenewed(uint32_t body) const { return body != kImmovable && bodies_[body].renewed; }
 
   static void Turn(Body& body, Motion<Real>& motion, double h) {
-    // Below this angle, the change of the axes is smaller than the rounding of float.
-    constexpr double kStill = 1e-8;
-    const Vector spin = Wide(motion.spin);
-    if (Dot(spin, spin) * h * h < kStill * kStill) {
-      body.rotation = RotationBy(spin * (h / 2)) * body.rotation;
-      return;
-    }
-    if (!body.gyrates) {
-      body.rotation = RotationBy(spin * (h / 2)) * body.rotation;
+    // Below this angle [rad], a rotation does not change the spin of a body without a torque.
+    constexpr double kStill = 1e-6;
+    const Vector spin = Wide(motion.spin), angle = spin * h;
+    if (!body.gyrates || Dot(angle, angle) < kStill * kStill) {
+      body.rotation = RotationBy(angle * 0.5) * body.rotation;
     } else {
       Quaternion q = body.rotation.Normalised();
       const auto& [x, y, z] = body.moments;
@@ -416,6 +439,10 @@ struct RigidContact {
       motion.spin = Narrow<Real>(q.Rotate({after.x / x, after.y / y, after.z / z}));
       body.rotation = q;
     }
+    body.turned += angle;
+    body.renewed = Dot(body.turned, body.turned) > kTurned * kTurned;
+    if (!body.renewed) return;
+    body.turned = {};
     motion.inverse_inertia = InverseInertia(body);
   }
 

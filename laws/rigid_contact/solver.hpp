@@ -46,6 +46,8 @@ template <class Real>
 struct SolverStep {
   Real dt, substep;          // [s]
   Real push_rate;            // part of an overlap that is undone per time [1/s]
+  Real hardness;             // part of a velocity that an overlapping point stops
+  Real yield;                // part of its impulse that an overlapping point loses
   Real push_speed;           // greatest speed at which overlaps are undone [m/s]
   Real restitution_speed;    // smallest speed at which bodies bounce [m/s]
   uint32_t substeps;
@@ -66,6 +68,7 @@ struct Contact {
     Real rub[2];                // impulses across the normal
     Real approach;              // relative velocity along the normal before a substep [m/s]
     Real elapsed;               // part of the step before the impact
+    int place;                  // among the points of the last step
   };
 
   uint32_t a, b;  // bodies; kImmovable for what does not move
@@ -73,7 +76,6 @@ struct Contact {
   Real friction, restitution;
   Vector mean_arm_a, mean_arm_b;  // means over the points [m]
   Real mean_mass;                 // that an impulse at the mean of the points moves [kg]
-  Real slop;  // overlap that is left, so that resting shapes keep touching [m]
   std::array<Point, Manifold::kMost> points;
   int count;
 
@@ -189,7 +191,10 @@ struct Contact {
     for (int i = 0; i < count; ++i) {
       Point& p = points[i];
       const Real apart = Dot(Relative(body_a, body_b, p), normal);
-      Press(body_a, body_b, p, std::max(Real(0), p.press - p.mass * (apart + allowed[i])));
+      const bool soft = push && allowed[i] <= 0;
+      const Real change = soft ? step.hardness * p.mass * (apart + allowed[i]) + step.yield * p.press
+                               : p.mass * (apart + allowed[i]);
+      Press(body_a, body_b, p, std::max(Real(0), p.press - change));
     }
   }
 
@@ -218,8 +223,7 @@ struct Contact {
   /** Returns the speed at which a point may approach, if positive, or has to part, if negative. */
   Real Allowed(Real gap, const SolverStep<Real>& step, bool push) const {
     if (gap > 0) return gap / step.substep;
-    if (!push || gap > -slop) return 0;
-    return std::max(step.push_rate * (gap + slop), -step.push_speed);
+    return push ? std::max(step.push_rate * gap, -step.push_speed) : Real(0);
   }
 
   /** Changes the impulses of all points by the same amount, which stops their mean. Without this
