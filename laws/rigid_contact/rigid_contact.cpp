@@ -9,6 +9,7 @@
 #include "broad_phase.hpp"
 #include "colours.hpp"
 #include "contact_memory.hpp"
+#include "joint.hpp"
 #include "manifold.hpp"
 #include "solver.hpp"
 #include "vesper/law.hpp"
@@ -27,6 +28,8 @@ constexpr double kSlop = 0.02;
 // Contacts yield like springs of this many oscillations per step, damped by this multiple of the
 // critical damping.
 constexpr double kOscillations = 0.5, kDamping = 10;
+// Sweeps over the joints, forwards and backwards, in each half of a substep.
+constexpr size_t kSweeps = 4;
 // Rotation after which the inertia of a body in the world is computed again [rad].
 constexpr double kTurned = 0.02;
 // Distance within which a point of contact is one of the last step, as part of the thickness.
@@ -77,6 +80,24 @@ struct RigidContact {
   OptionalRead<int32_t> scenery_shape{"sceneryShape", "scenery", units::one};
   OptionalRead<Vec3<double>> scenery_size{"scenerySize", "scenery", units::metre};
   OptionalRead<int32_t> scenery_carrier{"sceneryCarrier", "scenery", units::one};
+  OptionalRead<std::array<uint32_t, 2>> joined{"joined", "joint", units::one};
+  OptionalRead<int32_t> joint_type{"jointType", "joint", units::one};
+  OptionalRead<Vector3> anchor{"anchor", "joint", units::metre};
+  OptionalRead<Vector3> axis{"axis", "joint", units::one};
+  OptionalRead<std::array<Real, 2>> angle_limits{"angleLimits", "joint", units::one};
+  OptionalRead<std::array<Real, 2>> travel_limits{"travelLimits", "joint", units::metre};
+  OptionalRead<Real> motor_speed{"motorSpeed", "joint", units::radian_per_second};
+  OptionalRead<Real> motor_torque{"motorTorque", "joint", units::newton_metre};
+  OptionalRead<Real> drive_speed{"driveSpeed", "joint", units::metre_per_second};
+  OptionalRead<Real> drive_force{"driveForce", "joint", units::newton};
+  OptionalRead<Real> breaking_force{"breakingForce", "joint", units::newton};
+  OptionalReadWrite<Vector3> other_anchor{"otherAnchor", "joint", units::metre};
+  OptionalReadWrite<std::array<Real, 4>> other_turn{"otherTurn", "joint", units::one};
+  OptionalReadWrite<Vector3> joint_force{"jointForce", "joint", units::newton};
+  OptionalReadWrite<Vector3> joint_torque{"jointTorque", "joint", units::newton_metre};
+  OptionalReadWrite<Real> joint_angle{"jointAngle", "joint", units::one};
+  OptionalReadWrite<Real> joint_travel{"jointTravel", "joint", units::metre};
+  OptionalReadWrite<int32_t> broken{"broken", "joint", units::one};
   // The contacts of the last step, see contact_memory.hpp.
   Scratch<SlotPartners> partners{"partners", "body", units::one};
   Scratch<SlotVectors<Real>> places{"places", "body", units::metre};
@@ -89,7 +110,10 @@ struct RigidContact {
     return std::tie(mass, force, torque, inertia, velocity, position, spin, orientation,
                     acceleration, shape, size, carrier, own_friction, own_restitution,
                     scenery_position, scenery_orientation, scenery_shape, scenery_size,
-                    scenery_carrier, partners, places, impulses);
+                    scenery_carrier, joined, joint_type, anchor, axis, angle_limits,
+                    travel_limits, motor_speed, motor_torque, drive_speed, drive_force,
+                    breaking_force, other_anchor, other_turn, joint_force, joint_torque,
+                    joint_angle, joint_travel, broken, partners, places, impulses);
   }
 
   void Advance(const Step& step) {
@@ -97,9 +121,11 @@ struct RigidContact {
     const auto dt = static_cast<Real>(step.dt);
     const SolverStep<Real> solver = SolverFor(dt, count);
     Gather(step);
+    GatherJoints();
     FindContacts(step);
     Solve(step, solver);
     Remember();
+    ScatterJoints(step.dt);
     Scatter(step);
   }
 
@@ -131,6 +157,7 @@ struct RigidContact {
     bool broken;   // has values that are not finite
     Vector turned;  // since its inertia in the world was computed [rad]
     bool renewed;   // its inertia in the world was computed in this substep
+    bool jointed;   // its inertia in the world is computed in every substep
   };
 
   uint64_t rows() const { return mass.size(); }
@@ -173,7 +200,7 @@ struct RigidContact {
     if (moments == Vector{}) moments = shapes_[i].Moments(weight);
     body.moments = {moments.x, moments.y, moments.z};
     body.turned = {};
-    body.renewed = false;
+    body.renewed = body.jointed = false;
     body.translates = weight > 0;
     body.rotates = moments.x > 0 || moments.y > 0 || moments.z > 0;
     body.gyrates = moments.x > 0 && moments.y > 0 && moments.z > 0 &&
@@ -250,6 +277,139 @@ struct RigidContact {
             Real(x * a.y * a.z + y * b.y * b.z + z * c.y * c.z)};
   }
 
+  // --- joints
+
+  void GatherJoints() {
+    joints_.clear();
+    joint_rows_.clear();
+    joined_pairs_.clear();
+    const bool complete = joined.present() && joint_type.present() && anchor.present() &&
+                          axis.present() && other_anchor.present() && other_turn.present();
+    if (!complete) return;
+    for (uint64_t i = 0; i < joined.size(); ++i) GatherJoint(i);
+    std::sort(joined_pairs_.begin(), joined_pairs_.end());
+  }
+
+  void GatherJoint(uint64_t i) {
+    const auto type = static_cast<JointType>(joint_type[i]);
+    const auto [a, b] = joined[i];
+    if (type < JointType::kFixed || type > JointType::kDistance || a == b) return;
+    if (broken.present() && broken[i] != 0) return;
+    if (bodies_[a].broken || bodies_[b].broken || (!Movable(a) && !Movable(b))) return;
+    Joint<Real> joint;
+    joint.row_a = a;
+    joint.row_b = b;
+    joint.a = BodyOf(a);
+    joint.b = BodyOf(b);
+    joint.settings = SettingsOf(i, type, PoseOf(a), PoseOf(b));
+    for (const uint32_t body : {a, b}) bodies_[body].jointed = true;
+    joints_.push_back(joint);
+    joint_rows_.push_back(i);
+    joined_pairs_.push_back({std::min(a, b), std::max(a, b)});
+  }
+
+  JointSettings SettingsOf(uint64_t i, JointType type, const Pose& a, const Pose& b) {
+    JointSettings settings;
+    settings.type = type;
+    settings.anchor_a = Wide(anchor[i]);
+    const Vector given = Wide(axis[i]);
+    const double length = Length(given);
+    settings.axis = length > 0 ? given * (1 / length) : Vector{0, 1, 0};
+    if (other_turn[i] == std::array<Real, 4>{}) Join(i, type, a, b);
+    settings.anchor_b = Wide(other_anchor[i]);
+    settings.rest = Quaternion::Load(other_turn[i]).Normalised();
+    const auto number = [&](const auto& column) { return column.present() ? double{column[i]} : 0; };
+    const auto limit = [&](const auto& column, int side) {
+      return column.present() ? double{column[i][side]} : 0;
+    };
+    settings.angle_low = limit(angle_limits, 0);
+    settings.angle_high = limit(angle_limits, 1);
+    settings.travel_low = limit(travel_limits, 0);
+    settings.travel_high = limit(travel_limits, 1);
+    settings.motor_speed = number(motor_speed);
+    settings.motor_torque = number(motor_torque);
+    settings.drive_speed = number(drive_speed);
+    settings.drive_force = number(drive_force);
+    const double sum = Dot(settings.anchor_a, settings.anchor_a) + length +
+                       Dot(settings.anchor_b, settings.anchor_b) + settings.rest.w +
+                       settings.angle_low + settings.angle_high + settings.travel_low +
+                       settings.travel_high + settings.motor_speed + settings.motor_torque +
+                       settings.drive_speed + settings.drive_force + number(breaking_force);
+    if (!std::isfinite(sum)) {
+      throw std::runtime_error("joint row " + std::to_string(i) + " has values that are not finite");
+    }
+    return settings;
+  }
+
+  /** Joins the bodies as they are now: stores the anchor and the rotation of the second one. */
+  void Join(uint64_t i, JointType type, const Pose& a, const Pose& b) {
+    const Quaternion of_a = a.rotation.Normalised(), of_b = b.rotation.Normalised();
+    if (type != JointType::kDistance && other_anchor[i] == Vector3{}) {
+      const Vector at = a.at + of_a.Rotate(Wide(anchor[i]));
+      other_anchor[i] = Narrow<Real>(of_b.Inverse().Rotate(at - b.at));
+    }
+    other_turn[i] = (of_a.Inverse() * of_b).template Stored<Real>();
+  }
+
+  Pose PoseOf(uint32_t body) const {
+    return {Wide(position[body]) + Wide(motions_[body].moved), bodies_[body].rotation};
+  }
+
+  bool AreJoined(const Pair& pair) const {
+    return std::binary_search(joined_pairs_.begin(), joined_pairs_.end(), pair);
+  }
+
+  void RefreshJoints() {
+    for (Joint<Real>& joint : joints_) {
+      joint.Refresh(PoseOf(joint.row_a), PoseOf(joint.row_b), MotionOf(joint.a), MotionOf(joint.b));
+    }
+  }
+
+  void WarmStartJoints(Real dt) {
+    for (size_t k = 0; k < joints_.size(); ++k) {
+      const uint64_t i = joint_rows_[k];
+      const Vector impulse = joint_force.present() ? Wide(joint_force[i]) * double{dt} : Vector{};
+      const Vector turn = joint_torque.present() ? Wide(joint_torque[i]) * double{dt} : Vector{};
+      Motion<Real> still_a, still_b;
+      joints_[k].WarmStart(impulse, turn, Moving(joints_[k].a, still_a),
+                           Moving(joints_[k].b, still_b));
+    }
+  }
+
+  /** Solves the joints several times, forwards and backwards: a sweep in one direction only may excite
+   *  a chain that begins with the impulses of the last step. */
+  void SolveJoints(const SolverStep<Real>& solver, bool push) {
+    const size_t count = joints_.size();
+    for (size_t k = 0; k < 2 * kSweeps * count; ++k) {
+      const size_t in_sweep = k % count;
+      Joint<Real>& joint = joints_[k / count % 2 == 0 ? in_sweep : count - 1 - in_sweep];
+      Motion<Real> still_a, still_b;
+      joint.Solve(Moving(joint.a, still_a), Moving(joint.b, still_b), solver, push);
+    }
+  }
+
+  Motion<Real>& Moving(uint32_t body, Motion<Real>& still) {
+    return body == kImmovable ? still : motions_[body];
+  }
+
+  void ScatterJoints(double dt) {
+    for (size_t k = 0; k < joints_.size(); ++k) {
+      const uint64_t i = joint_rows_[k];
+      const Joint<Real>& joint = joints_[k];
+      const Vector load = joint.Impulse() * (1 / dt);
+      if (joint_force.present()) joint_force[i] = Narrow<Real>(load);
+      if (joint_torque.present()) joint_torque[i] = Narrow<Real>(joint.Turn() * (1 / dt));
+      if (joint_angle.present()) joint_angle[i] = static_cast<Real>(joint.angle());
+      if (joint_travel.present()) joint_travel[i] = static_cast<Real>(joint.travel());
+      const double most = breaking_force.present() ? double{breaking_force[i]} : 0;
+      if (most > 0 && broken.present() && Dot(load, load) > most * most) {
+        broken[i] = 1;
+        if (joint_force.present()) joint_force[i] = {};
+        if (joint_torque.present()) joint_torque[i] = {};
+      }
+    }
+  }
+
   // --- contacts
 
   /** A pair of shapes that touch, and the body that stores its impulses. */
@@ -279,7 +439,7 @@ struct RigidContact {
     touches_.clear();
     contacts_.clear();
     for (size_t i = 0; i < pairs.size(); ++i) {
-      if (manifolds_[i].count > 0) AddContact(pairs[i], manifolds_[i]);
+      if (manifolds_[i].count > 0 && !AreJoined(pairs[i])) AddContact(pairs[i], manifolds_[i]);
     }
     step.ParallelFor(contacts_.size(), kContactGrain, [&](uint64_t begin, uint64_t end) {
       for (uint64_t i = begin; i < end; ++i) PrepareContact(i);
@@ -354,6 +514,7 @@ struct RigidContact {
   void Solve(const Step& step, const SolverStep<Real>& solver) {
     bool bounces = false;
     for (const Contact<Real>& contact : contacts_) bounces = bounces || contact.restitution > 0;
+    RefreshJoints();
     for (uint32_t k = 0; k < solver.substeps; ++k) {
       if (bounces) {
         step.ParallelFor(contacts_.size(), kContactGrain, [&](uint64_t begin, uint64_t end) {
@@ -365,13 +526,17 @@ struct RigidContact {
         });
       }
       if (k == 0) {
+        WarmStartJoints(solver.dt);
         ForEachContact(step, [](auto& contact, auto& a, auto& b) { contact.WarmStart(a, b); });
       }
+      SolveJoints(solver, true);
       ForEachContact(step,
                      [&](auto& contact, auto& a, auto& b) { contact.Solve(a, b, solver, true); });
       Drift(step, solver.substep);
+      RefreshJoints();
       ForEachContact(step,
                      [&](auto& contact, auto& a, auto& b) { contact.Solve(a, b, solver, false); });
+      SolveJoints(solver, false);
       if (!bounces) continue;
       ForEachContact(step, [&](auto& contact, auto& a, auto& b) {
         if (contact.restitution > 0) contact.Restitute(a, b, solver);
@@ -440,7 +605,7 @@ struct RigidContact {
       body.rotation = q;
     }
     body.turned += angle;
-    body.renewed = Dot(body.turned, body.turned) > kTurned * kTurned;
+    body.renewed = body.jointed || Dot(body.turned, body.turned) > kTurned * kTurned;
     if (!body.renewed) return;
     body.turned = {};
     motion.inverse_inertia = InverseInertia(body);
@@ -493,6 +658,9 @@ struct RigidContact {
   std::vector<Touch> touches_;          // (contacts)
   std::vector<Contact<Real>> contacts_;  // (contacts)
   std::vector<uint32_t> used_;          // (rows) slots
+  std::vector<Joint<Real>> joints_;
+  std::vector<uint64_t> joint_rows_;    // (joints) rows of the columns
+  std::vector<Pair> joined_pairs_;      // (joints) in ascending order
   BroadPhase broad_phase_;
   Colours colours_;
 };

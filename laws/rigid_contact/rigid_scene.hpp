@@ -2,6 +2,7 @@
 // Rigid bodies and scenery for the tests of rigid_contact, in the columns of a standard prototype.
 #pragma once
 
+#include "joint.hpp"
 #include "rigid/rotation.hpp"
 #include "scene.hpp"
 #include "shape.hpp"
@@ -16,6 +17,16 @@ struct RigidScene : Scene<Real> {
   std::vector<int32_t> shape;                          // (bodies)
   std::vector<double> size;                            // (bodies x 3) [m]
   std::vector<Real> orientation, spin, torque, inertia;  // (bodies x 4), (bodies x 3)
+  // joint
+  std::vector<uint32_t> joined;                         // (joints x 2)
+  std::vector<int32_t> joint_type, broken;              // (joints)
+  std::vector<Real> anchor, axis;                       // (joints x 3)
+  std::vector<Real> angle_limits, travel_limits;        // (joints x 2)
+  std::vector<Real> motor_speed, motor_torque;          // (joints)
+  std::vector<Real> drive_speed, drive_force, breaking_force;  // (joints)
+  std::vector<Real> other_anchor, other_turn, joint_force, joint_torque;
+  std::vector<Real> joint_angle, joint_travel;          // (joints)
+  // scenery
   std::vector<int32_t> scenery_shape;                  // (scenery)
   std::vector<double> scenery_size;                    // (scenery x 3) [m]
   std::vector<Real> scenery_position, scenery_orientation;
@@ -44,6 +55,27 @@ struct RigidScene : Scene<Real> {
   /// Adds a box whose top is at y = 0.
   void AddGround() { AddScenery(Code::kBox, {1000, 2, 1000}, {0, -1, 0}); }
 
+  /// Joins two bodies at a place of the world; the axis is in the world, too.
+  uint32_t Join(rigid::JointType type, uint32_t a, uint32_t b, Vector at, Vector about = {0, 1, 0}) {
+    joined.insert(joined.end(), {a, b});
+    joint_type.push_back(static_cast<int32_t>(type));
+    broken.push_back(0);
+    const rigid::Quaternion inverse = Rotation(a).Normalised().Inverse();
+    const Vector in_a = inverse.Rotate(at - Position(a)), axis_in_a = inverse.Rotate(about);
+    anchor.insert(anchor.end(), {Real(in_a.x), Real(in_a.y), Real(in_a.z)});
+    axis.insert(axis.end(), {Real(axis_in_a.x), Real(axis_in_a.y), Real(axis_in_a.z)});
+    for (auto* pair : {&angle_limits, &travel_limits}) pair->insert(pair->end(), {0, 0});
+    for (auto* one : {&motor_speed, &motor_torque, &drive_speed, &drive_force, &breaking_force,
+                      &joint_angle, &joint_travel}) {
+      one->push_back(0);
+    }
+    for (auto* three : {&other_anchor, &joint_force, &joint_torque}) {
+      three->insert(three->end(), {0, 0, 0});
+    }
+    other_turn.insert(other_turn.end(), {0, 0, 0, 0});
+    return static_cast<uint32_t>(joint_type.size() - 1);
+  }
+
   /// Creates an engine over this scene with gravity_field and rigid_contact.
   PhysicsEngine MakeRigidEngine(const std::vector<ParameterValue>& parameters = {},
                                 uint32_t threads = 1) {
@@ -60,6 +92,26 @@ struct RigidScene : Scene<Real> {
       provider.AddPhysicalProperty("scenerySize", scenery_size);
       provider.AddPhysicalProperty("sceneryPosition", scenery_position);
       provider.AddPhysicalProperty("sceneryOrientation", scenery_orientation);
+    }
+    if (!joint_type.empty()) {
+      provider.AddPhysicalProperty("joined", joined);
+      provider.AddPhysicalProperty("jointType", joint_type);
+      provider.AddPhysicalProperty("broken", broken);
+      provider.AddPhysicalProperty("anchor", anchor);
+      provider.AddPhysicalProperty("axis", axis);
+      provider.AddPhysicalProperty("angleLimits", angle_limits);
+      provider.AddPhysicalProperty("travelLimits", travel_limits);
+      provider.AddPhysicalProperty("motorSpeed", motor_speed);
+      provider.AddPhysicalProperty("motorTorque", motor_torque);
+      provider.AddPhysicalProperty("driveSpeed", drive_speed);
+      provider.AddPhysicalProperty("driveForce", drive_force);
+      provider.AddPhysicalProperty("breakingForce", breaking_force);
+      provider.AddPhysicalProperty("otherAnchor", other_anchor);
+      provider.AddPhysicalProperty("otherTurn", other_turn);
+      provider.AddPhysicalProperty("jointForce", joint_force);
+      provider.AddPhysicalProperty("jointTorque", joint_torque);
+      provider.AddPhysicalProperty("jointAngle", joint_angle);
+      provider.AddPhysicalProperty("jointTravel", joint_travel);
     }
     engine.LoadPhysicsLaw("gravity_field");
     engine.LoadPhysicsLaw("rigid_contact", parameters);

@@ -325,9 +325,13 @@ class WorldFileTest {
                                       vertices: [[0, 0, 0], [1, 0, 0], 0 100 0 cm]
                                       triangles: [[0, 1, 2]]
                                   - {name: n, physical: {location: [1, 2, 3]}}
+                                  - {name: c, physical: {shape: capsule, radius: 1 cm, height: 1 m}}
+                                  - {name: d, physical: {shape: cylinder, radius: 2, height: 0.1}}
                                 """)
                         .items();
 
+        assertThat(items.get(5).shape()).isEqualTo(Shape.capsule(0.01, 1));
+        assertThat(items.get(6).shape()).isEqualTo(Shape.cylinder(2, 0.1));
         assertThat(items.get(0).shape()).isEqualTo(Shape.sphere(0.25));
         assertThat(items.get(1).shape()).isEqualTo(Shape.box(0.1, 0.2, 3 * 0.1));
         assertThat(items.get(2).shape()).isEqualTo(Shape.plane(5, 6));
@@ -335,6 +339,13 @@ class WorldFileTest {
         assertThat(items.get(3).shape().size(1)).isEqualTo(1);
         assertThat(items.get(4).shape()).isEqualTo(Shape.none());
         assertThat(items.get(4).location()).containsExactly(1, 2, 3);
+    }
+
+    @Test
+    void aCapsuleIsAtLeastAsHighAsItsEnds() {
+        assertThatThrownBy(() -> solid("shape: capsule, radius: 1, height: 1.5", "mass: 1"))
+                .hasMessageContaining(
+                        "height of capsule is 1.5, expected at least twice the radius, 2.0 m");
     }
 
     @Test
