@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <utility>
+#include <vector>
 
 #include "shape.hpp"
 #include "solver.hpp"
@@ -109,6 +111,27 @@ class Block {
   int count_ = 0;
 };
 
+/** Sets of bodies that joints connect. */
+class Assemblies {
+ public:
+  void Reset(uint64_t bodies) {
+    parent_.resize(bodies);
+    for (uint32_t i = 0; i < bodies; ++i) parent_[i] = i;
+  }
+  /** Returns the body that stands for the set of a body. */
+  uint32_t Find(uint32_t body) {
+    while (parent_[body] != body) body = parent_[body] = parent_[parent_[body]];
+    return body;
+  }
+  void Join(uint32_t a, uint32_t b) {
+    const uint32_t first = Find(a), second = Find(b);
+    parent_[std::max(first, second)] = std::min(first, second);
+  }
+
+ private:
+  std::vector<uint32_t> parent_;  // (bodies)
+};
+
 /** What the columns of a joint say. */
 struct JointSettings {
   JointType type = JointType::kNone;
@@ -167,12 +190,30 @@ class Joint {
     about_mass_ = Inverse(Dot(turning(axis_), axis_));
   }
 
-  /** Begins with the force and torque of the last step. */
-  void WarmStart(const Vector& impulse, const Vector& turn, Motion<Real>& motion_a,
-                 Motion<Real>& motion_b) {
+  /** Sets the impulses to begin with, those of the last step. */
+  void Start(const Vector& impulse, const Vector& turn) {
     linear_.Start(impulse);
     angular_.Start(turn);
+  }
+  /** Applies the impulses to begin with. */
+  void ApplyStart(Motion<Real>& motion_a, Motion<Real>& motion_b) const {
     Apply(linear_.Impulse(), angular_.Impulse(), motion_a, motion_b);
+  }
+  /** Returns the row of a body that moves. */
+  uint32_t MovableRow() const { return a == kImmovable ? row_b : row_a; }
+
+  /** Returns the power of the impulses that it began with, times the step [J]. */
+  double Work(const Motion<Real>& motion_a, const Motion<Real>& motion_b) const {
+    return Dot(linear_.Impulse(), Relative(motion_a, motion_b)) +
+           Dot(angular_.Impulse(), Turning(motion_a, motion_b));
+  }
+
+  /** Reduces the impulses that it began with to a part of them. */
+  void Reduce(double part, Motion<Real>& motion_a, Motion<Real>& motion_b) {
+    const Vector impulse = linear_.Impulse(), turn = angular_.Impulse();
+    Apply(impulse * (part - 1), turn * (part - 1), motion_a, motion_b);
+    linear_.Start(impulse * part);
+    angular_.Start(turn * part);
   }
 
   /** Changes the impulses so that the bodies keep the joint. `push` also undoes its errors. */

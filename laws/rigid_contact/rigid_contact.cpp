@@ -283,6 +283,7 @@ struct RigidContact {
     joints_.clear();
     joint_rows_.clear();
     joined_pairs_.clear();
+    assemblies_.Reset(joined.present() ? rows() : 0);
     const bool complete = joined.present() && joint_type.present() && anchor.present() &&
                           axis.present() && other_anchor.present() && other_turn.present();
     if (!complete) return;
@@ -303,6 +304,7 @@ struct RigidContact {
     joint.b = BodyOf(b);
     joint.settings = SettingsOf(i, type, PoseOf(a), PoseOf(b));
     for (const uint32_t body : {a, b}) bodies_[body].jointed = true;
+    if (Movable(a) && Movable(b)) assemblies_.Join(a, b);
     joints_.push_back(joint);
     joint_rows_.push_back(i);
     joined_pairs_.push_back({std::min(a, b), std::max(a, b)});
@@ -365,14 +367,36 @@ struct RigidContact {
     }
   }
 
+  /** Begins with the impulses of the last step, or with the part of them with which the joined bodies
+   *  have the least kinetic energy. Exact impulses have this property; after an impact, those of the
+   *  last step would add energy that a few sweeps do not take away. */
   void WarmStartJoints(Real dt) {
+    before_.assign(joints_.size(), 0);
+    work_.assign(rows(), {});
     for (size_t k = 0; k < joints_.size(); ++k) {
       const uint64_t i = joint_rows_[k];
-      const Vector impulse = joint_force.present() ? Wide(joint_force[i]) * double{dt} : Vector{};
-      const Vector turn = joint_torque.present() ? Wide(joint_torque[i]) * double{dt} : Vector{};
+      joints_[k].Start(joint_force.present() ? Wide(joint_force[i]) * double{dt} : Vector{},
+                       joint_torque.present() ? Wide(joint_torque[i]) * double{dt} : Vector{});
+      before_[k] = joints_[k].Work(MotionOf(joints_[k].a), MotionOf(joints_[k].b));
+    }
+    ForEachJoint([](Joint<Real>& joint, auto& a, auto& b) { joint.ApplyStart(a, b); });
+    for (size_t k = 0; k < joints_.size(); ++k) {
+      const double after = joints_[k].Work(MotionOf(joints_[k].a), MotionOf(joints_[k].b));
+      auto& [first, second] = work_[assemblies_.Find(joints_[k].MovableRow())];
+      first += before_[k];
+      second += after - before_[k];
+    }
+    ForEachJoint([&](Joint<Real>& joint, auto& a, auto& b) {
+      const auto& [first, second] = work_[assemblies_.Find(joint.MovableRow())];
+      if (-first < second) joint.Reduce(second > 0 ? std::max(0.0, -first / second) : 0, a, b);
+    });
+  }
+
+  template <class Action>
+  void ForEachJoint(Action&& action) {
+    for (Joint<Real>& joint : joints_) {
       Motion<Real> still_a, still_b;
-      joints_[k].WarmStart(impulse, turn, Moving(joints_[k].a, still_a),
-                           Moving(joints_[k].b, still_b));
+      action(joint, Moving(joint.a, still_a), Moving(joint.b, still_b));
     }
   }
 
@@ -526,8 +550,8 @@ struct RigidContact {
         });
       }
       if (k == 0) {
-        WarmStartJoints(solver.dt);
         ForEachContact(step, [](auto& contact, auto& a, auto& b) { contact.WarmStart(a, b); });
+        WarmStartJoints(solver.dt);
       }
       SolveJoints(solver, true);
       ForEachContact(step,
@@ -661,6 +685,9 @@ struct RigidContact {
   std::vector<Joint<Real>> joints_;
   std::vector<uint64_t> joint_rows_;    // (joints) rows of the columns
   std::vector<Pair> joined_pairs_;      // (joints) in ascending order
+  std::vector<double> before_;          // (joints) [J]
+  std::vector<std::pair<double, double>> work_;  // (rows) [J], of assemblies
+  Assemblies assemblies_;
   BroadPhase broad_phase_;
   Colours colours_;
 };

@@ -18,8 +18,11 @@ final class BoundColumn extends BoundProperty {
 
     @Override
     MemorySegment memory() {
-        return column.segment()
-                .asSlice((long) firstRow() * column.descriptor().rowBytes(), bytes());
+        MemorySegment all = column.segment();
+        if (firstRow() == 0) {
+            return all; // the same object while no rows move
+        }
+        return all.asSlice((long) firstRow() * column.descriptor().rowBytes(), bytes());
     }
 
     /** Returns the size of the rows that the engine sees [bytes]. */

@@ -341,6 +341,55 @@ class WorldFileTest {
         assertThat(items.get(4).location()).containsExactly(1, 2, 3);
     }
 
+    /** A world has the kind joint only if it uses it, so that other worlds keep their images. */
+    @Test
+    void jointsAreAKindOfTheWorldsThatUseThem() throws WorldFileException {
+        WorldDescription with =
+                parse(
+                        """
+                        reve: 1
+                        name: w
+                        items:
+                          - {name: frame, physics: {mass: 0}}
+                          - {name: door, physics: {mass: 20}}
+                          - name: hinge
+                            kind: joint
+                            physics:
+                              joined: [frame, door]
+                              jointType: hinge
+                              axis: [0, 1, 0]
+                              angleLimits: 0 90 deg
+                        """);
+        ItemDefinition hinge = with.items().get(2);
+        assertThat(hinge.physics("jointType").orElseThrow()).containsExactly(3);
+        assertThat(hinge.references().get("joined")).containsExactly("frame", "door");
+        WorldDescription without =
+                parse(
+                        """
+                        reve: 1
+                        name: w
+                        items:
+                          - {name: a, physics: {mass: 0}}
+                        """);
+        assertThat(with.prototype().kinds()).contains("joint");
+        assertThat(without.prototype().kinds()).doesNotContain("joint");
+        assertThatThrownBy(
+                        () ->
+                                parse(
+                                        """
+                                        reve: 1
+                                        name: w
+                                        items:
+                                          - {name: a, physics: {mass: 0}}
+                                          - {name: b, physics: {mass: 1}}
+                                          - {name: j, kind: joint,
+                                             physics: {joined: [a, b], jointType: hing}}
+                                        """))
+                .hasMessageContaining(
+                        "jointType: found text `hing`, expected one of fixed, ball, hinge, slider,"
+                                + " distance");
+    }
+
     @Test
     void aCapsuleIsAtLeastAsHighAsItsEnds() {
         assertThatThrownBy(() -> solid("shape: capsule, radius: 1, height: 1.5", "mass: 1"))
