@@ -35,7 +35,9 @@ bool AnyColumn::is_real() const {
 }
 
 bool AnyColumn::is_vector() const {
-  return is_real() && descriptor_->components == 3 && descriptor_->name != std::string("inertia");
+  const std::string name = descriptor_->name;
+  const bool own_axes = name == "inertia" || name == "size" || name == "scenerySize";
+  return is_real() && descriptor_->components == 3 && !own_axes;
 }
 
 double AnyColumn::Get(uint64_t value) const {

@@ -12,7 +12,21 @@
 namespace vesper {
 namespace {
 
-const std::string kOrientation = "orientation", kPosition = "position", kRadius = "radius";
+const std::string kRadius = "radius";
+
+/// Returns true for columns of places in the world.
+bool IsPlace(const std::string& name) { return name == "position" || name == "sceneryPosition"; }
+/// Returns true for columns of rotations.
+bool IsRotation(const std::string& name) {
+  return name == "orientation" || name == "sceneryOrientation";
+}
+/// Returns true for columns of lengths of bodies.
+bool IsSize(const std::string& name) {
+  return name == kRadius || name == "size" || name == "scenerySize";
+}
+
+// Codes of shapes that the columns of worlds contain.
+constexpr double kShapes = 7;
 
 /// Returns half the side [m] of the box of the bodies, with about one body per cubic metre.
 double ReachOf(uint64_t bodies) {
@@ -74,6 +88,19 @@ std::vector<vesper_property_descriptor> DescriptorsFor(
   return all;
 }
 
+/// Rotates every row of a column of quaternions.
+void RotateRows(AnyColumn& column, const Quaternion& by) {
+  for (uint64_t row = 0; row < column.rows(); ++row) {
+    const Quaternion before{{column.Get(4 * row), column.Get(4 * row + 1), column.Get(4 * row + 2)},
+                            column.Get(4 * row + 3)};
+    const Quaternion after = by * before;
+    column.Set(4 * row, after.v.x);
+    column.Set(4 * row + 1, after.v.y);
+    column.Set(4 * row + 2, after.v.z);
+    column.Set(4 * row + 3, after.w);
+  }
+}
+
 }  // namespace
 
 World::World(vesper_scalar_type real_type, const std::vector<const vesper_law_desc*>& laws,
@@ -117,8 +144,11 @@ void World::Fill(AnyColumn& column, const std::function<double(double, double)>&
   const vesper_property_descriptor& property = column.descriptor();
   // The engine computes sums, and scratch starts at zero.
   if ((property.law_access & (VESPER_ACCUMULATE | VESPER_SCRATCH)) != 0) return;
-  if (property.name == kPosition) return Place(column, draw);
-  const bool is_radius = property.name == kRadius;  // small, so that few balls touch each other
+  const std::string name = property.name;
+  if (IsPlace(name)) return Place(column, draw);
+  const bool is_size = IsSize(name);  // small, so that few bodies touch each other
+  const bool is_shape = name == "shape" || name == "sceneryShape";
+  const bool is_carrier = name == "carrier" || name == "sceneryCarrier";
   for (uint64_t row = 0; row < column.rows(); ++row) {
     // Uses neighbouring rows, so that the rows of one reference differ.
     auto reference = static_cast<uint64_t>(draw(0, static_cast<double>(column.rows())));
@@ -128,11 +158,15 @@ void World::Fill(AnyColumn& column, const std::function<double(double, double)>&
         column.Set(value, static_cast<double>(reference++ % column.rows()));
       } else if (column.is_vector()) {
         column.Set(value, draw(-1, 1));
+      } else if (is_carrier) {
+        column.Set(value, -1);
+      } else if (is_shape) {
+        column.Set(value, std::floor(draw(0, kShapes)));
       } else {
-        column.Set(value, is_radius ? draw(0.2, 0.6) : draw(0.5, 2));
+        column.Set(value, is_size ? draw(0.2, 0.6) : draw(0.5, 2));
       }
     }
-    if (property.name == kOrientation) Normalise(column, row);
+    if (IsRotation(name)) Normalise(column, row);
   }
 }
 
@@ -153,9 +187,11 @@ void World::Clear(const std::string& name) {
 }
 
 void World::Translate(const Vec3<double>& by) {
-  AnyColumn& position = (*this)[kPosition];
-  for (uint64_t row = 0; row < position.rows(); ++row) {
-    position.SetVector(row, position.GetVector(row) + by);
+  for (AnyColumn& column : columns_) {
+    if (!IsPlace(column.descriptor().name)) continue;
+    for (uint64_t row = 0; row < column.rows(); ++row) {
+      column.SetVector(row, column.GetVector(row) + by);
+    }
   }
   for (AnalyticField& field : fields_) field.Translate(by);
 }
@@ -167,16 +203,8 @@ void World::Rotate(const Quaternion& by) {
       column.SetVector(row, Rotated(column.GetVector(row), by));
     }
   }
-  AnyColumn& orientation = (*this)[kOrientation];
-  for (uint64_t row = 0; row < orientation.rows(); ++row) {
-    const Quaternion before{
-        {orientation.Get(4 * row), orientation.Get(4 * row + 1), orientation.Get(4 * row + 2)},
-        orientation.Get(4 * row + 3)};
-    const Quaternion after = by * before;
-    orientation.Set(4 * row, after.v.x);
-    orientation.Set(4 * row + 1, after.v.y);
-    orientation.Set(4 * row + 2, after.v.z);
-    orientation.Set(4 * row + 3, after.w);
+  for (AnyColumn& column : columns_) {
+    if (IsRotation(column.descriptor().name)) RotateRows(column, by);
   }
   for (AnalyticField& field : fields_) field.Rotate(by);
 }

@@ -11,19 +11,28 @@ final class BoundColumn extends BoundProperty {
     private final Column column;
     private long seen;
 
-    BoundColumn(String name, Table table, Column column) {
-        super(name, table);
+    BoundColumn(String name, Table table, boolean scenery, Column column) {
+        super(name, table, scenery);
         this.column = column;
     }
 
     @Override
     MemorySegment memory() {
-        return column.segment();
+        MemorySegment all = column.segment();
+        if (firstRow() == 0) {
+            return all; // the same object while no rows move
+        }
+        return all.asSlice((long) firstRow() * column.descriptor().rowBytes(), bytes());
     }
 
     /** Zeroes the memory behind the last row. */
     void clearUnused() {
         column.clearUnused();
+    }
+
+    /** Returns the size of the rows that the engine sees [bytes]. */
+    long bytes() {
+        return (long) rowCount() * column.descriptor().rowBytes();
     }
 
     @Override

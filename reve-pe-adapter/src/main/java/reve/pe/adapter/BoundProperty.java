@@ -7,14 +7,19 @@ import reve.pe.PhysicalPropertyProvider;
 import java.lang.foreign.MemorySegment;
 
 /** A property of the engine and its columns of the world. World's thread only. */
-abstract sealed class BoundProperty permits BoundColumn, BoundReferences {
+abstract sealed class BoundProperty permits BoundColumn, BoundReferences, BoundCarriers {
     private final String name;
     private final Table table;
+    private final boolean scenery;
     private boolean added;
 
-    BoundProperty(String name, Table table) {
+    /**
+     * @param scenery whether the engine's rows are those without a physics aspect
+     */
+    BoundProperty(String name, Table table, boolean scenery) {
         this.name = name;
         this.table = table;
+        this.scenery = scenery;
     }
 
     /** Returns the engine's name of the property. */
@@ -22,32 +27,55 @@ abstract sealed class BoundProperty permits BoundColumn, BoundReferences {
         return name;
     }
 
-    /** Returns the table; its rows [0, physicsRowCount) are the engine's rows. */
+    /** Returns the table, which has the engine's rows. */
     final Table table() {
         return table;
+    }
+
+    /** Returns the first of the engine's rows in the table. */
+    final int firstRow() {
+        return scenery ? table.physicsRowCount() : 0;
+    }
+
+    /** Returns the number of the engine's rows. */
+    final int rowCount() {
+        return scenery ? table.rowCount() - table.physicsRowCount() : table.physicsRowCount();
     }
 
     /** Rebinds the memory after rows were added, removed or moved, or the memory was replaced. */
     final void bind(PhysicalPropertyProvider provider) {
         if (added) {
-            provider.rebindPhysicalProperty(name, memory(), table.physicsRowCount());
+            provider.rebindPhysicalProperty(name, memory(), rowCount());
         } else {
-            provider.addPhysicalProperty(name, memory(), table.physicsRowCount());
+            provider.addPhysicalProperty(name, memory(), rowCount());
             added = true;
         }
         markSeen();
     }
 
+    /** Returns whether the engine has the property. */
+    final boolean isBound() {
+        return added;
+    }
+
+    /** Takes the property from the engine, if it has it. */
+    final void unbind(PhysicalPropertyProvider provider) {
+        if (added) {
+            provider.removePhysicalProperty(name);
+            added = false;
+        }
+    }
+
     /** Notifies the engine if values were edited since the last notification. */
     final void touchIfEdited(PhysicalPropertyProvider provider) {
-        if (isEdited()) {
+        if (added && isEdited()) {
             memory();
             provider.touch(name);
             markSeen();
         }
     }
 
-    /** Returns current memory of at least (physicsRowCount x components) values. */
+    /** Returns current memory of at least (rowCount x components) values. */
     abstract MemorySegment memory();
 
     /** Returns true if a column was edited in place since {@link #markSeen}. */

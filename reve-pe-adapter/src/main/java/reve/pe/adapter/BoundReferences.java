@@ -37,7 +37,7 @@ final class BoundReferences extends BoundProperty {
             Table target,
             List<Column> columns,
             ColumnArena arena) {
-        super(name, table);
+        super(name, table, false);
         this.world = world;
         this.target = target;
         this.columns = columns;

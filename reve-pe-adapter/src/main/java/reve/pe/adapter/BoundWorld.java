@@ -13,6 +13,7 @@ import reve.pe.ScalarType;
 
 import java.util.ArrayList;
 import java.util.Arrays;
+import java.util.LinkedHashSet;
 import java.util.List;
 import java.util.Optional;
 import java.util.Set;
@@ -29,6 +30,11 @@ final class BoundWorld {
     private final BoundProperty[] properties;
 
     private final List<BoundRows> rows;
+
+    /** Properties that the engine receives only while a law uses them. */
+    private final Set<BoundProperty> onDemand = new LinkedHashSet<>();
+
+    private Set<String> used = Set.of();
     private long boundLayout = -1;
 
     BoundWorld(World world, PhysicsEngine engine, ColumnArena arena) {
@@ -41,13 +47,22 @@ final class BoundWorld {
             if (property.type() == ScalarType.FIELD) {
                 continue; // the world has no fields; law libraries provide them
             }
-            Table table = world.table(property.kind());
+            Table table = world.table(PropertyNames.table(property.kind()));
+            boolean scenery = property.kind().equals(PropertyNames.SCENERY);
+            if (PropertyNames.isCarrier(property)) {
+                inPlace.add(new BoundCarriers(property.name(), world, table, scenery, arena));
+                onDemand.add(inPlace.getLast());
+                continue;
+            }
             List<Column> columns =
                     PropertyNames.columns(property.kind(), property.name()).stream()
                             .map(table::column)
                             .toList();
             if (property.refersTo() == null) {
-                inPlace.add(new BoundColumn(property.name(), table, columns.getFirst()));
+                inPlace.add(new BoundColumn(property.name(), table, scenery, columns.getFirst()));
+                if (PropertyNames.isOnDemand(property)) {
+                    onDemand.add(inPlace.getLast());
+                }
             } else {
                 references.add(
                         new BoundReferences(
@@ -73,7 +88,9 @@ final class BoundWorld {
         if (world.layoutVersion() != boundLayout) {
             rows.forEach(table -> table.follow(engine));
             for (BoundProperty property : properties) {
-                property.bind(provider);
+                if (isLent(property)) {
+                    property.bind(provider);
+                }
             }
             boundLayout = world.layoutVersion();
         } else {
@@ -81,6 +98,25 @@ final class BoundWorld {
                 property.touchIfEdited(provider);
             }
         }
+    }
+
+    /**
+     * Sets the names of the properties that the loaded laws use. The engine receives the shapes and
+     * the scenery only while a law uses them, so that other worlds keep their hashes.
+     */
+    void setUsed(Set<String> names) {
+        used = names;
+        for (BoundProperty property : onDemand) {
+            if (!isLent(property)) {
+                property.unbind(provider);
+            } else if (!property.isBound()) {
+                property.bind(provider);
+            }
+        }
+    }
+
+    private boolean isLent(BoundProperty property) {
+        return !onDemand.contains(property) || used.contains(property.name());
     }
 
     /** Returns the layout of the world at the last update; -1 before the first. */
@@ -99,11 +135,12 @@ final class BoundWorld {
 
     /** Returns the item in one of the engine's rows of a kind. */
     Optional<Item> item(String kind, long row) {
+        boolean scenery = kind.equals(PropertyNames.SCENERY);
         return Arrays.stream(properties)
                 .map(BoundProperty::table)
-                .filter(table -> table.kind().equals(kind))
+                .filter(table -> table.kind().equals(PropertyNames.table(kind)))
                 .findFirst()
-                .filter(table -> row < table.physicsRowCount())
+                .filter(table -> row < (scenery ? table.rowCount() : table.physicsRowCount()))
                 .map(table -> world.item(table.idAt((int) row)));
     }
 }

@@ -64,6 +64,7 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
     private final List<Arrested> arrests = new ArrayList<>();
     private long keptLayout = -1;
     private long keptLaws = -1;
+    private long lentLaws = -1;
 
     /** The activity of the world's thread in the engine, for reports. */
     private String advancing = "";
@@ -109,7 +110,7 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
     @Override
     public void onFrame(FrameEvent frame) {
         long start = System.nanoTime();
-        bound.update();
+        bind();
         keepWhatLawsMayWrite();
         long bound = System.nanoTime();
         rollback.save();
@@ -130,7 +131,7 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
 
     /** Returns a hash of the engine's step count and of all bound columns. Between frames. */
     public long stateHash() {
-        bound.update();
+        bind();
         return engine.stateHash();
     }
 
@@ -139,7 +140,7 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
      * bit. Between frames.
      */
     public PhysicsImage save() {
-        bound.update();
+        bind();
         return new PhysicsImage(laws.libraries(), laws.quarantined(), engine.saveState());
     }
 
@@ -151,7 +152,7 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
      */
     public void restore(long frame, PhysicsImage image) {
         laws.restore(frame, image.libraries(), image.quarantined());
-        bound.update();
+        bind();
         engine.loadState(image.engineState());
     }
 
@@ -165,7 +166,7 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
      * frames.
      */
     public List<LedgerLine> ledger() {
-        bound.update();
+        bind();
         return engine.ledger();
     }
 
@@ -179,6 +180,19 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
     @Override
     public void close() {
         rollback.close();
+    }
+
+    /** Passes changes of the world to the engine, and lends it what the loaded laws use. */
+    private void bind() {
+        if (lentLaws != laws.version()) {
+            bound.setUsed(
+                    laws.loaded().stream()
+                            .flatMap(law -> law.uses().stream())
+                            .map(PropertyUse::name)
+                            .collect(Collectors.toSet()));
+            lentLaws = laws.version();
+        }
+        bound.update();
     }
 
     private boolean advanced(FrameEvent frame) {

@@ -24,10 +24,23 @@ import java.util.stream.Stream;
  * table.
  */
 public final class PropertyNames {
+    /** The engine's kind for the rows of bodies without a physics aspect. */
+    static final String SCENERY = "scenery";
+
     private static final List<Translation> TABLE =
             List.of(
                     new Translation("spring", "hookeConstant", List.of("springConstant")),
-                    new Translation("spring", "endpoints", List.of("end1", "end2")));
+                    new Translation("spring", "endpoints", List.of("end1", "end2")),
+                    new Translation(SCENERY, "sceneryPosition", List.of("position")),
+                    new Translation(SCENERY, "sceneryOrientation", List.of("orientation")),
+                    new Translation(SCENERY, "sceneryShape", List.of("shape")),
+                    new Translation(SCENERY, "scenerySize", List.of("size")));
+
+    /** Properties that the adapter computes from the attachments of items. */
+    private static final Set<String> CARRIERS = Set.of("carrier", "sceneryCarrier");
+
+    /** Properties of bodies that an engine receives only while a law uses them. */
+    private static final Set<String> ON_DEMAND = Set.of("shape", "size", "carrier");
 
     /**
      * @param columns REVE's columns, side by side in the engine's property
@@ -52,12 +65,23 @@ public final class PropertyNames {
                 properties.add(property);
                 continue;
             }
+            if (isTaken(world, property)) {
+                continue;
+            }
+            if (isCarrier(property)) {
+                properties.add(property);
+                continue;
+            }
             List<reve.core.world.PropertyDescriptor> found =
-                    find(world, property.kind(), columns(property.kind(), property.name()));
+                    find(
+                            world,
+                            table(property.kind()),
+                            columns(property.kind(), property.name()));
             if (!found.isEmpty()) {
                 properties.add(
                         translated(
                                 property.name(),
+                                property.kind(),
                                 found,
                                 property.lawAccess(),
                                 property.initialFrom()));
@@ -66,11 +90,38 @@ public final class PropertyNames {
         }
         for (reve.core.world.PropertyDescriptor own : world.properties()) {
             if (!standardColumns.contains(own.name())) {
-                properties.add(translated(own.name(), List.of(own), designersAccess(own), null));
+                properties.add(
+                        translated(
+                                own.name(), own.kind(), List.of(own), designersAccess(own), null));
             }
         }
         return new Prototype(
                 standard.name(), scalarType(world.realType()), standard.timeUnit(), properties);
+    }
+
+    /** Returns whether a property holds the bodies that carry attached items. */
+    static boolean isCarrier(PropertyDescriptor property) {
+        return CARRIERS.contains(property.name());
+    }
+
+    /** Returns whether the engine receives the property only while a law uses it. */
+    static boolean isOnDemand(PropertyDescriptor property) {
+        return property.kind().equals(SCENERY)
+                || property.kind().equals(WorldPrototype.BODY)
+                        && ON_DEMAND.contains(property.name());
+    }
+
+    /** Returns the table of REVE that has the rows of an engine's kind. */
+    static String table(String kind) {
+        return kind.equals(SCENERY) ? WorldPrototype.BODY : kind;
+    }
+
+    /** Returns whether a designer's own kind or property has the name of one of the adapter's. */
+    private static boolean isTaken(WorldPrototype world, PropertyDescriptor property) {
+        return property.kind().equals(SCENERY) && world.kinds().contains(SCENERY)
+                || isOnDemand(property)
+                        && world.properties().stream()
+                                .anyMatch(own -> own.name().equals(property.name()));
     }
 
     /** Returns REVE's columns of an engine's property, side by side. */
@@ -102,6 +153,7 @@ public final class PropertyNames {
 
     private static PropertyDescriptor translated(
             String name,
+            String kind,
             List<reve.core.world.PropertyDescriptor> columns,
             Set<Access> access,
             @Nullable String initialFrom) {
@@ -113,7 +165,7 @@ public final class PropertyNames {
                 access.equals(Set.of(Access.READ)) ? first.minimum() : Double.NEGATIVE_INFINITY;
         return new PropertyDescriptor(
                 name,
-                first.kind(),
+                kind,
                 scalarType(first.type()),
                 components,
                 access,

@@ -206,6 +206,16 @@ public final class ItemWriter {
                 tree.put("shape", "plane");
                 tree.put("size", numbers(ScalarType.F64, plane.x(), plane.z()));
             }
+            case Shape.Capsule capsule -> {
+                tree.put("shape", "capsule");
+                tree.put("radius", YamlWriter.Numeral.of(capsule.radius()));
+                tree.put("height", YamlWriter.Numeral.of(capsule.height()));
+            }
+            case Shape.Cylinder cylinder -> {
+                tree.put("shape", "cylinder");
+                tree.put("radius", YamlWriter.Numeral.of(cylinder.radius()));
+                tree.put("height", YamlWriter.Numeral.of(cylinder.height()));
+            }
             case Mesh mesh -> {
                 tree.put("shape", "mesh");
                 if (mesh.file().isPresent()) {

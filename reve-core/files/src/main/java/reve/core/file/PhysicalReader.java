@@ -27,9 +27,11 @@ final class PhysicalReader {
                     "sphere", Set.of("radius"),
                     "box", Set.of("size"),
                     "plane", Set.of("size"),
+                    "capsule", new LinkedHashSet<>(List.of("radius", "height")),
+                    "cylinder", new LinkedHashSet<>(List.of("radius", "height")),
                     "mesh", new LinkedHashSet<>(List.of("vertices", "triangles")));
     private static final List<String> SHAPE_KEYS =
-            List.of("radius", "size", "vertices", "triangles", "file");
+            List.of("radius", "height", "size", "vertices", "triangles", "file");
 
     private final WorldPrototype prototype;
     private final PhysicsReader physics;
@@ -163,6 +165,8 @@ final class PhysicalReader {
             case "box" ->
                     lengths(aspect, "size", 3).map(size -> Shape.box(size[0], size[1], size[2]));
             case "plane" -> lengths(aspect, "size", 2).map(size -> Shape.plane(size[0], size[1]));
+            case "capsule" -> round(aspect, Shape::capsule);
+            case "cylinder" -> round(aspect, Shape::cylinder);
             default ->
                     aspect.get("file").isPresent()
                             ? file(aspect.get("file").get())
@@ -170,6 +174,18 @@ final class PhysicalReader {
                                     aspect.get("vertices").orElseThrow(),
                                     aspect.get("triangles").orElseThrow());
         };
+    }
+
+    private interface Round {
+        Shape of(double radius, double height);
+    }
+
+    private Optional<Shape> round(Node aspect, Round shape) {
+        Optional<double[]> radius = lengths(aspect, "radius", 1);
+        Optional<double[]> height = lengths(aspect, "height", 1);
+        return radius.isEmpty() || height.isEmpty()
+                ? Optional.empty()
+                : Optional.of(shape.of(radius.get()[0], height.get()[0]));
     }
 
     private Optional<double[]> lengths(Node aspect, String key, int count) {

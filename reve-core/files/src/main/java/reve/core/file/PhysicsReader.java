@@ -16,6 +16,10 @@ import java.util.Set;
 
 /** Reader of physics aspects. The prototype defines the properties with their types and units. */
 final class PhysicsReader {
+    /** The words for the types of joints; the first one has the code 1. */
+    private static final List<String> JOINT_TYPES =
+            List.of("fixed", "ball", "hinge", "slider", "distance");
+
     private final WorldPrototype prototype;
     private final Set<String> misdeclared;
     private final Doubts doubts;
@@ -159,9 +163,32 @@ final class PhysicsReader {
      * not fit.
      */
     Optional<double[]> numbers(Node node, PropertyDescriptor property) {
+        if (isJointType(property) && node.text().isPresent()) {
+            return jointType(node);
+        }
         return quantities
                 .numbers(node, property.components(), property.unit())
                 .filter(values -> fits(node, property, values));
+    }
+
+    private static boolean isJointType(PropertyDescriptor property) {
+        return property.kind().equals(WorldPrototype.JOINT) && property.name().equals("jointType");
+    }
+
+    /** Reads the word for a type of joint. */
+    private Optional<double[]> jointType(Node node) {
+        int code = JOINT_TYPES.indexOf(node.text().orElseThrow());
+        if (code < 0) {
+            problems.add(
+                    node,
+                    node.label()
+                            + ": found "
+                            + node.describe()
+                            + ", expected one of "
+                            + String.join(", ", JOINT_TYPES));
+            return Optional.empty();
+        }
+        return Optional.of(new double[] {code + 1});
     }
 
     /** Returns whether the property permits the values; notes a problem if not. */

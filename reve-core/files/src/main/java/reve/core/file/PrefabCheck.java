@@ -16,11 +16,15 @@ import java.util.Set;
  */
 final class PrefabCheck {
     private static final List<String> SHAPE_KEYS =
-            List.of("shape", "radius", "size", "vertices", "triangles", "file");
+            List.of("shape", "radius", "height", "size", "vertices", "triangles", "file");
     private static final Map<String, Set<String>> WHOLE =
             Map.of(
                     "sphere",
                     Set.of("radius"),
+                    "capsule",
+                    Set.of("radius", "height"),
+                    "cylinder",
+                    Set.of("radius", "height"),
                     "box",
                     Set.of("size"),
                     "plane",

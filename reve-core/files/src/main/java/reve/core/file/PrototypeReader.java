@@ -19,6 +19,9 @@ final class PrototypeReader {
     /** Maximum number of properties of one world. */
     static final int MAX_PROPERTIES = 1000;
 
+    /** Keys of long lists, which contain no items. */
+    private static final Set<String> MESH_KEYS = Set.of("vertices", "triangles");
+
     private final Problems problems;
     private final Quantities quantities;
     private final Set<String> misdeclared = new HashSet<>();
@@ -28,14 +31,36 @@ final class PrototypeReader {
         this.quantities = new Quantities(problems);
     }
 
-    /** Returns the standard prototype that the file names, with the declared properties. */
-    WorldPrototype read(Node root, List<Node> properties) throws WorldFileException {
+    /**
+     * Returns the standard prototype that the file names, with the declared properties.
+     *
+     * @param parts of the files that may use the kind {@code joint}
+     */
+    WorldPrototype read(Node root, List<Node> properties, List<Node> parts)
+            throws WorldFileException {
         problems.requireAtMost(MAX_PROPERTIES, properties, "properties");
         WorldPrototype prototype = standard(root);
+        boolean ownJoints = properties.stream().anyMatch(PrototypeReader::isOfJoints);
+        if (!ownJoints && parts.stream().anyMatch(PrototypeReader::hasJoints)) {
+            prototype = prototype.withJoints();
+        }
         for (Node property : properties) {
             prototype = extend(prototype, property);
         }
         return prototype;
+    }
+
+    private static boolean isOfJoints(Node node) {
+        return node.get("kind").flatMap(Node::text).equals(Optional.of(WorldPrototype.JOINT));
+    }
+
+    /** Returns whether a node or one below it is of kind {@code joint}. */
+    private static boolean hasJoints(Node node) {
+        if (isOfJoints(node)) {
+            return true;
+        }
+        return !MESH_KEYS.contains(node.key())
+                && node.children().stream().anyMatch(PrototypeReader::hasJoints);
     }
 
     /** Returns the names of the properties whose declaration was refused. */

@@ -18,6 +18,7 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.regex.Matcher;
 import java.util.regex.Pattern;
+import java.util.stream.Stream;
 
 /** Reader of a whole file after the schema check; it checks what the schema cannot express. */
 final class WorldReader {
@@ -44,7 +45,13 @@ final class WorldReader {
         WorldPrototype prototype =
                 ruleReader.readSymbols(
                         source.named("symbols"),
-                        prototypeReader.read(root, source.all("properties")));
+                        prototypeReader.read(
+                                root,
+                                source.all("properties"),
+                                Stream.concat(
+                                                source.each("items").stream(),
+                                                source.each("prefabs").stream())
+                                        .toList()));
         var expansion = new Expansion(source, problems);
         long age = wholeNumber(root.get("frame"), "age", 0);
         Doubts doubts = Doubts.of(age > 0);

@@ -138,7 +138,9 @@ public final class WorldWriter {
         List<Object> own = new ArrayList<>();
         for (PropertyDescriptor property :
                 prototype.properties().subList(standard, prototype.properties().size())) {
-            own.add(property(property));
+            if (!prototype.isOfJoints(property)) {
+                own.add(property(property));
+            }
         }
         return own;
     }

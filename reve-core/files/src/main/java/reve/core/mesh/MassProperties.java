@@ -34,6 +34,8 @@ public record MassProperties(
             case Shape.Plane plane -> throw new IllegalArgumentException("a plane has no volume");
             case Shape.Sphere sphere -> sphere(sphere.radius(), density);
             case Shape.Box box -> box(box.x(), box.y(), box.z(), density);
+            case Shape.Capsule round -> capsule(round.radius(), round.height(), density);
+            case Shape.Cylinder round -> cylinder(round.radius(), round.height(), density);
             case Mesh mesh -> mesh(mesh, density);
         };
     }
@@ -61,6 +63,34 @@ public record MassProperties(
                     mass / 12 * (x * x + y * y)
                 },
                 new double[3]);
+    }
+
+    private static MassProperties cylinder(double radius, double height, double density) {
+        double volume = Math.PI * radius * radius * height;
+        double mass = volume * density;
+        double across = mass / 12 * (3 * radius * radius + height * height);
+        return symmetric(volume, mass, across, mass / 2 * radius * radius);
+    }
+
+    /** Adds a cylinder and two half balls, whose centres of mass are 3/8 of the radius outside. */
+    private static MassProperties capsule(double radius, double height, double density) {
+        double middle = height - 2 * radius;
+        double ball = 4 * Math.PI / 3 * radius * radius * radius;
+        double rod = Math.PI * radius * radius * middle;
+        double square = radius * radius;
+        double across =
+                rod * (square / 4 + middle * middle / 12)
+                        + ball * (0.4 * square + middle * middle / 4 + 3 * middle * radius / 8);
+        double along = rod * square / 2 + ball * 0.4 * square;
+        return symmetric(
+                ball + rod, (ball + rod) * density, across * density, along * density);
+    }
+
+    /** Returns the properties of a solid of revolution about the Y axis. */
+    private static MassProperties symmetric(
+            double volume, double mass, double across, double along) {
+        return new MassProperties(
+                volume, mass, new double[3], new double[] {across, along, across}, new double[3]);
     }
 
     /**

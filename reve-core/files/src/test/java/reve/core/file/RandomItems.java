@@ -143,10 +143,12 @@ final class RandomItems {
     }
 
     private static Shape shape(Random random) {
-        return switch (random.nextInt(4)) {
+        return switch (random.nextInt(6)) {
             case 0 -> Shape.sphere(random.nextDouble() + 0.1);
             case 1 -> Shape.box(1 + random.nextInt(9), random.nextDouble() + 0.1, 1e-9);
             case 2 -> Shape.plane(random.nextDouble() + 0.1, 1e12);
+            case 3 -> Shape.capsule(0.1, random.nextDouble() + 0.2);
+            case 4 -> Shape.cylinder(random.nextDouble() + 0.1, 7);
             default ->
                     Shape.mesh(
                             new float[] {

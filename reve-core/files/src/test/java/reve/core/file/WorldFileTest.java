@@ -325,9 +325,13 @@ class WorldFileTest {
                                       vertices: [[0, 0, 0], [1, 0, 0], 0 100 0 cm]
                                       triangles: [[0, 1, 2]]
                                   - {name: n, physical: {location: [1, 2, 3]}}
+                                  - {name: c, physical: {shape: capsule, radius: 1 cm, height: 1 m}}
+                                  - {name: d, physical: {shape: cylinder, radius: 2, height: 0.1}}
                                 """)
                         .items();
 
+        assertThat(items.get(5).shape()).isEqualTo(Shape.capsule(0.01, 1));
+        assertThat(items.get(6).shape()).isEqualTo(Shape.cylinder(2, 0.1));
         assertThat(items.get(0).shape()).isEqualTo(Shape.sphere(0.25));
         assertThat(items.get(1).shape()).isEqualTo(Shape.box(0.1, 0.2, 3 * 0.1));
         assertThat(items.get(2).shape()).isEqualTo(Shape.plane(5, 6));
@@ -335,6 +339,62 @@ class WorldFileTest {
         assertThat(items.get(3).shape().size(1)).isEqualTo(1);
         assertThat(items.get(4).shape()).isEqualTo(Shape.none());
         assertThat(items.get(4).location()).containsExactly(1, 2, 3);
+    }
+
+    /** A world has the kind joint only if it uses it, so that other worlds keep their images. */
+    @Test
+    void jointsAreAKindOfTheWorldsThatUseThem() throws WorldFileException {
+        WorldDescription with =
+                parse(
+                        """
+                        reve: 1
+                        name: w
+                        items:
+                          - {name: frame, physics: {mass: 0}}
+                          - {name: door, physics: {mass: 20}}
+                          - name: hinge
+                            kind: joint
+                            physics:
+                              joined: [frame, door]
+                              jointType: hinge
+                              axis: [0, 1, 0]
+                              angleLimits: 0 90 deg
+                        """);
+        ItemDefinition hinge = with.items().get(2);
+        assertThat(hinge.physics("jointType").orElseThrow()).containsExactly(3);
+        assertThat(hinge.references().get("joined")).containsExactly("frame", "door");
+        WorldDescription without =
+                parse(
+                        """
+                        reve: 1
+                        name: w
+                        items:
+                          - {name: a, physics: {mass: 0}}
+                        """);
+        assertThat(with.prototype().kinds()).contains("joint");
+        assertThat(without.prototype().kinds()).doesNotContain("joint");
+        assertThatThrownBy(
+                        () ->
+                                parse(
+                                        """
+                                        reve: 1
+                                        name: w
+                                        items:
+                                          - {name: a, physics: {mass: 0}}
+                                          - {name: b, physics: {mass: 1}}
+                                          - {name: j, kind: joint,
+                                             physics: {joined: [a, b], jointType: hing}}
+                                        """))
+                .hasMessageContaining(
+                        "jointType: found text `hing`, expected one of fixed, ball, hinge, slider,"
+                                + " distance");
+    }
+
+    @Test
+    void aCapsuleIsAtLeastAsHighAsItsEnds() {
+        assertThatThrownBy(() -> solid("shape: capsule, radius: 1, height: 1.5", "mass: 1"))
+                .hasMessageContaining(
+                        "height of capsule is 1.5, expected at least twice the radius, 2.0 m");
     }
 
     @Test

@@ -51,6 +51,42 @@ class MassPropertiesTest {
         MassProperties brick = MassProperties.of(Shape.box(1, 2, 3), 10);
         assertThat(brick.volume()).isEqualTo(6);
         assertClose(brick.moments(), 65, 50, 25);
+        MassProperties drum = MassProperties.of(Shape.cylinder(2, 3), 1 / (12 * Math.PI));
+        assertThat(drum.mass()).isCloseTo(1, within(1e-12));
+        assertClose(drum.moments(), 21 / 12.0, 2, 21 / 12.0);
+    }
+
+    /** A capsule is a ball if nothing is between its ends, and nearly a rod if it is long. */
+    @Test
+    void aCapsuleIsBetweenABallAndARod() {
+        MassProperties ball = MassProperties.of(Shape.sphere(0.5), 1000);
+        MassProperties capsule = MassProperties.of(Shape.capsule(0.5, 1), 1000);
+        assertThat(capsule.mass()).isCloseTo(ball.mass(), within(1e-9));
+        assertClose(capsule.moments(), ball.moments());
+        MassProperties rod = MassProperties.of(Shape.cylinder(0.01, 10), 1000);
+        MassProperties lens = MassProperties.of(Shape.capsule(0.01, 10), 1000);
+        assertThat(lens.moments()[0] / rod.moments()[0]).isCloseTo(1, within(5e-3));
+    }
+
+    /** The moments of a capsule by adding thin discs. */
+    @Test
+    void aCapsuleHasTheMomentsOfItsDiscs() {
+        double radius = 0.3;
+        double height = 1.4;
+        int discs = 20_000;
+        double across = 0;
+        double along = 0;
+        for (int i = 0; i < discs; i++) {
+            double y = height * ((i + 0.5) / discs - 0.5);
+            double past = Math.max(0, Math.abs(y) - (height / 2 - radius));
+            double square = radius * radius - past * past;
+            double mass = Math.PI * square * height / discs;
+            across += mass * (square / 4 + y * y);
+            along += mass * square / 2;
+        }
+        double[] moments = MassProperties.of(Shape.capsule(radius, height), 1).moments();
+        assertThat(moments[0] / across).isCloseTo(1, within(1e-6));
+        assertThat(moments[1] / along).isCloseTo(1, within(1e-6));
     }
 
     @Test

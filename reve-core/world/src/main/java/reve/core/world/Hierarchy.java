@@ -111,7 +111,14 @@ final class Hierarchy {
 
     /** Attaches a child to a parent, or changes its pose relative to the parent. */
     void attach(ItemId child, Attachment attachment) {
+        Attachment former = attachments.get(child);
+        if (former != null && former.parent().equals(attachment.parent())) {
+            attachments.put(child, attachment);
+            current = false;
+            return;
+        }
         detach(child);
+        layout.changed();
         attachments.put(child, attachment);
         children.computeIfAbsent(attachment.parent(), none -> new TreeSet<>()).add(child);
     }
@@ -120,6 +127,7 @@ final class Hierarchy {
     void detach(ItemId child) {
         Attachment former = attachments.remove(child);
         if (former != null) {
+            layout.changed();
             children.computeIfPresent(
                     former.parent(),
                     (parent, attached) -> {

@@ -29,14 +29,14 @@ final class Layout {
         version++;
     }
 
-    /** Records that rows were added, removed or moved. */
-    void rowsMoved() {
+    /** Records that rows were added, removed or moved, or items were attached or detached. */
+    void changed() {
         version++;
     }
 
     /**
-     * Returns the version, which increases when rows are added, removed or moved, or column memory
-     * is replaced.
+     * Returns the version, which increases when rows are added, removed or moved, items are attached
+     * or detached, or column memory is replaced.
      */
     long version() {
         return version;

@@ -2,7 +2,14 @@
 package reve.core.world;
 
 /** The shape of a body around its origin, in metres along its own axes. Immutable. */
-public sealed interface Shape permits Shape.None, Shape.Sphere, Shape.Box, Shape.Plane, Mesh {
+public sealed interface Shape 
+        permits Shape.None,
+                Shape.Sphere,
+                Shape.Box,
+                Shape.Plane,
+                Shape.Capsule,
+                Shape.Cylinder,
+                Mesh {
 
     /** Code of {@link None}. */
     int NONE = 0;
@@ -18,6 +25,12 @@ public sealed interface Shape permits Shape.None, Shape.Sphere, Shape.Box, Shape
 
     /** Code of {@link Mesh}. */
     int MESH = 4;
+
+    /** Code of {@link Capsule}. */
+    int CAPSULE = 5;
+
+    /** Code of {@link Cylinder}. */
+    int CYLINDER = 6;
 
     /** Returns the value in the column {@code shape}; the codes never change their meaning. */
     int code();
@@ -43,6 +56,16 @@ public sealed interface Shape permits Shape.None, Shape.Sphere, Shape.Box, Shape
     /** Returns a rectangle in x and z with these edges [m]. */
     static Shape plane(double x, double z) {
         return new Plane(x, z);
+    }
+
+    /** Returns a capsule with this radius and height [m]. */
+    static Shape capsule(double radius, double height) {
+        return new Capsule(radius, height);
+    }
+
+    /** Returns a cylinder with this radius and height [m]. */
+    static Shape cylinder(double radius, double height) {
+        return new Cylinder(radius, height);
     }
 
     /** See {@link Mesh#Mesh}. */
@@ -124,6 +147,62 @@ public sealed interface Shape permits Shape.None, Shape.Sphere, Shape.Box, Shape
         @Override
         public double size(int axis) {
             return axis == 0 ? x : axis == 1 ? 0 : z;
+        }
+    }
+
+    /**
+     * A cylinder with half balls at both ends, along its own Y axis and centred on the origin.
+     *
+     * @param radius [m]
+     * @param height of the whole, at least twice the radius [m]
+     */
+    record Capsule(double radius, double height) implements Shape {
+        /** Checks the lengths. */
+        public Capsule {
+            requireLength("radius of capsule", radius);
+            requireLength("height of capsule", height);
+            if (height < 2 * radius) {
+                throw new IllegalArgumentException(
+                        "height of capsule is "
+                                + height
+                                + ", expected at least twice the radius, "
+                                + 2 * radius
+                                + " m, because it includes both ends");
+            }
+        }
+
+        @Override
+        public int code() {
+            return CAPSULE;
+        }
+
+        @Override
+        public double size(int axis) {
+            return axis == 1 ? height : 2 * radius;
+        }
+    }
+
+    /**
+     * A cylinder along its own Y axis, centred on the origin.
+     *
+     * @param radius [m]
+     * @param height [m]
+     */
+    record Cylinder(double radius, double height) implements Shape {
+        /** Checks the lengths. */
+        public Cylinder {
+            requireLength("radius of cylinder", radius);
+            requireLength("height of cylinder", height);
+        }
+
+        @Override
+        public int code() {
+            return CYLINDER;
+        }
+
+        @Override
+        public double size(int axis) {
+            return axis == 1 ? height : 2 * radius;
         }
     }
 

@@ -163,7 +163,7 @@ public final class Table implements TableView {
         }
         ids.setReference(row, 0, id.value());
         rows.put(id.value(), row);
-        layout.rowsMoved();
+        layout.changed();
         return row;
     }
 
@@ -181,7 +181,7 @@ public final class Table implements TableView {
         move(last, gap);
         rows.setCounts(last, end);
         clear(last, 1);
-        layout.rowsMoved();
+        layout.changed();
     }
 
     /** Moves a scenery row to the end of the physics part, with its values. */
@@ -190,7 +190,7 @@ public final class Table implements TableView {
         int to = physicsRowCount();
         swap(rowOf(id), to);
         rows.setCounts(rowCount(), to + 1);
-        layout.rowsMoved();
+        layout.changed();
     }
 
     /** Moves a physics row to the scenery part and zeroes its physics properties. */
@@ -200,7 +200,7 @@ public final class Table implements TableView {
         swap(rowOf(id), to);
         rows.setCounts(rowCount(), to);
         physicsByName.values().forEach(column -> column.clearRows(to, 1));
-        layout.rowsMoved();
+        layout.changed();
     }
 
     /** Allocates memory for that number of rows; grows at least by a factor of two. */
@@ -228,7 +228,7 @@ public final class Table implements TableView {
             settle(row);
             shapes[row] = shapeOf.apply(idAt(row));
         }
-        layout.rowsMoved();
+        layout.changed();
     }
 
     private void grow(Column column, int capacity) {

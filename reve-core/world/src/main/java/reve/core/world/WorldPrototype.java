@@ -37,6 +37,9 @@ public final class WorldPrototype {
     /** The kind with exactly one row, for constants of the world. */
     public static final String WORLD = "world";
 
+    /** Kind of joints between bodies, in worlds that use it; see {@link #withJoints()}. */
+    public static final String JOINT = "joint";
+
     /** The property that decides whether laws can move a body. */
     static final String MASS = "mass";
 
@@ -98,6 +101,16 @@ public final class WorldPrototype {
                                     "prototype \"" + name + "\": expected si-f64 or si-f32");
                 };
         return new WorldPrototype(name, real, standardPhysics(real), List.of());
+    }
+
+    /** Returns a copy with the kind {@code joint}, whose properties a world has only if it uses it. */
+    public WorldPrototype withJoints() {
+        return extendedBy(joints(realType));
+    }
+
+    /** Returns whether a property is one of {@link #withJoints()}. */
+    public boolean isOfJoints(PropertyDescriptor property) {
+        return property.kind().equals(JOINT) && joints(realType).contains(property);
     }
 
     /**
@@ -281,6 +294,28 @@ public final class WorldPrototype {
                 number(WORLD, "coulombConstant", real, 1, "N*m^2/C^2", "Coulomb's constant."),
                 number(WORLD, "electricField", real, 3, "V/m", "Uniform electric field."),
                 number(WORLD, "magneticField", real, 3, "T", "Uniform magnetic flux density."));
+    }
+
+    private static List<PropertyDescriptor> joints(ScalarType real) {
+        return List.of(
+                reference(JOINT, "joined", 2, "The two bodies."),
+                number(JOINT, "jointType", I32, 1, "1", "Fixed, ball, hinge, slider, distance."),
+                number(JOINT, "anchor", real, 3, "m", "Place in the frame of the first body."),
+                number(JOINT, "axis", real, 3, "1", "Of a hinge or slider, in the same frame."),
+                number(JOINT, "angleLimits", real, 2, "1", "Least and greatest angle of a hinge."),
+                number(JOINT, "travelLimits", real, 2, "m", "Least and greatest travel or length."),
+                number(JOINT, "motorSpeed", real, 1, "rad/s", "Speed of a hinge's motor."),
+                notNegative(JOINT, "motorTorque", real, 1, "N*m", "Greatest torque of the motor."),
+                number(JOINT, "driveSpeed", real, 1, "m/s", "Speed of a slider's drive."),
+                notNegative(JOINT, "driveForce", real, 1, "N", "Greatest force of the drive."),
+                notNegative(JOINT, "breakingForce", real, 1, "N", "Greatest force; 0: any."),
+                number(JOINT, "otherAnchor", real, 3, "m", "Place in the second body's frame."),
+                number(JOINT, "otherTurn", real, 4, "1", "Second body's rotation at rest."),
+                number(JOINT, "jointForce", real, 3, "N", "Force on the second body."),
+                number(JOINT, "jointTorque", real, 3, "N*m", "Torque on the second body."),
+                number(JOINT, "jointAngle", real, 1, "1", "Angle of a hinge."),
+                number(JOINT, "jointTravel", real, 1, "m", "Travel of a slider, or length."),
+                number(JOINT, "broken", I32, 1, "1", "1 if the joint is broken."));
     }
 
     private static List<PropertyDescriptor> standardPhysical(ScalarType real) {

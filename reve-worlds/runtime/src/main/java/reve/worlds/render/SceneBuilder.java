@@ -253,6 +253,11 @@ public record SceneBuilder(
                 continue;
             }
             long at = row * 3L;
+            if (code == Shape.CAPSULE || code == Shape.CYLINDER) {
+                var place = new Point(position.at(at), position.at(at + 1), position.at(at + 2));
+                addRound(scene, bodies, row, place, snapshot.symbols().get(bodies.idAt(row)));
+                continue;
+            }
             for (Instances instances : looks(scene, snapshot.symbols().get(bodies.idAt(row)))) {
                 instances.position(position.at(at), position.at(at + 1), position.at(at + 2));
                 addOrientation(instances, orientation, row * 4L);
@@ -268,6 +273,40 @@ public record SceneBuilder(
             hasPlane |= code == Shape.PLANE;
         }
         return hasPlane;
+    }
+
+    /** Adds a cylinder, or the cylinder and the two balls of a capsule. */
+    private static void addRound(
+            Scene scene, TableSnapshot bodies, int row, Point place, ItemSymbols item) {
+        Material material = item.material().orElse(Material.DEFAULT);
+        var orientation = new Reals(bodies, "orientation");
+        var size = new Reals(bodies, "size");
+        double across = size.at(row * 3L);
+        double height = size.at(row * 3L + 1);
+        int rgba = bodies.column("colour").segment().getAtIndex(INT, row);
+        long id = bodies.idAt(row).value();
+        boolean capsule = item.shape() instanceof Shape.Capsule;
+        double middle = capsule ? Math.max(0, height - across) : height;
+        Instances tube = scene.instances(Cylinder.MESH, material);
+        tube.position(place.x(), place.y(), place.z());
+        addOrientation(tube, orientation, row * 4L);
+        tube.size(across, middle, across).colour(rgba).flags(0).item(id);
+        if (!capsule) {
+            return;
+        }
+        double x = orientation.at(row * 4L);
+        double y = orientation.at(row * 4L + 1);
+        double z = orientation.at(row * 4L + 2);
+        double w = orientation.at(row * 4L + 3);
+        // Column 2 of the rotation matrix.
+        var axis = new Point(2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x));
+        for (double end : new double[] {-middle / 2, middle / 2}) {
+            Point centre = place.plus(end, axis);
+            Instances ball = scene.instances(Shape.SPHERE, material);
+            ball.position(centre.x(), centre.y(), centre.z());
+            addOrientation(ball, orientation, row * 4L);
+            ball.size(across, across, across).colour(rgba).flags(0).item(id);
+        }
     }
 
     /**

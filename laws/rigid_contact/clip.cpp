@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "clip.hpp"
+
+#include <algorithm>
+
+namespace vesper::rigid {
+namespace {
+
+// Cosine of the greatest angle between the normal and a face that touches as a face.
+constexpr double kFlat = 0.985;
+
+// Sine of the greatest angle between edges that touch along their length.
+constexpr double kParallel = 0.02;
+
+/** A polygon that is clipped. */
+struct Polygon {
+  static constexpr int kMost = 2 * Face::kMost;
+  std::array<Vector, kMost> corners;
+  int count = 0;
+
+  void Add(const Vector& corner) {
+    if (count < kMost) corners[count++] = corner;
+  }
+};
+
+/** Returns the part of a polygon on the side of a plane to which `out` does not point. */
+Polygon ClipAt(const Polygon& polygon, const Vector& at, const Vector& out) {
+  Polygon kept;
+  for (int i = 0; i < polygon.count; ++i) {
+    const int next = i + 1 == polygon.count ? 0 : i + 1;
+    const Vector &p = polygon.corners[i], &q = polygon.corners[next];
+    const double from = Dot(p - at, out), to = Dot(q - at, out);
+    if (from <= 0) kept.Add(p);
+    if ((from <= 0) == (to <= 0)) continue;
+    if (polygon.count == 2 && next == 0) continue;  // an edge has one side only
+    kept.Add(p + (q - p) * (from / (from - to)));
+  }
+  return kept;
+}
+
+double Area(const Vector& a, const Vector& b, const Vector& c, const Vector& normal) {
+  return Dot(Cross(b - a, c - a), normal);
+}
+
+/** Chooses four points: the deepest, and those that span the largest area with it. */
+template <class Points>
+void Choose(const Points& found, int count, const Vector& normal, Manifold& manifold) {
+  if (count <= Manifold::kMost) {
+    for (int i = 0; i < count; ++i) manifold.Add(found[i]);
+    return;
+  }
+  const auto best = [&](auto&& value) {
+    int chosen = 0;
+    for (int i = 1; i < count; ++i) {
+      if (value(found[i]) > value(found[chosen])) chosen = i;
+    }
+    return chosen;
+  };
+  const int first = best([](const ContactPoint& p) { return -p.separation; });
+  const Vector a = found[first].at;
+  const int second = best([&](const ContactPoint& p) { return Dot(p.at - a, p.at - a); });
+  const Vector b = found[second].at;
+  const int left = best([&](const ContactPoint& p) { return Area(a, b, p.at, normal); });
+  const int right = best([&](const ContactPoint& p) { return -Area(a, b, p.at, normal); });
+  manifold.Add(found[first]);
+  manifold.Add(found[second]);
+  if (Area(a, b, found[left].at, normal) > 0) manifold.Add(found[left]);
+  if (Area(a, b, found[right].at, normal) < 0) manifold.Add(found[right]);
+}
+
+/** Returns the normal of a face, of length 1, or 0 if it has none. */
+Vector NormalOf(const Face& face) {
+  if (face.count < 3) return {};
+  const Vector normal =
+      Cross(face.corners[1] - face.corners[0], face.corners[2] - face.corners[0]);
+  const double length = Length(normal);
+  return length > 0 ? normal * (1 / length) : Vector{};
+}
+
+/** Adds the ends of the part where two nearly parallel edges are beside each other. */
+void AddEdges(const Meeting& meeting, const Face& a, const Face& b, Manifold& manifold) {
+  const Vector along = a.corners[1] - a.corners[0], other = b.corners[1] - b.corners[0];
+  const double square = Dot(along, along), other_square = Dot(other, other);
+  const Vector across = Cross(along, other);
+  if (Dot(across, across) > kParallel * kParallel * square * other_square || square == 0) return;
+  const double t0 = Dot(b.corners[0] - a.corners[0], along) / square;
+  const double t1 = Dot(b.corners[1] - a.corners[0], along) / square;
+  const double low = std::max(0.0, std::min(t0, t1)), high = std::min(1.0, std::max(t0, t1));
+  if (!(low < high)) return;
+  const double radii = meeting.a.radius + meeting.b.radius;
+  for (const double t : {low, high}) {
+    const Vector on_a = a.corners[0] + along * t;
+    const Vector on_b = b.corners[0] + other * ((t - t0) / (t1 - t0));
+    const double separation = Dot(on_b - on_a, meeting.normal) - radii;
+    if (separation > meeting.margin) continue;
+    const Vector surface = on_a + meeting.normal * meeting.a.radius;
+    manifold.Add({surface + meeting.normal * (separation / 2), separation});
+  }
+}
+
+}  // namespace
+
+void AddClipped(const Clipping& c, Manifold& manifold) {
+  Polygon polygon;
+  for (int i = 0; i < c.incident.count; ++i) polygon.Add(c.incident.corners[i]);
+  for (int side = 0; side < c.reference.count && polygon.count > 0; ++side) {
+    const Vector& from = c.reference.corners[side];
+    const Vector& to = c.reference.corners[side + 1 == c.reference.count ? 0 : side + 1];
+    polygon = ClipAt(polygon, from, Cross(to - from, c.normal));
+  }
+  std::array<ContactPoint, Polygon::kMost> found;
+  int count = 0;
+  for (int i = 0; i < polygon.count; ++i) {
+    const double height = Dot(polygon.corners[i] - c.reference.corners[0], c.normal) - c.inset;
+    const double separation = height - c.radius;
+    if (separation > c.margin) continue;
+    const Vector surface = polygon.corners[i] - c.normal * c.radius;
+    found[count++] = {surface - c.normal * (separation / 2), separation};
+  }
+  Choose(found, count, c.normal, manifold);
+}
+
+void ClipFaces(const Meeting& meeting, Manifold& manifold) {
+  const Vector& n = meeting.normal;
+  const Face a = meeting.a.SupportFace(n), b = meeting.b.SupportFace(-n);
+  const Vector normal_a = NormalOf(a), normal_b = NormalOf(b);
+  const double flat_a = Dot(normal_a, n), flat_b = -Dot(normal_b, n);
+  if (std::max(flat_a, flat_b) < kFlat) {
+    if (a.count == 2 && b.count == 2) AddEdges(meeting, a, b, manifold);
+    return;
+  }
+  // Corners of the incident face carry the radius of their shape. A small preference keeps the
+  // reference from alternating between two parallel faces.
+  if (flat_a >= flat_b - 1e-3) {
+    AddClipped({a, normal_a, b, meeting.b.radius, meeting.a.radius, meeting.margin},
+               manifold);
+  } else {
+    AddClipped({b, normal_b, a, meeting.a.radius, meeting.b.radius, meeting.margin},
+               manifold);
+  }
+}
+
+}  // namespace vesper::rigid

@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <utility>
+
+#include "clip.hpp"
+
+namespace vesper::rigid {
+namespace {
+
+using Code = ShapeCode;
+
+// Corners and edges are rounded by this fraction of the thickness while the direction of a contact
+// is sought, which makes it well defined for shapes that overlap by less.
+constexpr double kRounding = 0.05;
+
+/** Returns the separation of two shapes along a direction [m]; shapes are symmetric about their
+ *  centres. */
+double SeparationAlong(const Shape& a, const Shape& b, const Vector& direction) {
+  return Dot(b.position - a.position, direction) - a.Reach(direction) - b.Reach(direction);
+}
+
+void AddPoint(const Meeting& m, const Vector& on_a, double separation, Manifold& manifold) {
+  if (separation > m.margin) return;
+  manifold.Add({on_a + m.normal * (separation / 2), separation});
+}
+
+Manifold CollideBalls(const Shape& a, const Shape& b, double margin) {
+  const Vector way = b.position - a.position;
+  const double distance = Length(way);
+  Manifold manifold;
+  manifold.normal = distance > 0 ? way * (1 / distance) : Vector{0, 1, 0};
+  AddPoint({a, b, manifold.normal, margin}, a.position + manifold.normal * a.radius,
+           distance - a.radius - b.radius, manifold);
+  return manifold;
+}
+
+/** Collides a box with a ball. */
+Manifold CollideBoxBall(const Shape& box, const Shape& ball, double margin) {
+  const Vector own = box.axes.ToOwn(ball.position - box.position);
+  const Vector inside{std::clamp(own.x, -box.half.x, box.half.x),
+                      std::clamp(own.y, -box.half.y, box.half.y),
+                      std::clamp(own.z, -box.half.z, box.half.z)};
+  Manifold manifold;
+  const Vector way = own - inside;
+  const double distance = Length(way);
+  if (distance > 0) {
+    manifold.normal = box.axes.ToWorld(way * (1 / distance));
+    AddPoint({box, ball, manifold.normal, margin}, box.position + box.axes.ToWorld(inside),
+             distance - ball.radius, manifold);
+    return manifold;
+  }
+  int axis = 0;
+  double depth = HUGE_VAL;  // of the centre below the nearest side
+  for (int i = 0; i < 3; ++i) {
+    const double below = Component(box.half, i) - std::abs(Component(own, i));
+    if (below < depth) {
+      depth = below;
+      axis = i;
+    }
+  }
+  manifold.normal = box.axes[axis] * (Component(own, axis) < 0 ? -1.0 : 1.0);
+  AddPoint({box, ball, manifold.normal, margin}, ball.position + manifold.normal * depth,
+           -depth - ball.radius, manifold);
+  return manifold;
+}
+
+/** Collides an immovable plane with what is in front of it. */
+Manifold CollidePlane(const Shape& plane, const Shape& other, double margin) {
+  Manifold manifold;
+  manifold.normal = plane.axes.y;
+  if (Dot(other.position - plane.position, manifold.normal) < 0) return manifold;
+  const Face reference = plane.SupportFace(manifold.normal);
+  const Face incident = other.SupportFace(-manifold.normal);
+  AddClipped({reference, manifold.normal, incident, other.radius, 0, margin}, manifold);
+  return manifold;
+}
+
+/** The direction of least overlap among the axes of two boxes and their products. */
+struct BestAxis {
+  Vector normal;
+  double separation = -HUGE_VAL;
+  int edge_a = -1, edge_b = -1;  // axes of the two edges, if these touch
+};
+
+/** Returns the best axis of two boxes; stops if one separates them by more than the margin. */
+BestAxis SeparateBoxes(const Shape& a, const Shape& b, double margin) {
+  const Vector way = b.position - a.position;
+  BestAxis best{{}, -HUGE_VAL, -1, -1};
+  const double slack = 0.02 * std::min(a.Thickness(), b.Thickness()), preference = 1e-3 * slack;
+  const auto faces = [&](const Shape& box, const Shape& other) {
+    for (int i = 0; i < 3; ++i) {
+      const Vector& axis = box.axes[i];
+      const double along = Dot(way, axis);
+      const double separation = std::abs(along) - Component(box.half, i) - other.Reach(axis);
+      // A small preference keeps the face from alternating between two parallel ones.
+      if (separation > best.separation + preference) {
+        best = {along < 0 ? -axis : axis, separation, -1, -1};
+      }
+      if (separation > margin) return;
+    }
+  };
+  faces(a, b);
+  if (best.separation > margin) return best;
+  faces(b, a);
+  if (best.separation > margin) return best;
+  // Edges have to be clearly better than faces, which have more points.
+  double least = best.separation < 0 ? best.separation * 0.95 + slack : best.separation + slack;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      const Vector axis = Cross(a.axes[i], b.axes[j]);
+      const double square = Dot(axis, axis);
+      if (square < 1e-6) continue;
+      const double along = Dot(way, axis);
+      const Vector normal = axis * ((along < 0 ? -1 : 1) / std::sqrt(square));
+      const double separation = SeparationAlong(a, b, normal);
+      if (separation > least) {
+        least = separation;
+        best = {normal, separation, i, j};
+      }
+      if (separation > margin) return best;
+    }
+  }
+  return best;
+}
+
+/** Adds the point at which two edges of boxes cross. */
+void AddCrossing(const Meeting& m, const BestAxis& axis, Manifold& manifold) {
+  const auto edge = [](const Shape& box, const Vector& towards, int along) {
+    const Vector corner = box.Support(towards);
+    return corner - box.axes[along] * Dot(corner - box.position, box.axes[along]);
+  };
+  const Vector p = edge(m.a, m.normal, axis.edge_a), q = edge(m.b, -m.normal, axis.edge_b);
+  const Vector &u = m.a.axes[axis.edge_a], &v = m.b.axes[axis.edge_b];
+  const double cosine = Dot(u, v), sine_square = 1 - cosine * cosine;
+  const double on_u = Dot(q - p, u), on_v = Dot(q - p, v);
+  const double s = (on_u - cosine * on_v) / sine_square;
+  AddPoint(m, p + u * s, axis.separation, manifold);
+}
+
+Manifold CollideBoxes(const Shape& a, const Shape& b, double margin) {
+  Manifold manifold;
+  const BestAxis axis = SeparateBoxes(a, b, margin);
+  if (axis.separation > margin) return manifold;
+  manifold.normal = axis.normal;
+  const Meeting meeting{a, b, axis.normal, margin};
+  if (axis.edge_a >= 0) {
+    AddCrossing(meeting, axis, manifold);
+  } else {
+    ClipFaces(meeting, manifold);
+  }
+  return manifold;
+}
+
+/** Returns the direction of least overlap among the axes of two shapes, their products and the
+ *  line between the centres, for shapes whose cores overlap. */
+Vector LeastOverlap(const Shape& a, const Shape& b) {
+  Vector best{0, 1, 0};
+  double most = -HUGE_VAL;
+  const auto consider = [&](const Vector& axis) {
+    const double square = Dot(axis, axis);
+    if (!(square > 1e-6)) return;
+    const double sign = Dot(b.position - a.position, axis) < 0 ? -1 : 1;
+    const Vector normal = axis * (sign / std::sqrt(square));
+    const double separation = SeparationAlong(a, b, normal);
+    if (separation > most) {
+      most = separation;
+      best = normal;
+    }
+  };
+  for (int i = 0; i < 3; ++i) {
+    consider(a.axes[i]);
+    consider(b.axes[i]);
+    for (int j = 0; j < 3; ++j) consider(Cross(a.axes[i], b.axes[j]));
+  }
+  const Vector way = b.position - a.position;
+  const double distance = Length(way);
+  if (distance > 0) {
+    const Vector line = way * (1 / distance);
+    consider(line);
+    for (const Shape* shape : {&a, &b}) {
+      if (shape->code == Code::kCylinder || shape->code == Code::kCapsule) {
+        consider(line - shape->axes.y * Dot(line, shape->axes.y));
+      }
+    }
+  }
+  return best;
+}
+
+/** Collides any two convex shapes. */
+Manifold CollideConvex(const Shape& a, const Shape& b, double margin) {
+  const auto rounding = [](const Shape& shape, const Shape& other) {
+    return shape.radius > 0 || other.radius > 0 ? 0 : kRounding * shape.Thickness();
+  };
+  const double of_a = rounding(a, b), of_b = rounding(b, a);
+  const double radii = a.radius + of_a + b.radius + of_b;
+  const ClosestPoints closest = FindClosest(a, of_a, b, of_b);
+  Manifold manifold;
+  if (closest.distance > radii + margin) return manifold;
+  const bool apart = closest.distance > 0;
+  manifold.normal =
+      apart ? (closest.b - closest.a) * (1 / closest.distance) : LeastOverlap(a, b);
+  const Meeting meeting{a, b, manifold.normal, margin};
+  ClipFaces(meeting, manifold);
+  if (manifold.count > 0) return manifold;
+  if (apart) {
+    AddPoint(meeting, closest.a + manifold.normal * (a.radius + of_a), closest.distance - radii,
+             manifold);
+  } else {
+    const Vector on_a = a.Support(manifold.normal) + manifold.normal * a.radius;
+    const Vector on_b = b.Support(-manifold.normal) - manifold.normal * b.radius;
+    const double separation = SeparationAlong(a, b, manifold.normal);
+    AddPoint(meeting, (on_a + on_b) * 0.5 - manifold.normal * (separation / 2), separation,
+             manifold);
+  }
+  return manifold;
+}
+
+Manifold CollideInOrder(const Shape& a, const Shape& b, double margin) {
+  if (a.code == Code::kPlane) {
+    return b.code == Code::kPlane ? Manifold{} : CollidePlane(a, b, margin);
+  }
+  if (b.code == Code::kSphere) {
+    if (a.code == Code::kSphere) return CollideBalls(a, b, margin);
+    if (a.code == Code::kBox) return CollideBoxBall(a, b, margin);
+  }
+  if (a.code == Code::kBox && b.code == Code::kBox) return CollideBoxes(a, b, margin);
+  return CollideConvex(a, b, margin);
+}
+
+/** Returns the place of a shape in a pair: planes, boxes, others, balls. */
+int Rank(const Shape& shape) {
+  switch (shape.code) {
+    case Code::kPlane:
+      return 0;
+    case Code::kBox:
+      return 1;
+    case Code::kCylinder:
+      return 2;
+    case Code::kCapsule:
+      return 3;
+    default:
+      return 4;
+  }
+}
+
+}  // namespace
+
+Manifold Collide(const Shape& a, const Shape& b, double margin) {
+  if (Rank(a) <= Rank(b)) return CollideInOrder(a, b, margin);
+  Manifold manifold = CollideInOrder(b, a, margin);
+  manifold.normal = -manifold.normal;
+  return manifold;
+}
+
+}  // namespace vesper::rigid

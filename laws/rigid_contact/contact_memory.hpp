@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+// Impulses of the last step, in scratch columns of the engine.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+
+#include "solver.hpp"
+
+namespace vesper::rigid {
+
+/** The contacts that a body stores: those with larger bodies and with immovable shapes. */
+constexpr uint32_t kSlots = 8;
+
+/** Scratch of a body: the shape of the other body of each contact, plus 1; 0: no contact. */
+using SlotPartners = std::array<uint32_t, kSlots>;
+/** Scratch of a body: a vector for each point of each contact; 0 if there is no such point. */
+template <class Real>
+using SlotVectors = std::array<Real, kSlots * Manifold::kMost * 3>;
+
+/** The contacts of a body in the last step: the places of their points from its centre [m], and the
+ *  impulses on the other body [N s], in world axes. */
+template <class Real>
+struct ContactMemory {
+  SlotPartners& partners;
+  SlotVectors<Real>& places;
+  SlotVectors<Real>& impulses;
+  bool is_first;  // the body is the first one of the contact
+
+  /** Gives the points of a contact the impulses and the order of the nearest points of the last
+   *  step, not farther than `reach` [m]. With another order, the same points would get slightly
+   *  different impulses, which keeps resting bodies moving. */
+  void Recall(Contact<Real>& contact, uint32_t partner, Real reach) const {
+    const auto found = std::find(partners.begin(), partners.end(), partner + 1);
+    if (found == partners.end()) return;
+    const auto first = static_cast<uint32_t>(found - partners.begin()) * Manifold::kMost;
+    uint32_t taken = 0;
+    std::array<typename Contact<Real>::Point, Manifold::kMost> ordered;
+    for (int i = 0; i < contact.count; ++i) {
+      auto& point = contact.points[i];
+      const Vec3<Real> arm = is_first ? point.arm_a : point.arm_b;
+      Real nearest = reach * reach;
+      int chosen = -1;
+      for (int j = 0; j < Manifold::kMost; ++j) {
+        const Vec3<Real> way = Get(places, first + j) - arm;
+        const Real square = Dot(way, way);
+        if ((taken & (1u << j)) != 0 || !(square < nearest)) continue;
+        nearest = square;
+        chosen = j;
+      }
+      point.place = chosen < 0 ? Manifold::kMost : chosen;
+      if (chosen < 0) continue;
+      taken |= 1u << chosen;
+      const Vec3<Real> impulse = Get(impulses, first + chosen) * sign();
+      point.press = std::max(Real(0), Dot(impulse, contact.normal));
+      point.rub[0] = Dot(impulse, contact.across[0]);
+      point.rub[1] = Dot(impulse, contact.across[1]);
+    }
+    int next = 0;
+    for (int place = 0; place <= Manifold::kMost; ++place) {
+      for (int i = 0; i < contact.count; ++i) {
+        if (contact.points[i].place == place) ordered[next++] = contact.points[i];
+      }
+    }
+    contact.points = ordered;
+  }
+
+  /** Stores a contact in the next free slot; drops it if all are used. */
+  void Store(const Contact<Real>& contact, uint32_t partner, uint32_t& used) const {
+    if (used == kSlots) return;
+    partners[used] = partner + 1;
+    for (int i = 0; i < Manifold::kMost; ++i) {
+      const uint32_t slot = used * Manifold::kMost + static_cast<uint32_t>(i);
+      const bool exists = i < contact.count;
+      const auto& point = contact.points[exists ? i : 0];
+      Set(places, slot, exists ? (is_first ? point.arm_a : point.arm_b) : Vec3<Real>{});
+      Set(impulses, slot, exists ? contact.Impulse(point) * sign() : Vec3<Real>{});
+    }
+    ++used;
+  }
+
+ private:
+  Real sign() const { return is_first ? Real(1) : Real(-1); }
+  static Vec3<Real> Get(const SlotVectors<Real>& from, uint32_t slot) {
+    return {from[3 * slot], from[3 * slot + 1], from[3 * slot + 2]};
+  }
+  static void Set(SlotVectors<Real>& into, uint32_t slot, const Vec3<Real>& vector) {
+    into[3 * slot] = vector.x;
+    into[3 * slot + 1] = vector.y;
+    into[3 * slot + 2] = vector.z;
+  }
+};
+
+}  // namespace vesper::rigid

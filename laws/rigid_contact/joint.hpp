@@ -1,0 +1,372 @@
+// SPDX-License-Identifier: Apache-2.0
+// Joints between two rigid bodies as constraints on their velocities.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "shape.hpp"
+#include "solver.hpp"
+
+namespace vesper::rigid {
+
+/** Codes of the column `jointType`. */
+enum class JointType : int32_t {
+  kNone = 0,
+  kFixed = 1,
+  kBall = 2,
+  kHinge = 3,
+  kSlider = 4,
+  kDistance = 5,
+};
+
+/** Returns the angle [rad] whose tangent is y / x, from -pi to pi. Functions of libm have other bits
+ *  on other machines. */
+inline double AngleOf(double y, double x) {
+  constexpr double kPi = 3.14159265358979323846;
+  const double high = std::max(std::abs(x), std::abs(y));
+  if (!(high > 0)) return 0;
+  double t = std::min(std::abs(x), std::abs(y)) / high;
+  for (int i = 0; i < 3; ++i) t = t / (1 + std::sqrt(1 + t * t));  // halves the angle
+  const double s = t * t;
+  const double series =
+      1 - s * (1. / 3 - s * (1. / 5 - s * (1. / 7 - s * (1. / 9 - s * (1. / 11 - s / 13)))));
+  double angle = 8 * t * series;
+  if (std::abs(y) > std::abs(x)) angle = kPi / 2 - angle;
+  if (x < 0) angle = kPi - angle;
+  return y < 0 ? -angle : angle;
+}
+
+/** Where a body is. */
+struct Pose {
+  Vector at;
+  Quaternion rotation;
+};
+
+/** Up to three directions in which two bodies must not move, or turn, relative to each other. The
+ *  impulses are totals of the step. */
+class Block {
+ public:
+  /** Sets orthogonal directions; all earlier impulses are kept along them. */
+  void Set(const std::array<Vector, 3>& directions, int count) {
+    const Vector kept = Impulse();
+    directions_ = directions;
+    count_ = count;
+    for (int i = 0; i < count; ++i) impulses_[i] = Dot(kept, directions[i]);
+  }
+  int count() const { return count_; }
+  const Vector& direction(int i) const { return directions_[i]; }
+
+  void Start(const Vector& impulse) {
+    for (int i = 0; i < count_; ++i) impulses_[i] = Dot(impulse, directions_[i]);
+  }
+  Vector Impulse() const {
+    Vector sum;
+    for (int i = 0; i < count_; ++i) sum += directions_[i] * impulses_[i];
+    return sum;
+  }
+
+  /** Prepares the inverse of the matrix of responses; `response(d)` is the relative velocity that
+   *  an impulse along d causes. */
+  template <class Response>
+  void Prepare(Response&& response) {
+    double k[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    for (int i = 0; i < count_; ++i) {
+      const Vector moved = response(directions_[i]);
+      for (int j = 0; j < count_; ++j) k[i][j] = Dot(moved, directions_[j]);
+    }
+    const double c00 = k[1][1] * k[2][2] - k[1][2] * k[2][1];
+    const double c01 = k[1][2] * k[2][0] - k[1][0] * k[2][2];
+    const double c02 = k[1][0] * k[2][1] - k[1][1] * k[2][0];
+    const double determinant = k[0][0] * c00 + k[0][1] * c01 + k[0][2] * c02;
+    const double scale = determinant > 0 ? 1 / determinant : 0;
+    inverse_[0][0] = c00 * scale;
+    inverse_[0][1] = inverse_[1][0] = c01 * scale;
+    inverse_[0][2] = inverse_[2][0] = c02 * scale;
+    inverse_[1][1] = (k[0][0] * k[2][2] - k[0][2] * k[2][0]) * scale;
+    inverse_[1][2] = inverse_[2][1] = (k[0][1] * k[2][0] - k[0][0] * k[2][1]) * scale;
+    inverse_[2][2] = (k[0][0] * k[1][1] - k[0][1] * k[1][0]) * scale;
+  }
+
+  /** Returns the impulse that stops a relative velocity along the directions. */
+  Vector Stop(const Vector& velocity) {
+    Vector applied;
+    for (int i = 0; i < count_; ++i) {
+      double change = 0;
+      for (int j = 0; j < count_; ++j) change -= inverse_[i][j] * Dot(velocity, directions_[j]);
+      impulses_[i] += change;
+      applied += directions_[i] * change;
+    }
+    return applied;
+  }
+
+ private:
+  std::array<Vector, 3> directions_;
+  std::array<double, 3> impulses_{};
+  double inverse_[3][3] = {};
+  int count_ = 0;
+};
+
+/** Sets of bodies that joints connect. */
+class Assemblies {
+ public:
+  void Reset(uint64_t bodies) {
+    parent_.resize(bodies);
+    for (uint32_t i = 0; i < bodies; ++i) parent_[i] = i;
+  }
+  /** Returns the body that stands for the set of a body. */
+  uint32_t Find(uint32_t body) {
+    while (parent_[body] != body) body = parent_[body] = parent_[parent_[body]];
+    return body;
+  }
+  void Join(uint32_t a, uint32_t b) {
+    const uint32_t first = Find(a), second = Find(b);
+    parent_[std::max(first, second)] = std::min(first, second);
+  }
+
+ private:
+  std::vector<uint32_t> parent_;  // (bodies)
+};
+
+/** What the columns of a joint say. */
+struct JointSettings {
+  JointType type = JointType::kNone;
+  Vector anchor_a, anchor_b;  // in the frames of the bodies [m]
+  Vector axis;                // in the frame of the first body, of length 1
+  Quaternion rest;            // of the second body in the frame of the first
+  double angle_low = 0, angle_high = 0;    // no limits if they are equal [rad]
+  double travel_low = 0, travel_high = 0;  // no limits if they are equal, but for a distance [m]
+  double motor_speed = 0, motor_torque = 0;  // [rad/s], [N m]
+  double drive_speed = 0, drive_force = 0;   // [m/s], [N]
+};
+
+/** A joint during a step. */
+template <class Real>
+class Joint {
+ public:
+  uint32_t a = kImmovable, b = kImmovable;  // kImmovable for what does not move
+  uint32_t row_a = 0, row_b = 0;
+  JointSettings settings;
+
+  /** Computes directions, masses and errors for the present poses. */
+  void Refresh(const Pose& pose_a, const Pose& pose_b, const Motion<Real>& motion_a,
+               const Motion<Real>& motion_b) {
+    const Vector to_a = pose_a.rotation.Rotate(settings.anchor_a);
+    arm_b_ = pose_b.rotation.Rotate(settings.anchor_b);
+    apart_ = pose_b.at + arm_b_ - pose_a.at - to_a;
+    // The point of the first body that is at the anchor of the second one.
+    arm_a_ = pose_b.at + arm_b_ - pose_a.at;
+    axis_ = pose_a.rotation.Rotate(settings.axis);
+    SetDirections();
+    const Quaternion expected = (pose_a.rotation * settings.rest).Normalised();
+    const Quaternion turned = pose_b.rotation.Normalised() * expected.Inverse();
+    const double sign = turned.w < 0 ? -1 : 1;
+    turned_ = turned.v * (2 * sign);
+    if (settings.type == JointType::kHinge) {
+      const Vector of_b = pose_b.rotation.Normalised().Rotate(
+          settings.rest.Inverse().Rotate(settings.axis));
+      turned_ = Cross(axis_, of_b);
+    }
+    angle_ = 2 * AngleOf(Dot(turned.v, axis_) * sign, turned.w * sign);
+    travel_ = settings.type == JointType::kDistance ? Length(apart_) : Dot(apart_, axis_);
+    const auto at_anchor = [&](const Vector& d) {
+      const auto of = [&](const Motion<Real>& motion, const Vector& arm) {
+        return Cross(Wide(motion.inverse_inertia * Narrow<Real>(Cross(arm, d))), arm);
+      };
+      return d * double(motion_a.inverse_mass + motion_b.inverse_mass) + of(motion_a, arm_a_) +
+             of(motion_b, arm_b_);
+    };
+    const auto turning = [&](const Vector& d) {
+      return Wide(motion_a.inverse_inertia * Narrow<Real>(d)) +
+             Wide(motion_b.inverse_inertia * Narrow<Real>(d));
+    };
+    linear_.Prepare(at_anchor);
+    angular_.Prepare(turning);
+    along_mass_ = Inverse(Dot(at_anchor(Along()), Along()));
+    about_mass_ = Inverse(Dot(turning(axis_), axis_));
+  }
+
+  /** Sets the impulses to begin with, those of the last step. */
+  void Start(const Vector& impulse, const Vector& turn) {
+    linear_.Start(impulse);
+    angular_.Start(turn);
+  }
+  /** Applies the impulses to begin with. */
+  void ApplyStart(Motion<Real>& motion_a, Motion<Real>& motion_b) const {
+    Apply(linear_.Impulse(), angular_.Impulse(), motion_a, motion_b);
+  }
+  /** Returns the row of a body that moves. */
+  uint32_t MovableRow() const { return a == kImmovable ? row_b : row_a; }
+
+  /** Returns the power of the impulses that it began with, times the step [J]. */
+  double Work(const Motion<Real>& motion_a, const Motion<Real>& motion_b) const {
+    return Dot(linear_.Impulse(), Relative(motion_a, motion_b)) +
+           Dot(angular_.Impulse(), Turning(motion_a, motion_b));
+  }
+
+  /** Reduces the impulses that it began with to a part of them. */
+  void Reduce(double part, Motion<Real>& motion_a, Motion<Real>& motion_b) {
+    const Vector impulse = linear_.Impulse(), turn = angular_.Impulse();
+    Apply(impulse * (part - 1), turn * (part - 1), motion_a, motion_b);
+    linear_.Start(impulse * part);
+    angular_.Start(turn * part);
+  }
+
+  /** Changes the impulses so that the bodies keep the joint. `push` also undoes its errors. */
+  void Solve(Motion<Real>& motion_a, Motion<Real>& motion_b, const SolverStep<Real>& step,
+             bool push) {
+    const double h = double{step.substep};
+    Drive(motion_a, motion_b, double{step.dt});
+    if (HasTravelLimits()) {
+      const double rate = Dot(Relative(motion_a, motion_b), Along());
+      const auto [low, high] = Limited(travel_, settings.travel_low, settings.travel_high, rate,
+                                       along_mass_, h, push, low_push_, high_push_);
+      Apply(Along() * (low + high), {}, motion_a, motion_b);
+    }
+    if (HasAngleLimits()) {
+      const double rate = Dot(Turning(motion_a, motion_b), axis_);
+      const auto [low, high] = Limited(angle_, settings.angle_low, settings.angle_high, rate,
+                                       about_mass_, h, push, low_turn_, high_turn_);
+      Apply({}, axis_ * (low + high), motion_a, motion_b);
+    }
+    const double undo = push ? kUndone / h : 0;
+    if (angular_.count() > 0) {
+      const Vector turn =
+          angular_.Stop(Turning(motion_a, motion_b) + AtMost(turned_ * undo, step.push_speed));
+      Apply({}, turn, motion_a, motion_b);
+    }
+    if (linear_.count() > 0) {
+      const Vector impulse =
+          linear_.Stop(Relative(motion_a, motion_b) + AtMost(apart_ * undo, step.push_speed));
+      Apply(impulse, {}, motion_a, motion_b);
+    }
+  }
+
+  /** Returns the impulse of the step on the second body, at its anchor [N s]. */
+  Vector Impulse() const {
+    return linear_.Impulse() + Along() * (drive_ + low_push_ + high_push_);
+  }
+  /** Returns the angular impulse of the step on the second body [N m s]. */
+  Vector Turn() const { return angular_.Impulse() + axis_ * (motor_ + low_turn_ + high_turn_); }
+  double angle() const { return angle_; }
+  double travel() const { return travel_; }
+
+ private:
+  // Part of an error that a substep undoes.
+  static constexpr double kUndone = 0.5;
+
+  /** Returns a vector that is shortened to a length. */
+  static Vector AtMost(const Vector& v, Real most) {
+    const double square = Dot(v, v), limit = double{most};
+    return square > limit * limit ? v * (limit / std::sqrt(square)) : v;
+  }
+  static double Inverse(double k) { return k > 0 ? 1 / k : 0; }
+
+  bool HasAngleLimits() const {
+    return settings.type == JointType::kHinge && settings.angle_low < settings.angle_high;
+  }
+  bool HasTravelLimits() const {
+    return settings.type == JointType::kDistance ||
+           (settings.type == JointType::kSlider && settings.travel_low < settings.travel_high);
+  }
+
+  /** Returns the direction of travel. */
+  Vector Along() const {
+    if (settings.type != JointType::kDistance) return axis_;
+    const double length = Length(apart_);
+    return length > 0 ? apart_ * (1 / length) : Vector{0, 1, 0};
+  }
+
+  void SetDirections() {
+    const std::array<Vector, 3> world = {Vector{1, 0, 0}, Vector{0, 1, 0}, Vector{0, 0, 1}};
+    std::array<Vector, 3> across = world;
+    const Vector smallest = std::abs(axis_.x) < 0.6 ? world[0] : world[1];
+    const Vector u = Cross(axis_, smallest);
+    const double length = Length(u);
+    across[0] = length > 0 ? u * (1 / length) : world[0];
+    across[1] = Cross(axis_, across[0]);
+    switch (settings.type) {
+      case JointType::kFixed:
+        linear_.Set(world, 3);
+        angular_.Set(world, 3);
+        break;
+      case JointType::kBall:
+        linear_.Set(world, 3);
+        angular_.Set(world, 0);
+        break;
+      case JointType::kHinge:
+        linear_.Set(world, 3);
+        angular_.Set(across, 2);
+        break;
+      case JointType::kSlider:
+        linear_.Set(across, 2);
+        angular_.Set(world, 3);
+        break;
+      default:
+        linear_.Set(world, 0);
+        angular_.Set(world, 0);
+    }
+  }
+
+  Vector Relative(const Motion<Real>& motion_a, const Motion<Real>& motion_b) const {
+    return Wide(motion_b.velocity) + Cross(Wide(motion_b.spin), arm_b_) - Wide(motion_a.velocity) -
+           Cross(Wide(motion_a.spin), arm_a_);
+  }
+  static Vector Turning(const Motion<Real>& motion_a, const Motion<Real>& motion_b) {
+    return Wide(motion_b.spin) - Wide(motion_a.spin);
+  }
+
+  void Apply(const Vector& impulse, const Vector& turn, Motion<Real>& motion_a,
+             Motion<Real>& motion_b) const {
+    const auto apply = [&](Motion<Real>& motion, const Vector& arm, double sign) {
+      motion.velocity += Narrow<Real>(impulse * sign) * motion.inverse_mass;
+      motion.spin += motion.inverse_inertia * Narrow<Real>((Cross(arm, impulse) + turn) * sign);
+    };
+    apply(motion_a, arm_a_, -1);
+    apply(motion_b, arm_b_, 1);
+  }
+
+  /** Motors change the relative velocity towards their speed, up to their torque or force. */
+  void Drive(Motion<Real>& motion_a, Motion<Real>& motion_b, double dt) {
+    if (settings.type == JointType::kHinge && settings.motor_torque > 0) {
+      const double off = settings.motor_speed - Dot(Turning(motion_a, motion_b), axis_);
+      const double most = settings.motor_torque * dt;
+      const double to = std::clamp(motor_ + off * about_mass_, -most, most);
+      Apply({}, axis_ * (to - motor_), motion_a, motion_b);
+      motor_ = to;
+    }
+    if (settings.type == JointType::kSlider && settings.drive_force > 0) {
+      const double off = settings.drive_speed - Dot(Relative(motion_a, motion_b), axis_);
+      const double most = settings.drive_force * dt;
+      const double to = std::clamp(drive_ + off * along_mass_, -most, most);
+      Apply(axis_ * (to - drive_), {}, motion_a, motion_b);
+      drive_ = to;
+    }
+  }
+
+  /** Changes the impulses of two limits so that the value does not pass them. Returns the changes. */
+  static std::pair<double, double> Limited(double value, double low, double high, double rate,
+                                           double mass, double h, bool push, double& low_impulse,
+                                           double& high_impulse) {
+    const auto allowed = [&](double gap) { return gap > 0 ? gap / h : push ? kUndone * gap / h : 0; };
+    const double to_low = std::max(0.0, low_impulse - mass * (rate + allowed(value - low)));
+    const double change = to_low - low_impulse;
+    low_impulse = to_low;
+    rate += mass > 0 ? change / mass : 0;
+    const double to_high = std::min(0.0, high_impulse - mass * (rate - allowed(high - value)));
+    const double other = to_high - high_impulse;
+    high_impulse = to_high;
+    return {change, other};
+  }
+
+  Block linear_, angular_;
+  Vector arm_a_, arm_b_, apart_, turned_, axis_;
+  double angle_ = 0, travel_ = 0, along_mass_ = 0, about_mass_ = 0;
+  double motor_ = 0, drive_ = 0, low_push_ = 0, high_push_ = 0, low_turn_ = 0, high_turn_ = 0;
+};
+
+}  // namespace vesper::rigid

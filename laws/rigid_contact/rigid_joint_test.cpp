@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+
+#include "rigid_scene.hpp"
+
+namespace vesper {
+namespace {
+
+using rigid::JointType;
+using rigid::Quaternion;
+using Vector = Vec3<double>;
+
+constexpr double kG = 9.81, kPi = 3.14159265358979323846;
+
+template <class Real>
+class RigidJointTest : public ::testing::Test {};
+TYPED_TEST_SUITE(RigidJointTest, Precisions);
+
+/// Returns a scene under gravity with one immovable body, row 0, at the origin.
+template <class Real>
+RigidScene<Real> Hanging() {
+  RigidScene<Real> scene;
+  scene.gravity = {0, Real(-kG), 0};
+  scene.AddBox({0.1, 0.1, 0.1}, 0, {0, 0, 0});
+  return scene;
+}
+
+TEST(AngleOf, IsThatOfTheSystemLibrary) {
+  for (int i = -1000; i <= 1000; ++i) {
+    const double angle = i * kPi / 1000;
+    EXPECT_NEAR(rigid::AngleOf(3 * std::sin(angle), 3 * std::cos(angle)),
+                std::atan2(3 * std::sin(angle), 3 * std::cos(angle)), 4e-15);
+  }
+  EXPECT_EQ(rigid::AngleOf(0, 0), 0);
+}
+
+// A rod about its end: T = 2 pi sqrt(2 L / (3 g)) for small swings.
+TYPED_TEST(RigidJointTest, RodSwingsWithThePeriodOfTheClosedForm) {
+  for (const JointType type : {JointType::kBall, JointType::kHinge}) {
+    auto scene = Hanging<TypeParam>();
+    const double length = 1, tilt = 0.05;
+    const uint32_t rod = scene.AddBox({0.01, length, 0.01}, 2,
+                                      Vector{std::sin(tilt), -std::cos(tilt), 0} * (length / 2), {},
+                                      {{0, 0, std::sin(tilt / 2)}, std::cos(tilt / 2)});
+    scene.Join(type, 0, rod, {0, 0, 0}, {0, 0, 1});
+    PhysicsEngine engine = scene.MakeRigidEngine();
+    const double dt = 1.0 / 1000;
+    double crossed = 0, before = 1, periods = 0, first = 0;
+    for (int i = 1; i <= 8000; ++i) {
+      engine.Advance(dt);
+      const double x = scene.Position(rod).x;
+      if (before < 0 && x >= 0) {
+        crossed = (i - x / (x - before)) * dt;
+        if (first == 0) first = crossed;
+        ++periods;
+      }
+      before = x;
+    }
+    const double expected = 2 * kPi * std::sqrt(2 * length / (3 * kG)) * (1 + tilt * tilt / 16);
+    EXPECT_NEAR((crossed - first) / (periods - 1), expected, 2e-3 * expected);
+  }
+}
+
+/// A planar double pendulum of two rods, and its equations of motion.
+struct DoublePendulum {
+  double m = 1, length = 1, inertia = 1.0 / 12;
+  std::array<double, 4> state;  // angles from the vertical and their rates
+
+  std::array<double, 4> Rates(const std::array<double, 4>& s) const {
+    const double half = length / 2, c = std::cos(s[0] - s[1]), d = std::sin(s[0] - s[1]);
+    const double a = m * half * half + inertia + m * length * length, b = m * length * half * c;
+    const double e = m * half * half + inertia;
+    const double p = -m * length * half * d * s[3] * s[3] - (m * half + m * length) * kG * std::sin(s[0]);
+    const double q = m * length * half * d * s[2] * s[2] - m * half * kG * std::sin(s[1]);
+    const double determinant = a * e - b * b;
+    return {s[2], s[3], (p * e - b * q) / determinant, (a * q - b * p) / determinant};
+  }
+  void Advance(double dt) {
+    const auto plus = [](const auto& s, const auto& r, double f) {
+      auto sum = s;
+      for (int i = 0; i < 4; ++i) sum[i] += r[i] * f;
+      return sum;
+    };
+    const auto k1 = Rates(state), k2 = Rates(plus(state, k1, dt / 2));
+    const auto k3 = Rates(plus(state, k2, dt / 2)), k4 = Rates(plus(state, k3, dt));
+    for (int i = 0; i < 4; ++i) state[i] += dt / 6 * (k1[i] + 2 * k2[i] + 2 * k3[i] + k4[i]);
+  }
+};
+
+template <class Real>
+RigidScene<Real> DoublePendulumScene(double angle_1, double angle_2) {
+  auto scene = Hanging<Real>();
+  const auto rod = [&](Vector from, double angle) {
+    const Vector along{std::sin(angle), -std::cos(angle), 0};
+    const uint32_t body = scene.Add(rigid::ShapeCode::kNone, {}, 1, from + along * 0.5, {},
+                                    {{0, 0, std::sin(angle / 2)}, std::cos(angle / 2)});
+    for (int k = 0; k < 3; ++k) scene.inertia[3 * body + k] = Real(k == 1 ? 0.001 : 1.0 / 12);
+    return body;
+  };
+  const Vector elbow{std::sin(angle_1), -std::cos(angle_1), 0};
+  const uint32_t upper = rod({}, angle_1), lower = rod(elbow, angle_2);
+  scene.Join(JointType::kHinge, 0, upper, {0, 0, 0}, {0, 0, 1});
+  scene.Join(JointType::kHinge, upper, lower, elbow, {0, 0, 1});
+  return scene;
+}
+
+TEST(RigidJoint, DoublePendulumFollowsItsEquations) {
+  auto scene = DoublePendulumScene<double>(1.2, 0.4);
+  DoublePendulum reference;
+  reference.state = {1.2, 0.4, 0, 0};
+  PhysicsEngine engine = scene.MakeRigidEngine();
+  const double dt = 1.0 / 4000;
+  for (int i = 1; i <= 8000; ++i) {
+    engine.Advance(dt);
+    reference.Advance(dt);
+    if (i % 1000 != 0) continue;
+    const Vector expected{std::sin(reference.state[0]) + 0.5 * std::sin(reference.state[1]),
+                          -std::cos(reference.state[0]) - 0.5 * std::cos(reference.state[1]), 0};
+    EXPECT_LT(Length(scene.Position(2) - expected), 0.01) << "after " << i * dt << " s";
+  }
+}
+
+TEST(RigidJoint, DoublePendulumKeepsItsEnergyForAMinute) {
+  auto scene = DoublePendulumScene<double>(2.0, 2.5);
+  PhysicsEngine engine = scene.MakeRigidEngine({{"substeps", 1}});
+  const double begin = scene.TotalKineticEnergy() + scene.HeightEnergy();
+  const double scale = 2 * kG * 2;  // between hanging and standing
+  const double dt = 1.0 / 4000;
+  for (int second = 1; second <= 60; ++second) {
+    engine.Advance(dt, 4000);
+    EXPECT_NEAR(scene.TotalKineticEnergy() + scene.HeightEnergy(), begin, 1e-3 * scale)
+        << "after " << second << " s";
+  }
+}
+
+// Ten links of alternating masses 1 and 10.
+TYPED_TEST(RigidJointTest, ChainOfUnequalLinksStaysTogether) {
+  auto scene = Hanging<TypeParam>();
+  uint32_t before = 0;
+  for (int i = 0; i < 10; ++i) {
+    const double mass = i % 2 == 0 ? 1 : 10;
+    const uint32_t link = scene.Add(rigid::ShapeCode::kNone, {}, mass, {i + 0.5, 0, 0});
+    for (int k = 0; k < 3; ++k) scene.inertia[3 * link + k] = TypeParam(mass / (k == 0 ? 600 : 12));
+    scene.Join(JointType::kHinge, before, link, {double(i), 0, 0}, {0, 0, 1});
+    before = link;
+  }
+  PhysicsEngine engine = scene.MakeRigidEngine({{"substeps", 8}});
+  double worst = 0;
+  for (int i = 0; i < 600; ++i) {
+    engine.Advance(1.0 / 960, 16);
+    Vector end{0, 0, 0};
+    for (uint32_t link = 1; link <= 10; ++link) {
+      const Quaternion q = scene.Rotation(link);
+      worst = std::max(worst, Length(scene.Position(link) - q.Rotate({0.5, 0, 0}) - end));
+      end = scene.Position(link) + q.Rotate({0.5, 0, 0});
+    }
+  }
+  EXPECT_LT(worst, sizeof(TypeParam) == sizeof(double) ? 3e-4 : 5e-3);
+}
+
+TYPED_TEST(RigidJointTest, FixedJointHoldsABeamAndTellsItsLoad) {
+  auto scene = Hanging<TypeParam>();
+  const uint32_t beam = scene.AddBox({1, 0.1, 0.1}, 3, {0.5, 0, 0});
+  const uint32_t joint = scene.Join(JointType::kFixed, 0, beam, {0, 0, 0});
+  PhysicsEngine engine = scene.MakeRigidEngine();
+  engine.Advance(1.0 / 240, 480);
+  EXPECT_LT(Length(scene.Position(beam) - Vector{0.5, 0, 0}), 1e-3);
+  EXPECT_NEAR(scene.joint_force[3 * joint + 1], 3 * kG, 0.02);
+  // The force at the anchor turns the beam by 3 g / 2 about its centre; the torque balances it.
+  EXPECT_NEAR(scene.joint_torque[3 * joint + 2], 3 * kG / 2, 0.02);
+}
+
+TYPED_TEST(RigidJointTest, JointBreaksAboveItsForceOnly) {
+  for (const double most : {29.0, 30.0}) {  // 3 kg: 29.4 N
+    auto scene = Hanging<TypeParam>();
+    const uint32_t weight = scene.AddBox({0.2, 0.2, 0.2}, 3, {0, -0.3, 0});
+    scene.Join(JointType::kFixed, 0, weight, {0, 0, 0});
+    scene.breaking_force = {TypeParam(most)};
+    PhysicsEngine engine = scene.MakeRigidEngine();
+    engine.Advance(1.0 / 240, 240);
+    EXPECT_EQ(scene.broken[0], most < 29.4) << most;
+    EXPECT_EQ(scene.Position(weight).y < -1, most < 29.4) << most;
+  }
+}
+
+TYPED_TEST(RigidJointTest, MotorTurnsAWheelWithItsTorqueUpToItsSpeed) {
+  auto scene = Hanging<TypeParam>();
+  const uint32_t wheel = scene.Add(rigid::ShapeCode::kCylinder, {1, 0.2, 1}, 8, {0, -1, 0});
+  scene.Join(JointType::kHinge, 0, wheel, {0, -1, 0}, {0, 1, 0});
+  scene.motor_speed = {6};
+  scene.motor_torque = {2};  // moment 8 * 0.25 / 2 = 1: 2 rad/s^2
+  PhysicsEngine engine = scene.MakeRigidEngine();
+  engine.Advance(1.0 / 240, 240);
+  EXPECT_NEAR(scene.Spin(wheel).y, 2, 0.01);
+  EXPECT_NEAR(scene.joint_angle[0], 1, 0.01);
+  engine.Advance(1.0 / 240, 720);
+  EXPECT_NEAR(scene.Spin(wheel).y, 6, 0.01);
+}
+
+TYPED_TEST(RigidJointTest, DoorStopsAtItsLimit) {
+  auto scene = Hanging<TypeParam>();
+  const uint32_t door = scene.AddBox({1, 2, 0.05}, 20, {0.5, 0, 0}, {0, 0, 1});
+  scene.Join(JointType::kHinge, 0, door, {0, 0, 0}, {0, 1, 0});
+  scene.spin[3 * door + 1] = -2;  // with its velocity, it turns about the hinge
+  scene.angle_limits = {TypeParam(-1), TypeParam(0.5)};
+  PhysicsEngine engine = scene.MakeRigidEngine();
+  engine.Advance(1.0 / 240, 720);
+  EXPECT_NEAR(scene.joint_angle[0], -1, 2e-3);
+  EXPECT_LT(Length(scene.Spin(door)), 0.01);
+}
+
+TYPED_TEST(RigidJointTest, SliderFallsAlongItsAxisToItsLimit) {
+  auto scene = Hanging<TypeParam>();
+  const Vector axis = Vector{1, -1, 0} * std::sqrt(0.5);
+  const uint32_t car = scene.AddBox({0.2, 0.2, 0.2}, 2, {0, -1, 0});
+  scene.Join(JointType::kSlider, 0, car, {0, -1, 0}, axis);
+  scene.travel_limits = {TypeParam(-1), TypeParam(2)};
+  PhysicsEngine engine = scene.MakeRigidEngine();
+  engine.Advance(1.0 / 240, 120);  // g sin 45 t^2 / 2
+  EXPECT_NEAR(scene.joint_travel[0], kG * std::sqrt(0.5) * 0.25 / 2, 0.01);
+  EXPECT_LT(Length(scene.Spin(car)), 1e-3);
+  engine.Advance(1.0 / 240, 480);
+  EXPECT_NEAR(scene.joint_travel[0], 2, 2e-3);
+  EXPECT_LT(Length(scene.Position(car) - Vector{0, -1, 0} - axis * 2.0), 5e-3);
+}
+
+TYPED_TEST(RigidJointTest, RopeIsAtMostAsLongAsItsLimit) {
+  auto scene = Hanging<TypeParam>();
+  const uint32_t weight = scene.AddBall(0.1, 1, {0.5, 0, 0});
+  scene.Join(JointType::kDistance, 0, weight, {0, 0, 0});
+  scene.travel_limits = {0, 2};
+  PhysicsEngine engine = scene.MakeRigidEngine();
+  double farthest = 0;
+  for (int i = 0; i < 600; ++i) {
+    engine.Advance(1.0 / 240);
+    farthest = std::max(farthest, Length(scene.Position(weight)));
+  }
+  EXPECT_GT(farthest, 1.99);
+  EXPECT_LT(farthest, 2.005);
+}
+
+TYPED_TEST(RigidJointTest, FreeJointedBodiesKeepTheirMomenta) {
+  RigidScene<TypeParam> scene;
+  scene.AddBox({1, 0.2, 0.4}, 2, {0, 0, 0}, {0, 1, 0});
+  scene.AddBox({1, 0.3, 0.2}, 1, {1, 0, 0}, {0, 0, 2});
+  scene.AddBox({1, 0.2, 0.2}, 3, {2, 0, 0}, {0, 0, 0});
+  scene.Join(JointType::kBall, 0, 1, {0.5, 0, 0});
+  scene.Join(JointType::kHinge, 1, 2, {1.5, 0, 0}, {0, 1, 0});
+  const Vector momentum = scene.Momentum(), angular = scene.TotalAngularMomentum();
+  PhysicsEngine engine = scene.MakeRigidEngine();
+  engine.Advance(1.0 / 240, 960);
+  EXPECT_LT(Length(scene.Momentum() - momentum), Rounding<TypeParam>(1e4));
+  EXPECT_LT(Length(scene.TotalAngularMomentum() - angular), 0.01 * Length(angular));
+}
+
+}  // namespace
+}  // namespace vesper

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+// Rigid bodies and scenery for the tests of rigid_contact, in the columns of a standard prototype.
+#pragma once
+
+#include "joint.hpp"
+#include "rigid/rotation.hpp"
+#include "scene.hpp"
+#include "shape.hpp"
+
+namespace vesper {
+
+template <class Real>
+struct RigidScene : Scene<Real> {
+  using Code = rigid::ShapeCode;
+  using Vector = Vec3<double>;
+
+  std::vector<int32_t> shape;                          // (bodies)
+  std::vector<double> size;                            // (bodies x 3) [m]
+  std::vector<Real> orientation, spin, torque, inertia;  // (bodies x 4), (bodies x 3)
+  // joint
+  std::vector<uint32_t> joined;                         // (joints x 2)
+  std::vector<int32_t> joint_type, broken;              // (joints)
+  std::vector<Real> anchor, axis;                       // (joints x 3)
+  std::vector<Real> angle_limits, travel_limits;        // (joints x 2)
+  std::vector<Real> motor_speed, motor_torque;          // (joints)
+  std::vector<Real> drive_speed, drive_force, breaking_force;  // (joints)
+  std::vector<Real> other_anchor, other_turn, joint_force, joint_torque;
+  std::vector<Real> joint_angle, joint_travel;          // (joints)
+  // scenery
+  std::vector<int32_t> scenery_shape;                  // (scenery)
+  std::vector<double> scenery_size;                    // (scenery x 3) [m]
+  std::vector<Real> scenery_position, scenery_orientation;
+
+  uint32_t Add(Code code, Vector extent, double mass, Vector at, Vector moving = {},
+               rigid::Quaternion q = {}) {
+    shape.push_back(static_cast<int32_t>(code));
+    size.insert(size.end(), {extent.x, extent.y, extent.z});
+    Append(orientation, q.Stored<Real>());
+    for (auto* column : {&spin, &torque, &inertia}) column->insert(column->end(), {0, 0, 0});
+    return this->AddBody(Real(mass), rigid::Narrow<Real>(at), rigid::Narrow<Real>(moving));
+  }
+  uint32_t AddBall(double radius, double mass, Vector at, Vector moving = {}) {
+    return Add(Code::kSphere, {2 * radius, 2 * radius, 2 * radius}, mass, at, moving);
+  }
+  uint32_t AddBox(Vector extent, double mass, Vector at, Vector moving = {},
+                  rigid::Quaternion q = {}) {
+    return Add(Code::kBox, extent, mass, at, moving, q);
+  }
+  void AddScenery(Code code, Vector extent, Vector at, rigid::Quaternion q = {}) {
+    scenery_shape.push_back(static_cast<int32_t>(code));
+    scenery_size.insert(scenery_size.end(), {extent.x, extent.y, extent.z});
+    scenery_position.insert(scenery_position.end(), {Real(at.x), Real(at.y), Real(at.z)});
+    Append(scenery_orientation, q.Stored<Real>());
+  }
+  /// Adds a box whose top is at y = 0.
+  void AddGround() { AddScenery(Code::kBox, {1000, 2, 1000}, {0, -1, 0}); }
+
+  /// Joins two bodies at a place of the world; the axis is in the world, too.
+  uint32_t Join(rigid::JointType type, uint32_t a, uint32_t b, Vector at, Vector about = {0, 1, 0}) {
+    joined.insert(joined.end(), {a, b});
+    joint_type.push_back(static_cast<int32_t>(type));
+    broken.push_back(0);
+    const rigid::Quaternion inverse = Rotation(a).Normalised().Inverse();
+    const Vector in_a = inverse.Rotate(at - Position(a)), axis_in_a = inverse.Rotate(about);
+    anchor.insert(anchor.end(), {Real(in_a.x), Real(in_a.y), Real(in_a.z)});
+    axis.insert(axis.end(), {Real(axis_in_a.x), Real(axis_in_a.y), Real(axis_in_a.z)});
+    for (auto* pair : {&angle_limits, &travel_limits}) pair->insert(pair->end(), {0, 0});
+    for (auto* one : {&motor_speed, &motor_torque, &drive_speed, &drive_force, &breaking_force,
+                      &joint_angle, &joint_travel}) {
+      one->push_back(0);
+    }
+    for (auto* three : {&other_anchor, &joint_force, &joint_torque}) {
+      three->insert(three->end(), {0, 0, 0});
+    }
+    other_turn.insert(other_turn.end(), {0, 0, 0, 0});
+    return static_cast<uint32_t>(joint_type.size() - 1);
+  }
+
+  /// Creates an engine over this scene with gravity_field and rigid_contact.
+  PhysicsEngine MakeRigidEngine(const std::vector<ParameterValue>& parameters = {},
+                                uint32_t threads = 1) {
+    PhysicsEngine engine = this->MakeEngine(threads);
+    PhysicalPropertyProvider provider = engine.PropertyProvider();
+    provider.AddPhysicalProperty("shape", shape);
+    provider.AddPhysicalProperty("size", size);
+    provider.AddPhysicalProperty("orientation", orientation);
+    provider.AddPhysicalProperty("angularVelocity", spin);
+    provider.AddPhysicalProperty("torque", torque);
+    provider.AddPhysicalProperty("inertia", inertia);
+    if (!scenery_shape.empty()) {
+      provider.AddPhysicalProperty("sceneryShape", scenery_shape);
+      provider.AddPhysicalProperty("scenerySize", scenery_size);
+      provider.AddPhysicalProperty("sceneryPosition", scenery_position);
+      provider.AddPhysicalProperty("sceneryOrientation", scenery_orientation);
+    }
+    if (!joint_type.empty()) {
+      provider.AddPhysicalProperty("joined", joined);
+      provider.AddPhysicalProperty("jointType", joint_type);
+      provider.AddPhysicalProperty("broken", broken);
+      provider.AddPhysicalProperty("anchor", anchor);
+      provider.AddPhysicalProperty("axis", axis);
+      provider.AddPhysicalProperty("angleLimits", angle_limits);
+      provider.AddPhysicalProperty("travelLimits", travel_limits);
+      provider.AddPhysicalProperty("motorSpeed", motor_speed);
+      provider.AddPhysicalProperty("motorTorque", motor_torque);
+      provider.AddPhysicalProperty("driveSpeed", drive_speed);
+      provider.AddPhysicalProperty("driveForce", drive_force);
+      provider.AddPhysicalProperty("breakingForce", breaking_force);
+      provider.AddPhysicalProperty("otherAnchor", other_anchor);
+      provider.AddPhysicalProperty("otherTurn", other_turn);
+      provider.AddPhysicalProperty("jointForce", joint_force);
+      provider.AddPhysicalProperty("jointTorque", joint_torque);
+      provider.AddPhysicalProperty("jointAngle", joint_angle);
+      provider.AddPhysicalProperty("jointTravel", joint_travel);
+    }
+    engine.LoadPhysicsLaw("gravity_field");
+    engine.LoadPhysicsLaw("rigid_contact", parameters);
+    return engine;
+  }
+
+  Vector Position(uint32_t i) const { return this->Wide(this->At(this->position, i)); }
+  Vector Velocity(uint32_t i) const { return this->Wide(this->At(this->velocity, i)); }
+  Vector Spin(uint32_t i) const { return this->Wide(this->At(spin, i)); }
+  rigid::Quaternion Rotation(uint32_t i) const {
+    return {{orientation[4 * i], orientation[4 * i + 1], orientation[4 * i + 2]},
+            orientation[4 * i + 3]};
+  }
+  /// Returns the principal moments of a body: those given, or those of its shape.
+  Vector Moments(uint32_t i) const {
+    const Vector given = this->Wide(this->At(inertia, i));
+    if (!(given == Vector{})) return given;
+    return rigid::Shape::Of(shape[i], {size[3 * i], size[3 * i + 1], size[3 * i + 2]}, {}, {})
+        .Moments(this->mass[i]);
+  }
+  /// Returns the angular momentum of a body about its centre.
+  Vector OwnMomentum(uint32_t i) const {
+    const rigid::Quaternion q = Rotation(i).Normalised();
+    const Vector own = q.Inverse().Rotate(Spin(i)), m = Moments(i);
+    return q.Rotate({own.x * m.x, own.y * m.y, own.z * m.z});
+  }
+  Vector TotalAngularMomentum() const {
+    Vector sum = this->AngularMomentum();
+    for (uint32_t i = 0; i < this->mass.size(); ++i) sum += OwnMomentum(i);
+    return sum;
+  }
+  double TotalKineticEnergy() const {
+    double sum = this->KineticEnergy();
+    for (uint32_t i = 0; i < this->mass.size(); ++i) sum += Dot(OwnMomentum(i), Spin(i)) / 2;
+    return sum;
+  }
+  /// Returns the energy in the field of gravity.
+  double HeightEnergy() const {
+    double sum = 0;
+    for (uint32_t i = 0; i < this->mass.size(); ++i) {
+      sum -= this->mass[i] * Dot(this->Wide(this->At(this->gravity, 0)), Position(i));
+    }
+    return sum;
+  }
+
+ private:
+  template <size_t n>
+  static void Append(std::vector<Real>& column, const std::array<Real, n>& row) {
+    column.insert(column.end(), row.begin(), row.end());
+  }
+};
+
+}  // namespace vesper

@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: Apache-2.0
+// Convex shapes at a place in the world: their extent, inertia, and farthest points and faces in a
+// direction.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "rigid/rotation.hpp"
+
+namespace vesper::rigid {
+
+/** Codes of the column `shape`. */
+enum class ShapeCode : int32_t {
+  kNone = 0,
+  kSphere = 1,
+  kBox = 2,
+  kPlane = 3,
+  kMesh = 4,
+  kCapsule = 5,
+  kCylinder = 6,
+};
+
+/** The axes of a body in the world: the columns of its rotation matrix. */
+struct Axes {
+  Vector x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
+
+  static Axes Of(const Quaternion& q) {
+    return {q.Rotate({1, 0, 0}), q.Rotate({0, 1, 0}), q.Rotate({0, 0, 1})};
+  }
+  const Vector& operator[](int i) const { return i == 0 ? x : i == 1 ? y : z; }
+  Vector ToWorld(const Vector& own) const { return x * own.x + y * own.y + z * own.z; }
+  Vector ToOwn(const Vector& world) const {
+    return {Dot(x, world), Dot(y, world), Dot(z, world)};
+  }
+};
+
+inline double Component(const Vector& v, int i) { return i == 0 ? v.x : i == 1 ? v.y : v.z; }
+
+/** A face, an edge or a corner: corners in order around it. */
+struct Face {
+  static constexpr int kMost = 8;
+  std::array<Vector, kMost> corners;
+  int count = 0;
+
+  void Add(const Vector& corner) { corners[count++] = corner; }
+};
+
+/** A convex shape in the world: all points within `radius` of its core. A sphere's core is its
+ *  centre, a capsule's its axis; other shapes have radius 0. */
+struct Shape {
+  // Number of sides of the polygon that stands for the cap of a cylinder.
+  static constexpr int kCapCorners = 8;
+
+  ShapeCode code = ShapeCode::kNone;
+  Vector half;  // of the core, along its own axes; a cylinder's x and z are its radius
+  double radius = 0;
+  Vector position;
+  Axes axes;
+
+  /** Returns the shape of these columns; kNone if it does not collide. `size` is the extent along
+   *  the own axes. */
+  static Shape Of(int32_t code, const Vector& size, const Vector& position, const Quaternion& q) {
+    Shape shape;
+    shape.position = position;
+    shape.code = static_cast<ShapeCode>(code);
+    const Vector half = size * 0.5;
+    switch (shape.code) {
+      case ShapeCode::kSphere:
+        shape.radius = half.x;
+        break;
+      case ShapeCode::kCapsule:
+        shape.radius = half.x;
+        shape.half = {0, std::max(0.0, half.y - half.x), 0};
+        break;
+      case ShapeCode::kBox:
+      case ShapeCode::kCylinder:
+        shape.half = half;
+        break;
+      case ShapeCode::kPlane:
+        shape.half = {half.x, 0, half.z};
+        break;
+      default:
+        shape.code = ShapeCode::kNone;
+    }
+    if (shape.code != ShapeCode::kSphere) shape.axes = Axes::Of(q);
+    return shape;
+  }
+
+  /** Returns the half extent along a direction of the world [m], including the radius. */
+  double Reach(const Vector& direction) const {
+    const Vector own = axes.ToOwn(direction);
+    const double along_y = std::abs(own.y) * half.y;
+    if (code == ShapeCode::kCylinder) {
+      return along_y + half.x * std::sqrt(own.x * own.x + own.z * own.z);
+    }
+    return std::abs(own.x) * half.x + along_y + std::abs(own.z) * half.z +
+           radius * std::sqrt(Dot(own, own));
+  }
+
+  /** Returns the smallest extent [m], which limits how deep others can sink in. */
+  double Thickness() const {
+    switch (code) {
+      case ShapeCode::kSphere:
+      case ShapeCode::kCapsule:
+        return 2 * radius;
+      case ShapeCode::kCylinder:
+        return 2 * std::min(half.x, half.y);
+      case ShapeCode::kPlane:
+        return 2 * std::min(half.x, half.z);
+      default:
+        return 2 * std::min({half.x, half.y, half.z});
+    }
+  }
+
+  /** Returns the distance of the farthest point from the centre [m]. */
+  double Bound() const {
+    const double square = code == ShapeCode::kCylinder ? half.x * half.x + half.y * half.y
+                                                       : Dot(half, half);
+    return std::sqrt(square) + radius;
+  }
+
+  /** Returns the point of the core, made smaller by `rounding` on every side, that is farthest in
+   *  a direction. */
+  Vector Support(const Vector& direction, double rounding = 0) const {
+    if (code == ShapeCode::kSphere) return position;
+    const Vector d = axes.ToOwn(direction);
+    const auto side = [](double size, double along) { return along < 0 ? -size : size; };
+    if (code == ShapeCode::kCylinder) {
+      const double across = std::sqrt(d.x * d.x + d.z * d.z);
+      const double scale = across > 0 ? (half.x - rounding) / across : 0;
+      return position + axes.ToWorld({d.x * scale, side(half.y - rounding, d.y), d.z * scale});
+    }
+    if (code == ShapeCode::kCapsule) return position + axes.y * side(half.y, d.y);
+    return position + axes.ToWorld({side(half.x - rounding, d.x), side(half.y - rounding, d.y),
+                                    side(half.z - rounding, d.z)});
+  }
+
+  /** Returns the face, edge or corner of the core that faces a direction. */
+  Face SupportFace(const Vector& direction) const {
+    const Vector d = axes.ToOwn(direction);
+    switch (code) {
+      case ShapeCode::kBox:
+      case ShapeCode::kPlane:
+        return BoxFace(d);
+      case ShapeCode::kCylinder:
+        return CylinderFace(d);
+      case ShapeCode::kCapsule: {
+        Face edge;
+        edge.Add(position + axes.y * half.y);
+        edge.Add(position - axes.y * half.y);
+        return edge;
+      }
+      default: {
+        Face corner;
+        corner.Add(position);
+        return corner;
+      }
+    }
+  }
+
+  /** Returns the principal moments of a homogeneous solid of this shape [kg m^2]. */
+  Vector Moments(double mass) const {
+    const auto square = [](double x) { return 4 * x * x; };
+    switch (code) {
+      case ShapeCode::kSphere: {
+        const double moment = 0.4 * mass * radius * radius;
+        return {moment, moment, moment};
+      }
+      case ShapeCode::kCapsule:
+        return CapsuleMoments(mass);
+      case ShapeCode::kCylinder: {
+        const double across = mass * (3 * half.x * half.x + square(half.y)) / 12;
+        return {across, mass * half.x * half.x / 2, across};
+      }
+      case ShapeCode::kBox:
+      case ShapeCode::kPlane:
+        return Vector{square(half.y) + square(half.z), square(half.x) + square(half.z),
+                      square(half.x) + square(half.y)} *
+               (mass / 12);
+      default:
+        return {};
+    }
+  }
+
+ private:
+  Vector CapsuleMoments(double mass) const {
+    const double r = radius, h = 2 * half.y;
+    const double ball = 4 * r / (4 * r + 3 * h);  // fraction of the mass in the two half balls
+    const double rod = 1 - ball;
+    const double across = mass * (rod * (r * r / 4 + h * h / 12) +
+                                  ball * (0.4 * r * r + h * h / 4 + 3 * h * r / 8));
+    return {across, mass * r * r * (rod / 2 + ball * 0.4), across};
+  }
+
+  Face BoxFace(const Vector& d) const {
+    const double ax = std::abs(d.x), ay = std::abs(d.y), az = std::abs(d.z);
+    const int axis = code == ShapeCode::kPlane || (ay >= ax && ay >= az) ? 1 : ax >= az ? 0 : 2;
+    const double sign = Component(d, axis) < 0 ? -1 : 1;
+    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    const Vector centre = position + axes[axis] * (sign * Component(half, axis));
+    const Vector a = axes[u] * (sign * Component(half, u)), b = axes[v] * Component(half, v);
+    Face face;
+    face.Add(centre - a - b);
+    face.Add(centre + a - b);
+    face.Add(centre + a + b);
+    face.Add(centre - a + b);
+    return face;
+  }
+
+  /** Returns a cap as a polygon with a corner in the direction, or the line along a side. */
+  Face CylinderFace(const Vector& d) const {
+    const double across = std::sqrt(d.x * d.x + d.z * d.z);
+    const double x = across > 1e-9 ? d.x / across : 1, z = across > 1e-9 ? d.z / across : 0;
+    const Vector out = (axes.x * x + axes.z * z) * half.x;
+    Face face;
+    if (std::abs(d.y) * 2 < across) {
+      face.Add(position + out + axes.y * half.y);
+      face.Add(position + out - axes.y * half.y);
+      return face;
+    }
+    const double sign = d.y < 0 ? -1 : 1;
+    const Vector centre = position + axes.y * (sign * half.y);
+    const Vector side = (axes.z * x - axes.x * z) * (-sign * half.x);
+    constexpr double kDiagonal = 0.70710678118654752;
+    constexpr std::array<double, kCapCorners> kCos = {1,  kDiagonal,  0, -kDiagonal,
+                                                      -1, -kDiagonal, 0, kDiagonal};
+    for (int i = 0; i < kCapCorners; ++i) {
+      face.Add(centre + out * kCos[i] + side * kCos[(i + 6) % kCapCorners]);
+    }
+    return face;
+  }
+};
+
+}  // namespace vesper::rigid

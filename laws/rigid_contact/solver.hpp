@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: Apache-2.0
+// Impulses at contacts, by Gauss-Seidel iterations that follow the motion of the bodies.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "manifold.hpp"
+
+namespace vesper::rigid {
+
+/** A symmetric matrix. */
+template <class Real>
+struct Symmetric {
+  Real xx{}, yy{}, zz{}, xy{}, xz{}, yz{};
+
+  friend Vec3<Real> operator*(const Symmetric& m, const Vec3<Real>& v) {
+    return {m.xx * v.x + m.xy * v.y + m.xz * v.z, m.xy * v.x + m.yy * v.y + m.yz * v.z,
+            m.xz * v.x + m.yz * v.y + m.zz * v.z};
+  }
+};
+
+/** Index of everything that no impulse moves. */
+constexpr uint32_t kImmovable = UINT32_MAX;
+
+/** Motion of a body during a step. */
+template <class Real>
+struct Motion {
+  Vec3<Real> velocity, spin;    // [m/s], [rad/s]
+  Vec3<Real> moved, turned;     // since the start of the step [m], [rad]
+  Real inverse_mass{};          // [1/kg]
+  Symmetric<Real> inverse_inertia;  // in the world frame [1/(kg m^2)]
+  Vec3<Real> push;              // acceleration by the forces of other laws [m/s^2]
+
+  void Apply(const Vec3<Real>& impulse, const Vec3<Real>& arm) {
+    velocity += impulse * inverse_mass;
+    spin += inverse_inertia * Cross(arm, impulse);
+  }
+  Vec3<Real> VelocityAt(const Vec3<Real>& arm) const { return velocity + Cross(spin, arm); }
+};
+
+/** Constants of the solver for one step. */
+template <class Real>
+struct SolverStep {
+  Real dt, substep;          // [s]
+  Real push_rate;            // part of an overlap that is undone per time [1/s]
+  Real hardness;             // part of a velocity that an overlapping point stops
+  Real yield;                // part of its impulse that an overlapping point loses
+  Real push_speed;           // greatest speed at which overlaps are undone [m/s]
+  Real restitution_speed;    // smallest speed at which bodies bounce [m/s]
+  uint32_t substeps;
+};
+
+/** A manifold between two bodies as constraints on their velocities. */
+template <class Real>
+struct Contact {
+  using Vector = Vec3<Real>;
+
+  struct Point {
+    Vector arm_a, arm_b;        // from the centres [m]
+    Real separation;            // at the start of the step [m]
+    Real mass;                  // that an impulse along the normal moves [kg]
+    Real across[3];             // inverse of the 2x2 matrix of impulses across the normal
+    Real across_mass;           // least mass that an impulse across the normal moves [kg]
+    Real press;                 // impulse along the normal [N s]
+    Real rub[2];                // impulses across the normal
+    Real approach;              // relative velocity along the normal before a substep [m/s]
+    Real elapsed;               // part of the step before the impact
+    int place;                  // among the points of the last step
+  };
+
+  uint32_t a, b;  // bodies; kImmovable for what does not move
+  Vector normal, across[2];
+  Real friction, restitution;
+  Vector mean_arm_a, mean_arm_b;  // means over the points [m]
+  Real mean_mass;                 // that an impulse at the mean of the points moves [kg]
+  std::array<Point, Manifold::kMost> points;
+  int count;
+
+  static Real MassAlong(const Vector& direction, const Vector& arm_a, const Vector& arm_b,
+                        const Motion<Real>& body_a, const Motion<Real>& body_b) {
+    const Vector turn_a = Cross(arm_a, direction), turn_b = Cross(arm_b, direction);
+    const Real response = body_a.inverse_mass + body_b.inverse_mass +
+                          Dot(body_a.inverse_inertia * turn_a, turn_a) +
+                          Dot(body_b.inverse_inertia * turn_b, turn_b);
+    return response > 0 ? 1 / response : 0;
+  }
+
+  /** Prepares the masses of all points. */
+  void Prepare(const Motion<Real>& body_a, const Motion<Real>& body_b) {
+    // Two directions across the normal (Duff et al. 2017).
+    const Real sign = normal.z < 0 ? Real(-1) : Real(1);
+    const Real s = -1 / (sign + normal.z), t = normal.x * normal.y * s;
+    across[0] = {1 + sign * normal.x * normal.x * s, sign * t, -sign * normal.x};
+    across[1] = {t, sign + normal.y * normal.y * s, -normal.y};
+    mean_arm_a = mean_arm_b = {};
+    for (int i = 0; i < count; ++i) {
+      mean_arm_a += points[i].arm_a * (Real(1) / Real(count));
+      mean_arm_b += points[i].arm_b * (Real(1) / Real(count));
+    }
+    mean_mass = MassAlong(normal, mean_arm_a, mean_arm_b, body_a, body_b);
+    for (int i = 0; i < count; ++i) {
+      Point& p = points[i];
+      const auto response = [&](const Vector& direction) {
+        return direction * (body_a.inverse_mass + body_b.inverse_mass) +
+               Cross(body_a.inverse_inertia * Cross(p.arm_a, direction), p.arm_a) +
+               Cross(body_b.inverse_inertia * Cross(p.arm_b, direction), p.arm_b);
+      };
+      p.mass = MassAlong(normal, p.arm_a, p.arm_b, body_a, body_b);
+      const Vector u = response(across[0]), v = response(across[1]);
+      const Real uu = Dot(u, across[0]), uv = Dot(u, across[1]), vv = Dot(v, across[1]);
+      const Real determinant = uu * vv - uv * uv;
+      const Real scale = determinant > 0 ? 1 / determinant : 0;
+      p.across[0] = vv * scale;
+      p.across[1] = -uv * scale;
+      p.across[2] = uu * scale;
+      const Real most = (uu + vv) / 2 + std::sqrt((uu - vv) * (uu - vv) / 4 + uv * uv);
+      p.across_mass = most > 0 ? 1 / most : 0;
+    }
+  }
+
+  Vector Impulse(const Point& p) const {
+    return normal * p.press + across[0] * p.rub[0] + across[1] * p.rub[1];
+  }
+
+  /** Applies the impulses of the last step. */
+  void WarmStart(Motion<Real>& body_a, Motion<Real>& body_b) const {
+    for (int i = 0; i < count; ++i) {
+      const Vector impulse = Impulse(points[i]);
+      body_a.Apply(-impulse, points[i].arm_a);
+      body_b.Apply(impulse, points[i].arm_b);
+    }
+  }
+
+  Vector Relative(const Motion<Real>& body_a, const Motion<Real>& body_b, const Point& p) const {
+    return body_b.VelocityAt(p.arm_b) - body_a.VelocityAt(p.arm_a);
+  }
+
+  /** Returns the present separation of a point, to first order in the motion since the start. */
+  Real Separation(const Motion<Real>& body_a, const Motion<Real>& body_b, const Point& p) const {
+    return p.separation +
+           Dot(body_b.moved + Cross(body_b.turned, p.arm_b) - body_a.moved -
+                   Cross(body_a.turned, p.arm_a),
+               normal);
+  }
+
+  /** Records the velocities before a substep, for the restitution. */
+  void Approach(const Motion<Real>& body_a, const Motion<Real>& body_b,
+                const SolverStep<Real>& step, uint32_t index) {
+    for (int i = 0; i < count; ++i) {
+      Point& p = points[i];
+      p.approach = Dot(Relative(body_a, body_b, p), normal);
+      const Real gap = Separation(body_a, body_b, p), way = -p.approach * step.substep;
+      const Real part = gap > 0 && way > 0 ? std::min(Real(1), gap / way) : Real(0);
+      p.elapsed = (Real(index) + part) / Real(step.substeps);
+    }
+  }
+
+  /** Changes the impulses so that the surfaces neither approach nor slip. `push` also undoes
+   *  overlaps. */
+  void Solve(Motion<Real>& body_a, Motion<Real>& body_b, const SolverStep<Real>& step, bool push) {
+    for (int i = 0; i < count; ++i) {
+      Point& p = points[i];
+      const Real limit = friction * p.press;
+      const Vector slip = Relative(body_a, body_b, p);
+      const Real x = Dot(slip, across[0]), y = Dot(slip, across[1]);
+      Real to_x = p.rub[0] - (p.across[0] * x + p.across[1] * y);
+      Real to_y = p.rub[1] - (p.across[1] * x + p.across[2] * y);
+      if (to_x * to_x + to_y * to_y > limit * limit) {
+        // Slips: with one mass for both directions, the friction is opposite to the velocity.
+        to_x = p.rub[0] - p.across_mass * x;
+        to_y = p.rub[1] - p.across_mass * y;
+        const Real square = to_x * to_x + to_y * to_y;
+        const Real scale = square > limit * limit ? limit / std::sqrt(square) : Real(1);
+        to_x *= scale;
+        to_y *= scale;
+      }
+      const Vector impulse = across[0] * (to_x - p.rub[0]) + across[1] * (to_y - p.rub[1]);
+      p.rub[0] = to_x;
+      p.rub[1] = to_y;
+      body_a.Apply(-impulse, p.arm_a);
+      body_b.Apply(impulse, p.arm_b);
+    }
+    std::array<Real, Manifold::kMost> allowed;
+    for (int i = 0; i < count; ++i) {
+      allowed[i] = Allowed(Separation(body_a, body_b, points[i]), step, push);
+    }
+    if (count > 1) PressTogether(body_a, body_b, allowed);
+    for (int i = 0; i < count; ++i) {
+      Point& p = points[i];
+      const Real apart = Dot(Relative(body_a, body_b, p), normal);
+      const bool soft = push && allowed[i] <= 0;
+      const Real change = soft ? step.hardness * p.mass * (apart + allowed[i]) + step.yield * p.press
+                               : p.mass * (apart + allowed[i]);
+      Press(body_a, body_b, p, std::max(Real(0), p.press - change));
+    }
+  }
+
+  /** Gives points that have met the fraction of their speed at which they part. The velocities of a
+   *  step are those of its middle; forces between the middle and the impact act on the way out
+   *  instead of the way in. */
+  void Restitute(Motion<Real>& body_a, Motion<Real>& body_b, const SolverStep<Real>& step) {
+    const Real pull = Dot(body_b.push - body_a.push, normal) * step.dt;
+    for (int i = 0; i < count; ++i) {
+      Point& p = points[i];
+      if (p.approach > -step.restitution_speed || p.press == 0) continue;
+      const Real apart = Dot(Relative(body_a, body_b, p), normal);
+      const Real late = (1 + restitution) * (Real(0.5) - p.elapsed) * std::min(Real(0), pull);
+      const Real wanted = std::max(Real(0), -restitution * p.approach + late);
+      Press(body_a, body_b, p, std::max(p.press, p.press + p.mass * (wanted - apart)));
+    }
+    // The surfaces part: later substeps and the next step must not begin with these impulses.
+    for (int i = 0; i < count; ++i) {
+      Point& p = points[i];
+      if (p.approach > -step.restitution_speed || p.press == 0) continue;
+      p.press = p.rub[0] = p.rub[1] = 0;
+    }
+  }
+
+ private:
+  /** Returns the speed at which a point may approach, if positive, or has to part, if negative. */
+  Real Allowed(Real gap, const SolverStep<Real>& step, bool push) const {
+    if (gap > 0) return gap / step.substep;
+    return push ? std::max(step.push_rate * gap, -step.push_speed) : Real(0);
+  }
+
+  /** Changes the impulses of all points by the same amount, which stops their mean. Without this
+   *  step, points that are solved one after the other would tilt a body that is loaded evenly. */
+  void PressTogether(Motion<Real>& body_a, Motion<Real>& body_b,
+                     const std::array<Real, Manifold::kMost>& allowed) {
+    Real least = points[0].press, mean = 0;
+    for (int i = 0; i < count; ++i) {
+      least = std::min(least, points[i].press);
+      mean += Dot(Relative(body_a, body_b, points[i]), normal) + allowed[i];
+    }
+    const Real share = Real(1) / Real(count);
+    const Real change = std::max(-least, -mean * share * mean_mass * share);
+    const Vector impulse = normal * (change * Real(count));
+    for (int i = 0; i < count; ++i) points[i].press += change;
+    body_a.Apply(-impulse, mean_arm_a);
+    body_b.Apply(impulse, mean_arm_b);
+  }
+
+  void Press(Motion<Real>& body_a, Motion<Real>& body_b, Point& p, Real to) const {
+    const Vector impulse = normal * (to - p.press);
+    p.press = to;
+    body_a.Apply(-impulse, p.arm_a);
+    body_b.Apply(impulse, p.arm_b);
+  }
+};
+
+}  // namespace vesper::rigid
