@@ -5,5 +5,6 @@ package reve.pe;
  * A parameter that a law declares.
  *
  * @param unit that the law expects
+ * @param standard value if the client gives none [unit]
  */
-public record LawParameter(String name, SiUnit unit) {}
+public record LawParameter(String name, SiUnit unit, double standard) {}

@@ -301,6 +301,67 @@ class CommandLineIT {
     }
 
     @Test
+    void checkRunAndServeWarnOfAWorldInWhichNothingMoves() throws Exception {
+        Path world =
+                write(
+                        """
+                        reve: 1
+                        name: silent
+                        constants: {gravity: [0, -9.81, 0]}
+                        laws: [gravity_field]
+                        items: [{name: ball, physics: {mass: 1}}]
+                        """);
+        String warning =
+                world
+                        + ":4:8: warning: law gravity_field: exerts forces, but nothing moves,"
+                        + " because no law of this world moves bodies; add a law that moves bodies"
+                        + " to `laws`, for example newton_motion";
+        Outcome checked = Reve.run("check", world.toString());
+        assertThat(checked.code()).isZero();
+        assertThat(checked.err()).isEqualTo(warning + "\n");
+        assertThat(checked.out()).endsWith("valid, 1 items, 1 laws, warnings: 1\n");
+        Outcome strict = Reve.run("check", "--strict", "--json", world.toString());
+        assertThat(strict.code()).isEqualTo(3);
+        JsonNode json = new JsonMapper().readTree(strict.out());
+        assertThat(json.get("valid").asBoolean()).isFalse();
+        assertThat(json.at("/warnings/0/line").asInt()).isEqualTo(4);
+        Outcome run = Reve.run("run", world.toString(), "--seconds", "0.1", "--json");
+        assertThat(run.code()).isZero();
+        assertThat(run.err()).startsWith(warning + "\n");
+        assertThat(new JsonMapper().readTree(run.out()).at("/warnings/0/column").asInt())
+                .isEqualTo(8);
+        Outcome served =
+                Reve.run("serve", world.toString(), "--port", "0", "--seconds", "0.1", "--json");
+        assertThat(served.code()).isZero();
+        assertThat(served.err()).startsWith(warning + "\n");
+        JsonNode ready = new JsonMapper().readTree(served.out().lines().findFirst().orElseThrow());
+        assertThat(ready.at("/warnings/0").asString()).isEqualTo(warning);
+    }
+
+    @Test
+    void aWorldThatDivergesNamesItemLawAndStepAndSaysWhatToTry() throws Exception {
+        Path world =
+                write(
+                        """
+                        reve: 1
+                        name: stiff
+                        laws: [hooke_spring, newton_motion]
+                        items:
+                          - {name: a, physics: {mass: 1}}
+                          - {name: b, physical: {location: [1.1, 0, 0]}, physics: {mass: 1}}
+                          - name: s
+                            kind: spring
+                            physics: {end1: a, end2: b, length: 1, springConstant: 10 kN/m}
+                        """);
+        Outcome run = Reve.run("run", world.toString(), "--seconds", "10");
+        assertThat(run.code()).isEqualTo(1);
+        assertThat(run.out())
+                .containsPattern(
+                        "after [0-9]+ steps: law [a-z_]+: property .* of item [ab]; if the")
+                .contains("make its steps shorter");
+    }
+
+    @Test
     void aLawThatDoesNotExistIsExitCode4() throws Exception {
         Path world =
                 write(

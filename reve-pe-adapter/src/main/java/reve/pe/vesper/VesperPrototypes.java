@@ -95,7 +95,8 @@ final class VesperPrototypes {
             parameters.add(
                     new LawParameter(
                             VesperStrings.readAt(parameter, offset(PARAMETER_DESC, "name")),
-                            readUnit(parameter.asSlice(offset(PARAMETER_DESC, "unit"), UNIT))));
+                            readUnit(parameter.asSlice(offset(PARAMETER_DESC, "unit"), UNIT)),
+                            parameter.get(JAVA_DOUBLE, offset(PARAMETER_DESC, "default_value"))));
         }
         return new PhysicsLaw(
                 info.get(JAVA_INT, offset(LAW_INFO, "library_id")),

@@ -57,6 +57,7 @@ final class ItemReader {
 
     private final Allowance created = new Allowance(MAX_CREATED);
     private final Allowance work = new Allowance(MAX_READ);
+    private final List<Places.Place> places = new ArrayList<>();
     private int createdDepth;
 
     /** Reads one aspect of an item. */
@@ -103,7 +104,9 @@ final class ItemReader {
                 new Expansion.Sink() {
                     @Override
                     public void accept(Node item) throws WorldFileException {
-                        read(item).ifPresent(items::add);
+                        Optional<ItemDefinition> read = read(item);
+                        read.ifPresent(items::add);
+                        read.ifPresent(_ -> places.add(Places.Place.of(item)));
                     }
 
                     @Override
@@ -118,6 +121,11 @@ final class ItemReader {
         }
         names.resolve();
         return items;
+    }
+
+    /** Returns a place for each item that {@link #readAll} has returned. */
+    List<Places.Place> places() {
+        return places;
     }
 
     /** Returns the items by name. */
@@ -224,15 +232,24 @@ final class ItemReader {
             double[] values = repetition.values().at(n);
             if (repeated.isPresent()) {
                 readAgain(repeated.get(), template.makeParts(values, n)).ifPresent(items::add);
+                share(items.size());
             } else {
                 Node node = template.make(values, n);
                 Optional<ItemDefinition> item = read(node);
                 item.ifPresent(items::add);
+                item.ifPresent(_ -> places.add(Places.Place.of(node)));
                 List<Template.Made> parts = template.makeParts(values, n);
                 repeated =
                         item.map(first -> new RepeatedItem(node, first))
                                 .filter(first -> first.differsInSingleValues(parts));
             }
+        }
+    }
+
+    /** Gives a repetition the place of the one before it. */
+    private void share(int count) {
+        if (places.size() < count) {
+            places.add(places.getLast());
         }
     }
 

@@ -35,6 +35,7 @@ import java.util.Optional;
  * @param items in the order of the file; they may refer to each other
  * @param forces on items, in the order of summation
  * @param warnings about the file
+ * @param places of items and constants in the file
  */
 public record WorldDescription(
         String name,
@@ -50,7 +51,8 @@ public record WorldDescription(
         long ruleSteps,
         List<ItemDefinition> items,
         List<LastingForce> forces,
-        List<Problem> warnings) {
+        List<Problem> warnings,
+        Places places) {
     /** Copies lists and maps, in their order. */
     public WorldDescription {
         laws = List.copyOf(laws);
@@ -59,6 +61,40 @@ public record WorldDescription(
         items = List.copyOf(items);
         forces = List.copyOf(forces);
         warnings = List.copyOf(warnings);
+    }
+
+    /** Creates a description that was not read from a file. */
+    public WorldDescription(
+            String name,
+            String doc,
+            WorldPrototype prototype,
+            Timing timing,
+            long age,
+            List<LawReference> laws,
+            Map<String, List<Double>> constants,
+            Optional<CameraDescription> camera,
+            AgentPolicy agents,
+            List<Rule> rules,
+            long ruleSteps,
+            List<ItemDefinition> items,
+            List<LastingForce> forces,
+            List<Problem> warnings) {
+        this(
+                name,
+                doc,
+                prototype,
+                timing,
+                age,
+                laws,
+                constants,
+                camera,
+                agents,
+                rules,
+                ruleSteps,
+                items,
+                forces,
+                warnings,
+                Places.none());
     }
 
     /** Returns a description without items, laws and agents. */
@@ -84,7 +120,7 @@ public record WorldDescription(
     public WorldDescription withLaws(List<LawReference> others) {
         return new WorldDescription(
                 name, doc, prototype, timing, age, others, constants, camera, agents, rules,
-                ruleSteps, items, forces, warnings);
+                ruleSteps, items, forces, warnings, places);
     }
 
     /**

@@ -97,7 +97,8 @@ final class WorldReader {
                 wholeNumber(root.get("frame"), "ruleSteps", Rules.DEFAULT_STEPS),
                 items,
                 forces,
-                problems.warnings());
+                problems.warnings(),
+                Places.of(problems.file(), itemReader.places(), source.all("constants")));
     }
 
     private static String text(Node node, String key) {

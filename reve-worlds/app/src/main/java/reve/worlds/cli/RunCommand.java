@@ -7,6 +7,7 @@ import picocli.CommandLine.Model.CommandSpec;
 import picocli.CommandLine.Option;
 import picocli.CommandLine.Spec;
 
+import reve.core.file.Problem;
 import reve.core.file.WorldDescription;
 import reve.core.file.WorldFile;
 import reve.core.frame.Pacing;
@@ -21,6 +22,7 @@ import java.io.IOError;
 import java.io.IOException;
 import java.io.PrintWriter;
 import java.nio.file.Path;
+import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.concurrent.Callable;
@@ -90,11 +92,12 @@ public final class RunCommand implements Callable<Integer> {
         }
         Optional<RecordingPlan> recording = record.plan();
         LawPath lawPath = laws.path(spec).forWorld(world.folder());
-        WorldDescription description = world.load(spec.commandLine().getErr());
+        WorldDescription description = world.read();
         long frames = Frames.of(spec, "--seconds", seconds, description.timing());
         Pacing pacing = realTime ? Pacing.REAL_TIME : Pacing.FAST;
         try (Simulation simulation = new Simulation(description, pacing, lawPath)) {
             interrupt.stopWith(simulation.loop()::stop);
+            List<Problem> warnings = Warnings.print(spec, simulation.warnings(true));
             simulation.physics().setLedger(ledger);
             RunReport report = recorded(simulation, frames, pacing, recording);
             if (save.isPresent()) {
@@ -112,7 +115,9 @@ public final class RunCommand implements Callable<Integer> {
                                                                 + left));
             }
             if (json) {
-                Json.print(spec, fields(report, simulation));
+                Map<String, Object> fields = fields(report, simulation);
+                fields.put("warnings", Warnings.fields(warnings));
+                Json.print(spec, fields);
             } else {
                 print(report, simulation);
             }

@@ -223,6 +223,7 @@ public final class ServeCommand implements Callable<Integer> {
                             watchdog(events),
                             events);
             interrupt.stopWith(server::stop);
+            Warnings.print(spec, server.warnings());
             ServerReport report;
             try (server) {
                 server.start();
@@ -239,7 +240,7 @@ public final class ServeCommand implements Callable<Integer> {
         Map<String, WorldPlan> plans = new LinkedHashMap<>();
         for (Path path : paths) {
             WorldArgument world = new WorldArgument(path);
-            WorldDescription description = world.load(spec.commandLine().getErr());
+            WorldDescription description = world.read();
             if (plans.put(description.name(), plan(description, world.folder(), lawPath)) != null) {
                 throw new ParameterException(
                         spec.commandLine(),

@@ -21,6 +21,7 @@ import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
+import java.util.Set;
 import java.util.SortedSet;
 import java.util.TreeSet;
 import java.util.regex.Pattern;
@@ -93,6 +94,11 @@ public record LawPath(Path shipped, Optional<Path> folder, Optional<Path> world,
                                                 + "' was not found among "
                                                 + places()
                                                 + suggestion(name)));
+    }
+
+    /** Returns the names of the laws that ship. */
+    Set<String> shippedNames() {
+        return Set.copyOf(namesIn(shipped));
     }
 
     /** Returns whether the law is in the world's own folder and must not be opened. */

@@ -6,6 +6,7 @@ import org.slf4j.LoggerFactory;
 
 import reve.core.derive.DerivedColumns;
 import reve.core.file.LawReference;
+import reve.core.file.Problem;
 import reve.core.file.WorldDescription;
 import reve.core.frame.CommandQueue;
 import reve.core.frame.FrameBus;
@@ -29,6 +30,7 @@ import reve.pe.adapter.PropertyNames;
 import reve.pe.adapter.SharedArena;
 import reve.pe.vesper.VesperConfig;
 import reve.pe.vesper.VesperEngine;
+import reve.worlds.check.WorldCheck;
 import reve.worlds.journal.Journal;
 import reve.worlds.journal.JournalSink;
 import reve.worlds.journal.SimulationImage;
@@ -225,6 +227,16 @@ public final class Simulation implements AutoCloseable {
         long start = System.nanoTime();
         snapshots.publish(frame.frame(), frame.timeSeconds());
         snapshotNanoseconds += System.nanoTime() - start;
+    }
+
+    /**
+     * Returns warnings about the world as described and its loaded laws: of values that do nothing,
+     * of bodies that fall for ever, and of steps that are too long. Between frames.
+     *
+     * @param complete whether all laws of the world are loaded
+     */
+    public List<Problem> warnings(boolean complete) {
+        return WorldCheck.warnings(description, engine.laws(), lawPath.shippedNames(), complete);
     }
 
     /** Returns the description from which the world was built. */

@@ -5,6 +5,7 @@ import org.jspecify.annotations.Nullable;
 
 import reve.core.agent.AgentServer;
 import reve.core.agent.AgentServerConfig;
+import reve.core.file.Problem;
 import reve.core.frame.Pacing;
 
 import java.io.IOException;
@@ -108,6 +109,11 @@ public final class WorldServer implements AutoCloseable {
     /** Returns the port for agents. */
     public int port() {
         return agents.address().getPort();
+    }
+
+    /** Returns the warnings about the worlds, in their order. Before {@link #start}. */
+    public List<Problem> warnings() {
+        return worlds.stream().flatMap(world -> world.warnings().stream()).toList();
     }
 
     /** Starts to watch the laws folder, and reports that the worlds are ready. */
