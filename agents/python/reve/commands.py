@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from typing import Generic, Optional, TypeVar, Union
 
 from .protocol import Argument, Item
@@ -55,8 +56,40 @@ class Commands(ABC, Generic[R]):
 
     def edit(self, item: Union[str, Item], property: str, value: Argument) -> R:
         """Sets a property such as `physics.velocity` or `semantic.class`, in its own unit."""
-        target = item if isinstance(item, str) else item.name
-        return self._command("edit", item=target, property=property, value=value)
+        return self._command("edit", item=_name(item), property=property, value=value)
+
+    def add(
+        self, *items: Mapping[str, object], prefabs: Optional[Mapping[str, object]] = None
+    ) -> R:
+        """Adds items, all or none, as a world file describes them; they may be `like` prefabs.
+
+        For example `add({"name": "ball", "physical": {"shape": "sphere", "radius": "5 cm"}})`.
+        """
+        fields: dict[str, object] = {"items": list(items)}
+        if prefabs is not None:
+            fields["prefabs"] = prefabs
+        return self._command("add", **fields)
+
+    def change(self, item: Union[str, Item], **to: object) -> R:
+        """Changes an item: `name`, `parent`, `physical`, `physics`, `semantic` and `access`, as in
+        a world file. None removes a value.
+
+        For example `change("spring", physics={"end2": "hook"})`.
+        """
+        return self._command("change", item=_name(item), to=to)
+
+    def remove(self, item: Union[str, Item], cascade: bool = False) -> R:
+        """Removes an item; in cascade, also all items that refer to it or are attached to it."""
+        return self._command("remove", item=_name(item), cascade=cascade)
+
+    def rule(self, name: str, rule: Union[str, Mapping[str, object], None]) -> R:
+        """Sets a rule, an expression or a mapping as in a world file; None removes it."""
+        return self._command("rule", name=name, rule=rule)
+
+    def batch(self, *changes: Mapping[str, object]) -> R:
+        """Makes changes in their order, all or none. Each is a message without id, for example
+        `{"t": "remove", "item": "ball"}`."""
+        return self._command("batch", changes=list(changes))
 
     def load_law(self, library: str, **parameters: float) -> R:
         """Loads a law library that the server knows by that name; parameters are in SI units."""
@@ -75,3 +108,7 @@ class Commands(ABC, Generic[R]):
 
     @abstractmethod
     def _command(self, t: str, **fields: object) -> R: ...
+
+
+def _name(item: Union[str, Item]) -> str:
+    return item if isinstance(item, str) else item.name

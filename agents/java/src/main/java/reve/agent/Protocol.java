@@ -131,10 +131,16 @@ final class Protocol {
                 (name, value) ->
                         message.set(
                                 name,
-                                value instanceof Map<?, ?> map
-                                        ? JSON.valueToTree(map)
+                                value instanceof Map<?, ?> || isOfMappings(value)
+                                        ? JSON.valueToTree(value)
                                         : argument(name, value)));
         return message;
+    }
+
+    /** Returns whether a value is a list of items or changes instead of numbers. */
+    private static boolean isOfMappings(Object value) {
+        return value instanceof List<?> list
+                && list.stream().anyMatch(element -> element instanceof Map<?, ?>);
     }
 
     static ObjectNode ping(long id) {

@@ -11,6 +11,7 @@ import reve.core.world.WorldSnapshot;
 
 import java.util.Collection;
 import java.util.Map;
+import java.util.Optional;
 import java.util.function.Consumer;
 
 /** Keeps images of a world without physics, and can do nothing else. */
@@ -38,6 +39,11 @@ public record RoomControl(World world, FrameLoop loop, Image beginning) implemen
     @Override
     public Change picture() throws ActionRefused {
         return WorldControl.none().picture();
+    }
+
+    @Override
+    public Change changeRules(Map<String, Optional<String>> rules) throws ActionRefused {
+        return WorldControl.none().changeRules(rules);
     }
 
     private record Kept(World world, FrameLoop loop, WorldImage image) implements Image {

@@ -161,6 +161,20 @@ final class ItemReader {
         return item.map(ItemDefinition.Builder::build);
     }
 
+    /** Reads the new values of an item. References to other items are not checked. */
+    ItemDefinition readChange(Node node, String kind) throws WorldFileException {
+        try {
+            ItemDefinition.Builder item =
+                    beginning.apply(node.get("name").flatMap(Node::text).orElse(""));
+            node.get("parent").flatMap(Node::text).ifPresent(item::parent);
+            readAspects(node, kind, true, item.kind(kind));
+            return item.build();
+        } catch (IllegalArgumentException refused) {
+            problems.add(node, refused.getMessage());
+            return ItemDefinition.kept("unnamed").build();
+        }
+    }
+
     /** Checks a part of an item; only its problems are of interest. */
     void readPart(Node node, String kind) throws WorldFileException {
         if (kind(node).isPresent()) {

@@ -123,6 +123,13 @@ public record WorldDescription(
                 ruleSteps, items, forces, warnings, places);
     }
 
+    /** Returns this description with other rules. */
+    public WorldDescription withRules(List<Rule> others) {
+        return new WorldDescription(
+                name, doc, prototype, timing, age, laws, constants, camera, agents, others,
+                ruleSteps, items, forces, warnings, places);
+    }
+
     /**
      * Builds a world with all items, owned by the calling thread; {@code arena} must outlive it.
      */

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.worlds.cli;
 
+import org.jspecify.annotations.Nullable;
+
 import picocli.CommandLine.Command;
 import picocli.CommandLine.Model.CommandSpec;
 import picocli.CommandLine.Option;
@@ -13,6 +15,7 @@ import reve.agent.AgentClient;
 import reve.agent.AgentException;
 import reve.agent.Join;
 import reve.agent.Trust;
+import reve.core.text.Suggestion;
 
 import java.io.IOException;
 import java.io.PrintWriter;
@@ -33,9 +36,10 @@ import java.util.concurrent.Callable;
         name = "control",
         description =
                 "Sends a command to a running world: pause, step, run, snapshot, rewind, "
-                        + "save, edit, load-law, unload-law, picture, shut-down. For example: "
-                        + "control rewind image=calm, "
-                        + "control edit item=blue property=physics.velocity value=0,3,0.")
+                        + "save, edit, add, change, remove, rule, batch, load-law, unload-law, "
+                        + "picture, shut-down. For example: control rewind image=calm, "
+                        + "control add item.yaml, "
+                        + "control change item=blue physics.velocity=0,3,0.")
 public final class ControlCommand implements Callable<Integer> {
     private static final String TOKEN = "REVE_TOKEN";
     private static final int MAX_PORT = 65_535;
@@ -54,10 +58,18 @@ public final class ControlCommand implements Callable<Integer> {
                             Map.entry("rewind", Set.of("image")),
                             Map.entry("save", Set.of("file")),
                             Map.entry("edit", Set.of("item", "property", "value")),
+                            Map.entry("add", Set.of()),
+                            Map.entry("change", Set.of("item")),
+                            Map.entry("remove", Set.of("item", "cascade")),
+                            Map.entry("rule", Set.of("name", "rule")),
+                            Map.entry("batch", Set.of()),
                             Map.entry("load-law", Set.of("library")),
                             Map.entry("unload-law", Set.of("library")),
                             Map.entry("picture", Set.of()),
                             Map.entry("shut-down", Set.of())));
+
+    /** Commands that take a file. */
+    private static final Set<String> FROM_FILES = Set.of("add", "change", "batch");
 
     @Spec private CommandSpec spec = CommandSpec.create();
 
@@ -72,7 +84,8 @@ public final class ControlCommand implements Callable<Integer> {
             paramLabel = "FIELD=VALUE",
             description =
                     "Fields of the command: a number, numbers separated by commas, "
-                            + "true, false or text.")
+                            + "true, false, null or text. add, change and batch also take a FILE "
+                            + "of YAML or JSON.")
     private List<String> given = new ArrayList<>();
 
     @Option(
@@ -151,17 +164,22 @@ public final class ControlCommand implements Callable<Integer> {
         return trust.isPresent() ? join.withTls(Trust.file(trust.get())) : join;
     }
 
-    private Map<String, Object> fields() {
+    private Map<String, Object> fields() throws IOException {
         Set<String> known = COMMANDS.get(command);
         if (known == null) {
             throw wrong(
                     "'"
                             + command
                             + "' is no command of the role control, expected one of "
-                            + String.join(", ", COMMANDS.keySet()));
+                            + String.join(", ", COMMANDS.keySet())
+                            + Suggestion.of(command, COMMANDS.keySet()));
         }
         Map<String, Object> fields = new LinkedHashMap<>();
         for (String each : given) {
+            if (FROM_FILES.contains(command) && ControlFields.isFile(each)) {
+                fields.putAll(ControlFields.read(command, Path.of(each)));
+                continue;
+            }
             int equals = each.indexOf('=');
             if (equals < 1) {
                 throw wrong(
@@ -172,6 +190,11 @@ public final class ControlCommand implements Callable<Integer> {
                                 + ", expected FIELD=VALUE, e.g. image=calm");
             }
             String field = each.substring(0, equals);
+            if (command.equals("change") && !field.equals("item")) {
+                ControlFields.put(
+                        fields, "to." + field, value(each.substring(equals + 1)));
+                continue;
+            }
             if (!known.contains(field)) {
                 throw wrong(
                         command
@@ -182,7 +205,10 @@ public final class ControlCommand implements Callable<Integer> {
                                         ? "none"
                                         : String.join(", ", new TreeSet<>(known))));
             }
-            fields.put(field, value(each.substring(equals + 1)));
+            Object value = value(each.substring(equals + 1));
+            if (value != null) {
+                fields.put(field, value);
+            }
         }
         return fields;
     }
@@ -191,7 +217,10 @@ public final class ControlCommand implements Callable<Integer> {
         return new ParameterException(spec.commandLine(), problem);
     }
 
-    private static Object value(String text) {
+    private static @Nullable Object value(String text) {
+        if (text.equals("null")) {
+            return null;
+        }
         if (text.equals("true") || text.equals("false")) {
             return Boolean.valueOf(text);
         }

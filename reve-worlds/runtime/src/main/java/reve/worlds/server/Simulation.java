@@ -15,6 +15,7 @@ import reve.core.frame.FrameListener;
 import reve.core.frame.FrameLoop;
 import reve.core.frame.FramePhase;
 import reve.core.frame.Pacing;
+import reve.core.rule.Rule;
 import reve.core.rule.Rules;
 import reve.core.world.SnapshotRing;
 import reve.core.world.World;
@@ -57,7 +58,9 @@ public final class Simulation implements AutoCloseable {
     private static final int MAX_IMAGES = 64;
     private static final long MAX_IMAGE_BYTES = 1L << 30;
 
-    private final WorldDescription description;
+    /** Changes only in its rules. */
+    private volatile WorldDescription description;
+
     private final LawPath lawPath;
     private final Closing closing = new Closing();
     private final World world;
@@ -274,6 +277,15 @@ public final class Simulation implements AutoCloseable {
             }
         }
         return left;
+    }
+
+    /**
+     * Replaces the rules; symbols change in the next frame. Journals do not contain rules: a
+     * resumed world has those of its world file. World's thread, outside DERIVE.
+     */
+    public void setRules(List<Rule> newRules) {
+        rules.set(newRules);
+        description = description.withRules(newRules);
     }
 
     /** Returns the bus on which components subscribe to phases of the frame. */

@@ -33,6 +33,7 @@ public final class ControlDesk {
     private final Publisher publisher;
     private final Embodiment embodiment;
     private final Images images;
+    private final WorldEdits edits;
     private final ForkAndSave forkAndSave;
     private final RateLimitedLog log;
     private final AtomicLong sequence = new AtomicLong();
@@ -47,6 +48,7 @@ public final class ControlDesk {
         this.publisher = publisher;
         this.embodiment = new Embodiment(port.agents(), port.framesPerSecond());
         this.images = new Images(port, embodiment);
+        this.edits = new WorldEdits(port, embodiment);
         this.forkAndSave = new ForkAndSave(port, embodiment, log);
         this.log = log;
     }
@@ -78,6 +80,8 @@ public final class ControlDesk {
                             edit,
                             new AgentInput.Edit(
                                     requester.name(), edit.item(), edit.property(), edit.value()));
+            case ClientMessage.WorldChange change ->
+                    change(requester, change, true, () -> edits.prepare(change));
             case ClientMessage.Pause pause -> accept(requester, pause, port.loop().pause());
             case ClientMessage.Run run -> {
                 accept(requester, run, port.loop().frame());

@@ -8,6 +8,7 @@ import reve.core.world.WorldSnapshot;
 
 import java.util.Collection;
 import java.util.Map;
+import java.util.Optional;
 import java.util.function.Consumer;
 
 /**
@@ -45,6 +46,14 @@ public interface WorldControl {
 
     /** Prepares a picture of the frame. */
     Change picture() throws ActionRefused;
+
+    /**
+     * Prepares new rules, all of them or none.
+     *
+     * @param rules by the symbol that each computes: the rule as in a world file, in JSON; empty
+     *     removes the rule
+     */
+    Change changeRules(Map<String, Optional<String>> rules) throws ActionRefused;
 
     /** A saved state of the world, to which it can be rewound. */
     interface Image extends AutoCloseable {
@@ -107,6 +116,11 @@ public interface WorldControl {
         @Override
         public Change picture() throws ActionRefused {
             throw unsupported("pictures");
+        }
+
+        @Override
+        public Change changeRules(Map<String, Optional<String>> rules) throws ActionRefused {
+            throw unsupported("rules");
         }
 
         @Override

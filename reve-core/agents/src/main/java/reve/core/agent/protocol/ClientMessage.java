@@ -3,6 +3,7 @@ package reve.core.agent.protocol;
 
 import java.util.Collections;
 import java.util.LinkedHashMap;
+import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.OptionalLong;
@@ -34,6 +35,11 @@ public sealed interface ClientMessage {
             case LoadLaw load -> "load-law";
             case UnloadLaw unload -> "unload-law";
             case Edit edit -> "edit";
+            case Add add -> "add";
+            case Change change -> "change";
+            case Remove remove -> "remove";
+            case SetRule rule -> "rule";
+            case Batch batch -> "batch";
             case Picture picture -> "picture";
             case Snapshot snapshot -> "snapshot";
             case Rewind rewind -> "rewind";
@@ -184,6 +190,41 @@ public sealed interface ClientMessage {
      * @param value Double, List of Double, String or Boolean
      */
     record Edit(long id, String item, String property, Object value) implements Control {}
+
+    /** A command that changes the items or the rules of a world. */
+    sealed interface WorldChange extends Control {}
+
+    /**
+     * @param items a mapping with {@code items} and {@code prefabs} as in a world file, in JSON
+     */
+    record Add(long id, String items) implements WorldChange {}
+
+    /**
+     * @param to the values of the item that change, as in a world file, in JSON; null removes one
+     */
+    record Change(long id, String item, String to) implements WorldChange {}
+
+    /**
+     * @param cascade whether items that refer to it or are attached to it are removed, too
+     */
+    record Remove(long id, String item, boolean cascade) implements WorldChange {}
+
+    /**
+     * @param name the symbol that the rule computes
+     * @param rule the rule as in a world file, in JSON; empty removes it
+     */
+    record SetRule(long id, String name, Optional<String> rule) implements WorldChange {}
+
+    /** Several changes, of which all happen or none. None of them is a batch. */
+    record Batch(long id, List<WorldChange> changes) implements WorldChange {
+        /** Maximum number of changes. */
+        public static final int MAX = 1000;
+
+        /** Copies the list. */
+        public Batch {
+            changes = List.copyOf(changes);
+        }
+    }
 
     /** Requests a picture of the world. */
     record Picture(long id) implements Control {}

@@ -178,6 +178,8 @@ public final class MessageReader {
                             fields.text("item"),
                             fields.text("property"),
                             fields.value());
+            case "add", "change", "remove", "rule" -> fields.change(fields.required());
+            case "batch" -> fields.batch();
             case "picture" -> new ClientMessage.Picture(fields.required());
             case "snapshot" -> new ClientMessage.Snapshot(fields.required(), fields.image());
             case "rewind" ->
@@ -199,8 +201,8 @@ public final class MessageReader {
                                     + " in protocol 1",
                             "a client sends hello, perceive, look, act, ready, ping, pong or bye;"
                                     + " in the role control also pause, run, step, load-law,"
-                                    + " unload-law, edit, picture, snapshot, rewind, save, fork or"
-                                    + " shut-down");
+                                    + " unload-law, edit, add, change, remove, rule, batch, picture,"
+                                    + " snapshot, rewind, save, fork or shut-down");
         };
     }
 
@@ -213,6 +215,12 @@ public final class MessageReader {
         Fields(JsonNode message) throws BadMessage {
             this.message = message;
             this.id = find("id") == null ? NO_ID : integer(NO_ID, "id", 0, MAX_ID);
+        }
+
+        /** Reads a part of a message, whose problems are those of the message. */
+        Fields(JsonNode part, long id) {
+            this.message = part;
+            this.id = id;
         }
 
         boolean has(String name) {
@@ -342,6 +350,89 @@ public final class MessageReader {
                         "expected a number, a list of numbers, a text, or true or false");
             }
             return value("value", "value", field);
+        }
+
+        /** Returns a change of items or rules, by the type of the message. */
+        ClientMessage.WorldChange change(long answerTo) throws BadMessage {
+            return switch (text("t")) {
+                case "add" -> new ClientMessage.Add(answerTo, items());
+                case "change" ->
+                        new ClientMessage.Change(
+                                answerTo, text("item"), mapping("to", message.get("to")));
+                case "remove" ->
+                        new ClientMessage.Remove(answerTo, text("item"), isTrue("cascade"));
+                case "rule" -> new ClientMessage.SetRule(answerTo, text("name"), rule());
+                default ->
+                        throw bad(
+                                id,
+                                "t",
+                                "is " + show(message.get("t")),
+                                "expected add, change, remove or rule in a batch");
+            };
+        }
+
+        ClientMessage.Batch batch() throws BadMessage {
+            long answerTo = required();
+            JsonNode list = find("changes");
+            if (list == null
+                    || !list.isArray()
+                    || list.isEmpty()
+                    || list.size() > ClientMessage.Batch.MAX) {
+                throw bad(
+                        id,
+                        "changes",
+                        list == null ? "is missing" : "does not fit",
+                        "expected a list of 1 to " + ClientMessage.Batch.MAX + " changes");
+            }
+            List<ClientMessage.WorldChange> changes = new ArrayList<>();
+            for (JsonNode each : list.values()) {
+                if (!each.isObject()) {
+                    throw bad(id, "changes", "holds " + show(each), "expected objects with t");
+                }
+                changes.add(new Fields(each, answerTo).change(ClientMessage.NO_ID));
+            }
+            return new ClientMessage.Batch(answerTo, changes);
+        }
+
+        /** Returns the items and prefabs to add, as JSON. */
+        private String items() throws BadMessage {
+            JsonNode items = find("items");
+            if (items == null || !items.isArray() || items.isEmpty()) {
+                throw bad(
+                        id,
+                        "items",
+                        items == null ? "is missing" : "is " + show(items),
+                        "expected a list of items as in a world file");
+            }
+            JsonNode prefabs = find("prefabs");
+            return "{\"items\":"
+                    + items
+                    + (prefabs == null ? "" : ",\"prefabs\":" + mapping("prefabs", prefabs))
+                    + "}";
+        }
+
+        /** Returns a rule as JSON; empty if the message has none, and so removes the rule. */
+        private Optional<String> rule() throws BadMessage {
+            JsonNode rule = find("rule");
+            if (rule != null && !rule.isString() && !rule.isObject()) {
+                throw bad(
+                        id,
+                        "rule",
+                        "is " + show(rule),
+                        "expected an expression, or an object with is");
+            }
+            return Optional.ofNullable(rule).map(JsonNode::toString);
+        }
+
+        private String mapping(String name, @Nullable JsonNode value) throws BadMessage {
+            if (value == null || !value.isObject()) {
+                throw bad(
+                        id,
+                        name,
+                        value == null ? "is missing" : "is " + show(value),
+                        "expected an object as in a world file");
+            }
+            return value.toString();
         }
 
         String text(String name) throws BadMessage {

@@ -232,6 +232,22 @@ class MessagesTest {
                     json.put("item", edit.item())
                             .put("property", edit.property())
                             .set("value", JSON.valueToTree(edit.value()));
+            case ClientMessage.Add add -> json.setAll((ObjectNode) JSON.readTree(add.items()));
+            case ClientMessage.Change change ->
+                    json.put("item", change.item()).set("to", JSON.readTree(change.to()));
+            case ClientMessage.Remove remove -> {
+                json.put("item", remove.item());
+                if (remove.cascade()) {
+                    json.put("cascade", true);
+                }
+            }
+            case ClientMessage.SetRule rule -> {
+                json.put("name", rule.name());
+                rule.rule().ifPresent(text -> json.set("rule", JSON.readTree(text)));
+            }
+            case ClientMessage.Batch batch ->
+                    batch.changes()
+                            .forEach(change -> json.withArray("changes").add(written(change)));
             case ClientMessage.Snapshot snapshot -> json.put("image", snapshot.image());
             case ClientMessage.Rewind rewind ->
                     rewind.image().ifPresent(image -> json.put("image", image));
