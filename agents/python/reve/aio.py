@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import asyncio
 import ssl
+from collections.abc import Mapping
 from typing import AsyncIterator, Awaitable, Callable, List, Optional, Tuple, Type, TypeVar, Union
 
 from . import protocol
@@ -342,9 +343,9 @@ class Control(Client, Commands[Awaitable[Result]]):
     async def __aenter__(self) -> Control:
         return self
 
-    async def foresee(self, frames: int) -> Perception:
+    async def foresee(self, frames: int, *changes: Mapping[str, object]) -> Perception:
         """Returns the predicted perception that many frames from now, without further actions."""
-        return await self._answer(self._talk.fork(frames), self._talk.foreseen)
+        return await self._answer(self._talk.fork(frames, changes), self._talk.foreseen)
 
     def _command(self, t: str, **fields: object) -> Awaitable[Result]:
         return self._ask(lambda id: protocol.command(id, t, **fields), Result)

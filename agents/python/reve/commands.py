@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Generic, Optional, TypeVar, Union
 
 from .protocol import Argument, Item
@@ -90,6 +90,41 @@ class Commands(ABC, Generic[R]):
         """Makes changes in their order, all or none. Each is a message without id, for example
         `{"t": "remove", "item": "ball"}`."""
         return self._command("batch", changes=list(changes))
+
+    def laws(self) -> R:
+        """The value of the result lists the laws with their costs, and those in quarantine."""
+        return self._command("laws")
+
+    def release(self, library: str) -> R:
+        """Permits a quarantined library of laws again."""
+        return self._command("release", library=library)
+
+    def ledger(self, on: Optional[bool] = None) -> R:
+        """Opens or closes the ledger; without `on`, the value of the result is its lines."""
+        return self._command("ledger", **({} if on is None else {"on": on}))
+
+    def profile(self) -> R:
+        """The value of the result says how the busy time of the frames was spent."""
+        return self._command("profile")
+
+    def changes(self) -> R:
+        """The value of the result is the changes since the last call, which laws did not cause."""
+        return self._command("changes")
+
+    def near(
+        self,
+        location: Sequence[float],
+        distance: Optional[float] = None,
+        most: Optional[int] = None,
+    ) -> R:
+        """The value of the result is the bodies within a distance [m], or the nearest ones."""
+        limits = {"distance": distance, "most": most}
+        given = {name: limit for name, limit in limits.items() if limit is not None}
+        return self._command("near", location=list(location), **given)
+
+    def region(self, low: Sequence[float], high: Sequence[float]) -> R:
+        """The value of the result is the bodies in a box, given by two of its corners [m]."""
+        return self._command("region", **{"from": list(low), "to": list(high)})
 
     def load_law(self, library: str, **parameters: float) -> R:
         """Loads a law library that the server knows by that name; parameters are in SI units."""

@@ -72,8 +72,31 @@ class CommandLineIT {
     }
 
     @Test
+    void helpIsACommandToo() throws Exception {
+        assertThat(Reve.launch("help").out()).contains("serve", "new", "Exit codes");
+        assertThat(Reve.launch("help", "run").out()).startsWith("Usage: ./reve run");
+        assertThat(Reve.launch("help", "clean").out()).startsWith("Usage: ./reve clean");
+    }
+
+    @Test
+    void aNewWorldRunsWithoutAWarning() throws Exception {
+        Path world = folder.resolve("my world");
+        Outcome made = Reve.run("new", "world", world.toString());
+        assertThat(made.code()).as(made.err()).isZero();
+        assertThat(made.out()).contains("serve '" + world + "'");
+        assertThat(Reve.run("check", "--strict", world.toString()).code()).isZero();
+        Outcome again = Reve.run("new", "world", world.toString());
+        assertThat(again.code()).isEqualTo(1);
+        assertThat(again.err()).contains("is there already; nothing was written");
+        Outcome near = Reve.run("check", folder.resolve("my wrld").toString());
+        assertThat(near.err()).contains("did you mean `my world`?");
+        assertThat(Reve.run("check", folder.resolve("pendulum").toString()).err())
+                .contains("in " + folder + " are my world");
+    }
+
+    @Test
     void theLaunchersOwnCommandsHaveHelpAndTakeNothingElse() throws Exception {
-        for (String command : new String[] {"build", "test", "format", "docs"}) {
+        for (String command : new String[] {"build", "test", "format", "docs", "clean"}) {
             Outcome help = Reve.launch(command, "--help");
             assertThat(help.code()).as(command).isZero();
             assertThat(help.out()).startsWith("Usage: ./reve " + command);

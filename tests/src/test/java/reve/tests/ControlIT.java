@@ -225,11 +225,16 @@ class ControlIT {
                         "items",
                         List.of(
                                 Map.of(
-                                        "name", "moon {i}",
-                                        "repeat", 2,
-                                        "like", "ball",
-                                        "physical", Map.of("location", List.of("{3 + i}", 9, 0)),
-                                        "physics", Map.of("mass", "200 g")),
+                                        "name",
+                                        "moon {i}",
+                                        "repeat",
+                                        2,
+                                        "like",
+                                        "ball",
+                                        "physical",
+                                        Map.of("location", List.of("{3 + i}", 9, 0)),
+                                        "physics",
+                                        Map.of("mass", "200 g")),
                                 Map.of(
                                         "name", "rope",
                                         "kind", "spring",
@@ -257,15 +262,13 @@ class ControlIT {
                                 "physics", Map.of("mass", 0),
                                 "parent", "blue",
                                 "semantic", Map.of("class", "toy", "worn", true))));
-        edited(
-                boss,
-                "rule",
-                Map.of("name", "heavy", "rule", Map.of("is", "physics.mass > 100.0")));
+        edited(boss, "rule", Map.of("name", "heavy", "rule", Map.of("is", "physics.mass > 100.0")));
         Perception seen = after(boss, 2);
         assertThat(seen.find("red").orElseThrow().symbols()).containsEntry("heavy", true);
         assertThat(seen.find("crate").orElseThrow().symbols())
                 .containsEntry("class", "toy")
                 .containsEntry("heavy", false);
+        accepted(boss, "run", Map.of());
         ActResult refused =
                 boss.command(
                         "batch",
@@ -275,6 +278,7 @@ class ControlIT {
                                         Map.of("t", "remove", "item", "crate"),
                                         Map.of("t", "rule", "name", "heavy"),
                                         Map.of("t", "remove", "item", "red"))));
+        accepted(boss, "pause", Map.of());
         assertThat(refused.code()).contains("edit-refused");
         assertThat(refused.reason().orElseThrow()).startsWith("edit 2 of 2: item red");
         seen = after(boss, 1);
@@ -289,13 +293,39 @@ class ControlIT {
                                 Map.of("t", "remove", "item", "moon 0", "cascade", true),
                                 Map.of("t", "rule", "name", "heavy"),
                                 Map.of(
-                                        "t", "add",
-                                        "items", List.of(Map.of("name", "light", "physics",
-                                                Map.of("mass", 1, "velocity", List.of(1, 0, 0))))),
-                                Map.of("t", "change", "item", "light", "to",
-                                        Map.of("access", Map.of("stop", Map.of("effects",
-                                                List.of(Map.of("set", "physics.velocity", "to",
-                                                        List.of(0, 0, 0))))))))));
+                                        "t",
+                                        "add",
+                                        "items",
+                                        List.of(
+                                                Map.of(
+                                                        "name",
+                                                        "light",
+                                                        "physics",
+                                                        Map.of(
+                                                                "mass",
+                                                                1,
+                                                                "velocity",
+                                                                List.of(1, 0, 0))))),
+                                Map.of(
+                                        "t",
+                                        "change",
+                                        "item",
+                                        "light",
+                                        "to",
+                                        Map.of(
+                                                "access",
+                                                Map.of(
+                                                        "stop",
+                                                        Map.of(
+                                                                "effects",
+                                                                List.of(
+                                                                        Map.of(
+                                                                                "set",
+                                                                                "physics.velocity",
+                                                                                "to",
+                                                                                List.of(
+                                                                                        0, 0,
+                                                                                        0))))))))));
         seen = after(boss, 5);
         assertThat(seen.find("rope")).isEmpty();
         assertThat(seen.find("red").orElseThrow().symbols()).doesNotContainKey("heavy");

@@ -54,16 +54,16 @@ class InterruptIT {
         Process run =
                 new ProcessBuilder(Reve.command("run", WORLD, "--seconds", "1e6", "--real-time"))
                         .start();
-        try (BufferedReader errors = run.errorReader()) {
-            String line = errors.readLine();
-            while (!line.startsWith("frame ")) { // the first progress line says that the loop runs
-                line = errors.readLine();
-            }
+        BufferedReader errors = run.errorReader();
+        String line = errors.readLine();
+        while (!line.startsWith("frame ")) { // the first progress line says that the loop runs
+            line = errors.readLine();
         }
         assertThat(new ProcessBuilder("kill", "-INT", Long.toString(run.pid())).start().waitFor())
                 .isZero();
         String out = new String(run.getInputStream().readAllBytes(), StandardCharsets.UTF_8);
-        assertThat(run.waitFor()).isZero();
+        assertThat(run.waitFor()).isEqualTo(130);
+        assertThat(errors.lines()).anyMatch(said -> said.startsWith("reve: cut short after "));
         assertThat(out).contains("spring-orbit:").contains("state hash");
     }
 

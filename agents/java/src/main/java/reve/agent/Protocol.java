@@ -352,13 +352,16 @@ final class Protocol {
                         true,
                         OptionalLong.of(message.required("frame").longValue()),
                         Optional.empty(),
-                        Optional.empty())
+                        Optional.empty(),
+                        message.optional("value")
+                                .map(value -> JSON.treeToValue(value, Object.class)))
                 : new ActResult(
                         id,
                         false,
                         OptionalLong.empty(),
                         Optional.of(text(message, "code")),
-                        Optional.of(text(message, "reason")));
+                        Optional.of(text(message, "reason")),
+                        Optional.empty());
     }
 
     private static Perception.Item item(JsonNode item) {

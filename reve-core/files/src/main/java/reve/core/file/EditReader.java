@@ -44,8 +44,7 @@ public final class EditReader {
      */
     public WorldEdit add(String text) throws WorldFileException {
         var problems = new Problems("add");
-        Node part =
-                YamlReader.read(text, problems, new Allowance(YamlReader.MAX_VALUES));
+        Node part = YamlReader.read(text, problems, new Allowance(YamlReader.MAX_VALUES));
         SchemaCheck.checkPart(part, problems);
         for (Node value : part.children()) {
             if (!value.key().equals("items") && !value.key().equals("prefabs")) {
@@ -88,6 +87,9 @@ public final class EditReader {
         List<String> set = new ArrayList<>();
         List<String> cleared = new ArrayList<>();
         Node values = split(given, set, cleared, problems);
+        if (set.remove("parent")) {
+            set.add("parent"); // last, because an item with a mass cannot be attached
+        }
         problems.throwIfAny();
         Map<String, Node> fields = new LinkedHashMap<>();
         for (Node value : values.children()) {
@@ -134,11 +136,7 @@ public final class EditReader {
     }
 
     private static Node splitAspect(
-            String aspect,
-            Node values,
-            List<String> set,
-            List<String> cleared,
-            Problems problems) {
+            String aspect, Node values, List<String> set, List<String> cleared, Problems problems) {
         Map<String, Node> left = new LinkedHashMap<>();
         for (Node value : values.children()) {
             String key = aspect + "." + value.key();
@@ -147,9 +145,10 @@ public final class EditReader {
                 continue;
             }
             left.put(value.key(), value);
-            String what = aspect.equals("physical") && SHAPE.contains(value.key())
-                    ? "physical.shape"
-                    : key;
+            String what =
+                    aspect.equals("physical") && SHAPE.contains(value.key())
+                            ? "physical.shape"
+                            : key;
             if (key.equals("physics.density")) {
                 set.add("physics.mass");
                 set.add("physics.inertia");
@@ -160,8 +159,7 @@ public final class EditReader {
         return values.withValue(left);
     }
 
-    private static void clear(
-            String key, Node value, List<String> cleared, Problems problems) {
+    private static void clear(String key, Node value, List<String> cleared, Problems problems) {
         if (key.equals("parent")
                 || key.equals("physics")
                 || key.equals("physical.material")
@@ -234,5 +232,4 @@ public final class EditReader {
         problems.throwIfAny();
         return List.copyOf(changed);
     }
-
 }

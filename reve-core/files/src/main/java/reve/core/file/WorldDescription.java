@@ -36,6 +36,7 @@ import java.util.Optional;
  * @param forces on items, in the order of summation
  * @param warnings about the file
  * @param places of items and constants in the file
+ * @param threads maximum number of threads that laws share; results do not depend on it
  */
 public record WorldDescription(
         String name,
@@ -52,7 +53,8 @@ public record WorldDescription(
         List<ItemDefinition> items,
         List<LastingForce> forces,
         List<Problem> warnings,
-        Places places) {
+        Places places,
+        int threads) {
     /** Copies lists and maps, in their order. */
     public WorldDescription {
         laws = List.copyOf(laws);
@@ -94,7 +96,8 @@ public record WorldDescription(
                 items,
                 forces,
                 warnings,
-                Places.none());
+                Places.none(),
+                1);
     }
 
     /** Returns a description without items, laws and agents. */
@@ -120,14 +123,21 @@ public record WorldDescription(
     public WorldDescription withLaws(List<LawReference> others) {
         return new WorldDescription(
                 name, doc, prototype, timing, age, others, constants, camera, agents, rules,
-                ruleSteps, items, forces, warnings, places);
+                ruleSteps, items, forces, warnings, places, threads);
+    }
+
+    /** Returns this description with another maximum number of threads. */
+    public WorldDescription withThreads(int others) {
+        return new WorldDescription(
+                name, doc, prototype, timing, age, laws, constants, camera, agents, rules,
+                ruleSteps, items, forces, warnings, places, others);
     }
 
     /** Returns this description with other rules. */
     public WorldDescription withRules(List<Rule> others) {
         return new WorldDescription(
                 name, doc, prototype, timing, age, laws, constants, camera, agents, others,
-                ruleSteps, items, forces, warnings, places);
+                ruleSteps, items, forces, warnings, places, threads);
     }
 
     /**
@@ -189,7 +199,9 @@ public record WorldDescription(
                 ruleSteps,
                 inOrderOfRows(world).stream().map(Item::definition).toList(),
                 forcesIn(world),
-                List.of());
+                List.of(),
+                Places.none(),
+                threads);
     }
 
     /**

@@ -5,10 +5,10 @@ import org.jspecify.annotations.Nullable;
 
 import reve.core.world.Action;
 import reve.core.world.ActionRefused;
-import reve.core.world.OffHeapArena;
 import reve.core.world.Item;
 import reve.core.world.ItemDefinition;
 import reve.core.world.ItemId;
+import reve.core.world.OffHeapArena;
 import reve.core.world.Possible;
 import reve.core.world.PropertyDescriptor;
 import reve.core.world.World;
@@ -136,8 +136,7 @@ public sealed interface WorldEdit {
         try {
             switch (edit) {
                 case Add add ->
-                        world.addAll(add.items)
-                                .forEach(item -> world.arrests().suspect(item.id()));
+                        world.addAll(add.items).forEach(item -> world.arrests().suspect(item.id()));
                 case Remove remove -> {
                     ItemId id = find(world, remove.item).id();
                     if (remove.cascade) {

@@ -98,7 +98,8 @@ final class WorldReader {
                 items,
                 forces,
                 problems.warnings(),
-                Places.of(problems.file(), itemReader.places(), source.all("constants")));
+                Places.of(problems.file(), itemReader.places(), source.all("constants")),
+                (int) wholeNumber(root.get("frame"), "threads", 1));
     }
 
     private static String text(Node node, String key) {

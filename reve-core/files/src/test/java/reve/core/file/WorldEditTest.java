@@ -210,8 +210,7 @@ class WorldEditTest {
         };
         ActionRefused refused = catchThrowableOfType(ActionRefused.class, () -> make(edits));
         assertThat(refused.code()).isEqualTo("no-such-item");
-        assertThat(refused)
-                .hasMessage("edit 4 of 4: the world has no item \"nothing\"");
+        assertThat(refused).hasMessage("edit 4 of 4: the world has no item \"nothing\"");
         assertThat(state()).isEqualTo(before);
     }
 
@@ -318,14 +317,12 @@ class WorldEditTest {
                         "lazy",
                         Optional.of("{\"is\": \"semantic.heavy\", \"doc\": \"At rest.\"}"));
         assertThat(two).extracting(Rule::symbol).containsExactly("heavy", "lazy");
-        List<Rule> changed =
-                reader.rules(two, "heavy", Optional.of("\"physics.mass > 5.0\""));
+        List<Rule> changed = reader.rules(two, "heavy", Optional.of("\"physics.mass > 5.0\""));
         assertThat(changed).extracting(Rule::symbol).containsExactly("heavy", "lazy");
         assertThat(reader.rules(changed, "heavy", Optional.empty()))
                 .extracting(Rule::symbol)
                 .containsExactly("lazy");
-        assertThatThrownBy(
-                        () -> reader.rules(two, "heavy", Optional.of("\"semantic.lazy\"")))
+        assertThatThrownBy(() -> reader.rules(two, "heavy", Optional.of("\"semantic.lazy\"")))
                 .hasMessageContaining("comes later");
         assertThatThrownBy(() -> reader.rules(two, "x", Optional.of("\"physics.mas > 1\"")))
                 .isInstanceOf(WorldFileException.class);

@@ -37,7 +37,8 @@ import java.util.concurrent.Callable;
         description =
                 "Sends a command to a running world: pause, step, run, snapshot, rewind, "
                         + "save, edit, add, change, remove, rule, batch, load-law, unload-law, "
-                        + "picture, shut-down. For example: control rewind image=calm, "
+                        + "release, laws, ledger, profile, changes, near, region, picture, "
+                        + "shut-down. For example: control rewind image=calm, "
                         + "control add item.yaml, "
                         + "control change item=blue physics.velocity=0,3,0.")
 public final class ControlCommand implements Callable<Integer> {
@@ -63,6 +64,13 @@ public final class ControlCommand implements Callable<Integer> {
                             Map.entry("remove", Set.of("item", "cascade")),
                             Map.entry("rule", Set.of("name", "rule")),
                             Map.entry("batch", Set.of()),
+                            Map.entry("laws", Set.of()),
+                            Map.entry("ledger", Set.of("on")),
+                            Map.entry("profile", Set.of()),
+                            Map.entry("changes", Set.of()),
+                            Map.entry("near", Set.of("location", "distance", "most")),
+                            Map.entry("region", Set.of("from", "to")),
+                            Map.entry("release", Set.of("library")),
                             Map.entry("load-law", Set.of("library")),
                             Map.entry("unload-law", Set.of("library")),
                             Map.entry("picture", Set.of()),
@@ -191,8 +199,7 @@ public final class ControlCommand implements Callable<Integer> {
             }
             String field = each.substring(0, equals);
             if (command.equals("change") && !field.equals("item")) {
-                ControlFields.put(
-                        fields, "to." + field, value(each.substring(equals + 1)));
+                ControlFields.put(fields, "to." + field, value(each.substring(equals + 1)));
                 continue;
             }
             if (!known.contains(field)) {
@@ -241,11 +248,13 @@ public final class ControlCommand implements Callable<Integer> {
             Map<String, Object> fields = new LinkedHashMap<>();
             fields.put("accepted", result.accepted());
             result.frame().ifPresent(frame -> fields.put("frame", frame));
+            result.value().ifPresent(value -> fields.put("value", value));
             result.code().ifPresent(code -> fields.put("code", code));
             result.reason().ifPresent(reason -> fields.put("reason", reason));
             Json.print(spec, fields);
         } else if (result.accepted()) {
             out.println(command + ": frame " + result.frame().orElseThrow());
+            result.value().ifPresent(value -> out.println(Json.text(value)));
         } else {
             spec.commandLine()
                     .getErr()

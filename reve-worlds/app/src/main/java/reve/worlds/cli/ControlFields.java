@@ -89,7 +89,7 @@ final class ControlFields {
     /** Adds a value under a path such as {@code physics.mass} to nested mappings. */
     static void put(Map<String, Object> fields, String path, @Nullable Object value) {
         Map<String, Object> inner = fields;
-        String[] keys = path.split("\\.", 3);
+        String[] keys = path.split("\\.");
         for (int i = 0; i < keys.length - 1; i++) {
             inner = nested(inner.computeIfAbsent(keys[i], _ -> new LinkedHashMap<>()));
         }

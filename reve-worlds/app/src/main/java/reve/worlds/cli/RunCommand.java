@@ -38,6 +38,8 @@ public final class RunCommand implements Callable<Integer> {
 
     @Mixin private LawOptions laws = new LawOptions();
 
+    @Mixin private EngineOptions engine = new EngineOptions();
+
     @Option(
             names = "--seconds",
             paramLabel = "S",
@@ -71,10 +73,14 @@ public final class RunCommand implements Callable<Integer> {
 
     private volatile boolean wholeRecording = true;
 
+    /** Whether Ctrl-C or SIGTERM has ended the run before its time. */
+    private boolean cut;
+
     @Override
     public Integer call() throws Exception {
         try (Interrupt interrupt = new Interrupt(spec)) {
-            return interrupt.endsWith(!isWhole(interrupt));
+            boolean whole = isWhole(interrupt);
+            return cut && whole ? interrupt.endsCut() : interrupt.endsWith(!whole);
         }
     }
 
@@ -91,8 +97,8 @@ public final class RunCommand implements Callable<Integer> {
                                     spec, "--save", save.get(), "reve:", "a world file"));
         }
         Optional<RecordingPlan> recording = record.plan();
-        LawPath lawPath = laws.path(spec).forWorld(world.folder());
-        WorldDescription description = world.read();
+        LawPath lawPath = engine.of(laws.path(spec)).forWorld(world.folder());
+        WorldDescription description = engine.of(spec, world.read());
         long frames = Frames.of(spec, "--seconds", seconds, description.timing());
         Pacing pacing = realTime ? Pacing.REAL_TIME : Pacing.FAST;
         try (Simulation simulation = new Simulation(description, pacing, lawPath)) {
@@ -100,6 +106,17 @@ public final class RunCommand implements Callable<Integer> {
             List<Problem> warnings = Warnings.print(spec, simulation.warnings(true));
             simulation.physics().setLedger(ledger);
             RunReport report = recorded(simulation, frames, pacing, recording);
+            cut = interrupt.wasAsked() && report.frames() < frames;
+            if (cut) {
+                spec.commandLine()
+                        .getErr()
+                        .println(
+                                "reve: cut short after "
+                                        + report.frames()
+                                        + " of "
+                                        + frames
+                                        + " frames");
+            }
             if (save.isPresent()) {
                 WorldFile.save(save.get(), simulation.descriptionNow());
                 simulation

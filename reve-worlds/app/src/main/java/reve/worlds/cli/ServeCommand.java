@@ -68,6 +68,8 @@ public final class ServeCommand implements Callable<Integer> {
 
     @Mixin private LawOptions laws = new LawOptions();
 
+    @Mixin private EngineOptions engine = new EngineOptions();
+
     @Option(
             names = "--seconds",
             paramLabel = "S",
@@ -236,11 +238,11 @@ public final class ServeCommand implements Callable<Integer> {
     }
 
     private List<WorldPlan> plans() throws IOException, WorldFileException {
-        LawPath lawPath = laws.path(spec);
+        LawPath lawPath = engine.of(laws.path(spec));
         Map<String, WorldPlan> plans = new LinkedHashMap<>();
         for (Path path : paths) {
             WorldArgument world = new WorldArgument(path);
-            WorldDescription description = world.read();
+            WorldDescription description = engine.of(spec, world.read());
             if (plans.put(description.name(), plan(description, world.folder(), lawPath)) != null) {
                 throw new ParameterException(
                         spec.commandLine(),

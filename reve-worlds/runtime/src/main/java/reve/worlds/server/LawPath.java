@@ -38,8 +38,14 @@ import java.util.stream.Stream;
  * @param folder the operator's folder
  * @param world folder of the world file
  * @param trusted whether native code that comes with the world may be opened
+ * @param validated whether laws run on guarded copies that hold them to their declarations (slower)
  */
-public record LawPath(Path shipped, Optional<Path> folder, Optional<Path> world, boolean trusted) {
+public record LawPath(
+        Path shipped,
+        Optional<Path> folder,
+        Optional<Path> world,
+        boolean trusted,
+        boolean validated) {
     private static final Pattern NAME = Pattern.compile("[A-Za-z0-9_-]{1,47}");
     private static final String PREFIX = "libvesper_law_";
     private static final String SUFFIX = ".so";
@@ -58,6 +64,16 @@ public record LawPath(Path shipped, Optional<Path> folder, Optional<Path> world,
     /** The file found for a name. */
     public record Found(Path file, Origin origin) {}
 
+    /** Creates a path of laws that run without validation. */
+    public LawPath(Path shipped, Optional<Path> folder, Optional<Path> world, boolean trusted) {
+        this(shipped, folder, world, trusted, false);
+    }
+
+    /** Returns this path with laws that are held to their declarations, or not. */
+    public LawPath withValidation(boolean on) {
+        return new LawPath(shipped, folder, world, trusted, on);
+    }
+
     /** Returns a path of the shipped laws only. */
     public static LawPath ofShipped() {
         return new LawPath(
@@ -66,7 +82,7 @@ public record LawPath(Path shipped, Optional<Path> folder, Optional<Path> world,
 
     /** Returns this path for a world whose file lies in this folder. */
     public LawPath forWorld(Path worldFolder) {
-        return new LawPath(shipped, folder, Optional.of(worldFolder), trusted);
+        return new LawPath(shipped, folder, Optional.of(worldFolder), trusted, validated);
     }
 
     /**

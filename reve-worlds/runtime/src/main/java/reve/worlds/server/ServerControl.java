@@ -20,6 +20,7 @@ import reve.core.world.WorldSnapshot;
 import reve.pe.PhysicsException;
 import reve.pe.PhysicsLaw;
 import reve.pe.PreparedLibrary;
+import reve.pe.adapter.Quarantined;
 import reve.worlds.journal.SimulationImage;
 
 import java.io.IOException;
@@ -58,6 +59,7 @@ final class ServerControl implements WorldControl, AutoCloseable {
     private final Pictures pictures;
     private final Optional<Path> saves;
     private final ServerEvents events;
+    private final WorldAnswers answers;
     private @Nullable SimulationImage beginning;
 
     /**
@@ -69,6 +71,7 @@ final class ServerControl implements WorldControl, AutoCloseable {
         this.pictures = pictures;
         this.saves = saves;
         this.events = events;
+        this.answers = new WorldAnswers(simulation);
     }
 
     @Override
@@ -113,6 +116,29 @@ final class ServerControl implements WorldControl, AutoCloseable {
     @Override
     public Change picture() {
         return (world, frame) -> pictures.takeNext();
+    }
+
+    @Override
+    public Change release(String library) {
+        return (world, frame) -> {
+            Quarantined found =
+                    simulation.physics().laws().quarantined().stream()
+                            .filter(each -> each.library().equals(library))
+                            .findFirst()
+                            .orElseThrow(
+                                    () ->
+                                            new ActionRefused(
+                                                    "law-refused",
+                                                    "no library \""
+                                                            + library
+                                                            + "\" is in quarantine"));
+            simulation.physics().laws().release(found.sha256());
+        };
+    }
+
+    @Override
+    public Object answer(String what, Map<String, Object> arguments) throws ActionRefused {
+        return answers.answer(what, arguments);
     }
 
     @Override
@@ -215,10 +241,12 @@ final class ServerControl implements WorldControl, AutoCloseable {
         }
 
         @Override
-        public void foresee(int frames, Consumer<WorldSnapshot> look) throws ActionRefused {
+        public void foresee(int frames, Change first, Consumer<WorldSnapshot> look)
+                throws ActionRefused {
             try (Simulation fork = simulation.fork(image)) {
                 long deadline = System.nanoTime() + FORESEE_NANOSECONDS;
                 fork.loop().run(0);
+                first.make(fork.world(), fork.loop().frame());
                 for (int made = 0; made < frames; made++) {
                     if (System.nanoTime() > deadline) {
                         throw new ActionRefused(

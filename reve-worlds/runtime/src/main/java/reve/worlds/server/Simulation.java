@@ -123,7 +123,7 @@ public final class Simulation implements AutoCloseable {
             engine =
                     closing.add(
                             new VesperEngine(
-                                    config(),
+                                    config(description.threads(), lawPath.validated()),
                                     PropertyNames.prototype(
                                             world.prototype(),
                                             VesperEngine.standardPrototype(
@@ -146,8 +146,9 @@ public final class Simulation implements AutoCloseable {
         onPublish("run events", events);
     }
 
-    private static VesperConfig config() {
-        return new VesperConfig(1, false, List.of(LawPath.ofShipped().shipped()), Simulation::log);
+    private static VesperConfig config(int threads, boolean validated) {
+        return new VesperConfig(
+                threads, validated, List.of(LawPath.ofShipped().shipped()), Simulation::log);
     }
 
     /** Logs a message of the engine or a law. The log drops lines instead of delaying the world. */

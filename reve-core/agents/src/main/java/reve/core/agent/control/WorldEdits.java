@@ -68,10 +68,20 @@ final class WorldEdits {
             }
         }
         Optional<WorldControl.Change> rulesChange =
-                rules.isEmpty()
-                        ? Optional.empty()
-                        : Optional.of(port.control().changeRules(rules));
+                rules.isEmpty() ? Optional.empty() : Optional.of(port.control().changeRules(rules));
         return (world, frame) -> make(world, frame, readings, rulesChange);
+    }
+
+    /** Prepares the changes of a copy of the world, which has the rules of the world itself. */
+    WorldControl.Change prepare(ClientMessage.Fork fork) throws ActionRefused {
+        if (fork.changes().isEmpty()) {
+            return (world, frame) -> {};
+        }
+        if (fork.changes().get().changes().stream()
+                .anyMatch(ClientMessage.SetRule.class::isInstance)) {
+            throw new ActionRefused("fork-refused", "the copy has the rules of the world itself");
+        }
+        return prepare(fork.changes().get());
     }
 
     private void make(
@@ -109,10 +119,7 @@ final class WorldEdits {
         Optional<String> kind =
                 world.find(change.item())
                         .map(Item::kind)
-                        .or(
-                                () ->
-                                        Optional.ofNullable(
-                                                WorldEdit.kinds(before).get(change.item())));
+                        .or(() -> Optional.ofNullable(WorldEdit.kinds(before).get(change.item())));
         if (kind.isEmpty()) {
             throw new ActionRefused(
                     "no-such-item", "the world has no item " + Text.quote(change.item()));

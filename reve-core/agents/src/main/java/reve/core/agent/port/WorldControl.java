@@ -55,6 +55,18 @@ public interface WorldControl {
      */
     Change changeRules(Map<String, Optional<String>> rules) throws ActionRefused;
 
+    /** Prepares the end of a library's quarantine. */
+    Change release(String library) throws ActionRefused;
+
+    /**
+     * Answers a question about the world. World's thread, between frames.
+     *
+     * @param what the type of the message in the protocol, such as {@code laws}
+     * @param arguments Double, List of Double, String or Boolean by name
+     * @return a List or Map by text of String, Boolean, Number, or lists and maps of these
+     */
+    Object answer(String what, Map<String, Object> arguments) throws ActionRefused;
+
     /** A saved state of the world, to which it can be rewound. */
     interface Image extends AutoCloseable {
         /**
@@ -77,9 +89,10 @@ public interface WorldControl {
          * affected. Any thread.
          *
          * @param frames to make
+         * @param first change that is made in the copy before its first frame
          * @param look receives the last frame
          */
-        void foresee(int frames, Consumer<WorldSnapshot> look) throws ActionRefused;
+        void foresee(int frames, Change first, Consumer<WorldSnapshot> look) throws ActionRefused;
 
         @Override
         void close();
@@ -121,6 +134,16 @@ public interface WorldControl {
         @Override
         public Change changeRules(Map<String, Optional<String>> rules) throws ActionRefused {
             throw unsupported("rules");
+        }
+
+        @Override
+        public Change release(String library) throws ActionRefused {
+            throw unsupported("laws");
+        }
+
+        @Override
+        public Object answer(String what, Map<String, Object> arguments) throws ActionRefused {
+            throw unsupported(what);
         }
 
         @Override

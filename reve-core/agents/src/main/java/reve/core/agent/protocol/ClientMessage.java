@@ -40,6 +40,8 @@ public sealed interface ClientMessage {
             case Remove remove -> "remove";
             case SetRule rule -> "rule";
             case Batch batch -> "batch";
+            case Ask ask -> ask.what();
+            case Release release -> "release";
             case Picture picture -> "picture";
             case Snapshot snapshot -> "snapshot";
             case Rewind rewind -> "rewind";
@@ -226,6 +228,32 @@ public sealed interface ClientMessage {
         }
     }
 
+    /**
+     * A question about the world, whose result has a value.
+     *
+     * @param what one of {@link #QUESTIONS}
+     * @param arguments Double, List of Double, String or Boolean by name
+     */
+    record Ask(long id, String what, Map<String, Object> arguments) implements Control {
+        /** The questions, and the names of their arguments; a * marks those that are optional. */
+        public static final Map<String, List<String>> QUESTIONS =
+                Map.of(
+                        "laws", List.of(),
+                        "ledger", List.of("on*"),
+                        "profile", List.of(),
+                        "changes", List.of(),
+                        "near", List.of("location", "distance*", "most*"),
+                        "region", List.of("from", "to"));
+
+        /** Copies the arguments. */
+        public Ask {
+            arguments = Collections.unmodifiableMap(new LinkedHashMap<>(arguments));
+        }
+    }
+
+    /** Permits a quarantined library of laws again. */
+    record Release(long id, String library) implements Control {}
+
     /** Requests a picture of the world. */
     record Picture(long id) implements Control {}
 
@@ -246,8 +274,9 @@ public sealed interface ClientMessage {
 
     /**
      * @param frames number of frames for which a copy of the world advances
+     * @param changes of items that are made in the copy first
      */
-    record Fork(long id, int frames) implements Control {}
+    record Fork(long id, int frames, Optional<Batch> changes) implements Control {}
 
     /** Ends the world. */
     record ShutDown(long id) implements Control {}

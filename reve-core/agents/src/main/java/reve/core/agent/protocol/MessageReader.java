@@ -129,7 +129,7 @@ public final class MessageReader {
             case "hello" ->
                     new ClientMessage.Hello(
                             fields.id,
-                            (int) fields.integer("protocol", 0, Integer.MAX_VALUE),
+                            fields.protocol(),
                             fields.text("name"),
                             fields.optionalText("role").orElse("agent"),
                             fields.optionalText("world"),
@@ -187,7 +187,11 @@ public final class MessageReader {
             case "save" -> new ClientMessage.Save(fields.required(), fields.text("file"));
             case "fork" ->
                     new ClientMessage.Fork(
-                            fields.required(), (int) fields.integer("frames", 0, MAX_EVERY));
+                            fields.required(),
+                            (int) fields.integer("frames", 0, MAX_EVERY),
+                            fields.has("changes") ? Optional.of(fields.batch()) : Optional.empty());
+            case "laws", "ledger", "profile", "changes", "near", "region" -> fields.ask();
+            case "release" -> new ClientMessage.Release(fields.required(), fields.text("library"));
             case "shut-down" -> new ClientMessage.ShutDown(fields.required());
             case "ping" -> new ClientMessage.Ping(fields.id);
             case "pong" -> new ClientMessage.Pong(fields.id);
@@ -202,7 +206,8 @@ public final class MessageReader {
                             "a client sends hello, perceive, look, act, ready, ping, pong or bye;"
                                     + " in the role control also pause, run, step, load-law,"
                                     + " unload-law, edit, add, change, remove, rule, batch, picture,"
-                                    + " snapshot, rewind, save, fork or shut-down");
+                                    + " snapshot, rewind, save, fork, laws, ledger, profile,"
+                                    + " changes, near, region, release or shut-down");
         };
     }
 
@@ -225,6 +230,18 @@ public final class MessageReader {
 
         boolean has(String name) {
             return find(name) != null;
+        }
+
+        /** Returns the version of the protocol that a client wants to speak. */
+        int protocol() throws BadMessage {
+            if (!has("protocol")) {
+                throw bad(
+                        id,
+                        "protocol",
+                        "is missing",
+                        "expected " + ClientMessage.PROTOCOL + ", as in " + EXAMPLE);
+            }
+            return (int) integer("protocol", 0, Integer.MAX_VALUE);
         }
 
         /** Returns the id of a message that requires one. */
@@ -392,6 +409,23 @@ public final class MessageReader {
                 changes.add(new Fields(each, answerTo).change(ClientMessage.NO_ID));
             }
             return new ClientMessage.Batch(answerTo, changes);
+        }
+
+        /** Returns a question with its arguments. */
+        ClientMessage.Ask ask() throws BadMessage {
+            String what = text("t");
+            Map<String, Object> arguments = new LinkedHashMap<>();
+            for (String name : ClientMessage.Ask.QUESTIONS.get(what)) {
+                boolean optional = name.endsWith("*");
+                String key = optional ? name.substring(0, name.length() - 1) : name;
+                JsonNode given = find(key);
+                if (given != null) {
+                    arguments.put(key, value(key, key, given));
+                } else if (!optional) {
+                    throw bad(id, key, "is missing", "expected a value");
+                }
+            }
+            return new ClientMessage.Ask(required(), what, arguments);
         }
 
         /** Returns the items and prefabs to add, as JSON. */

@@ -252,7 +252,15 @@ class MessagesTest {
             case ClientMessage.Rewind rewind ->
                     rewind.image().ifPresent(image -> json.put("image", image));
             case ClientMessage.Save save -> json.put("file", save.file());
-            case ClientMessage.Fork fork -> json.put("frames", fork.frames());
+            case ClientMessage.Fork fork -> {
+                json.put("frames", fork.frames());
+                fork.changes()
+                        .ifPresent(batch -> json.set("changes", written(batch).get("changes")));
+            }
+            case ClientMessage.Ask ask ->
+                    ask.arguments()
+                            .forEach((name, value) -> json.set(name, JSON.valueToTree(value)));
+            case ClientMessage.Release release -> json.put("library", release.library());
             case ClientMessage.Pause pause -> {}
             case ClientMessage.Run run -> {}
             case ClientMessage.Picture picture -> {}
@@ -326,7 +334,12 @@ class MessagesTest {
                                     json.at("/limits/worldEventBytes").intValue()));
             case "result" ->
                     json.get("accepted").booleanValue()
-                            ? new ServerMessage.Accepted(id, json.get("frame").longValue())
+                            ? json.has("value")
+                                    ? new ServerMessage.Answer(
+                                            id,
+                                            json.get("frame").longValue(),
+                                            JSON.treeToValue(json.get("value"), Object.class))
+                                    : new ServerMessage.Accepted(id, json.get("frame").longValue())
                             : new ServerMessage.Refused(
                                     id, text(json, "code"), text(json, "reason"));
             case "image" ->
