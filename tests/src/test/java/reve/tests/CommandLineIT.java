@@ -16,6 +16,10 @@ import tools.jackson.databind.json.JsonMapper;
 import java.io.IOException;
 import java.nio.file.Files;
 import java.nio.file.Path;
+import java.util.ArrayList;
+import java.util.HashSet;
+import java.util.List;
+import java.util.Set;
 
 /** The commands as a stranger meets them: output, messages, exit codes. */
 @Tag("slow")
@@ -69,6 +73,29 @@ class CommandLineIT {
         assertThat(jpeg.code()).isEqualTo(2);
         assertThat(jpeg.err()).contains("x.jpg: pictures are PNG");
         assertThat(folder.resolve("x.jpg")).doesNotExist();
+    }
+
+    @Test
+    void threadsAndValidationLeaveTheBitsAsTheyAre() throws Exception {
+        String world = Project.WORLDS.resolve("icosahedron").toString();
+        JsonMapper mapper = new JsonMapper();
+        Set<String> hashes = new HashSet<>();
+        for (List<String> options :
+                List.of(
+                        List.of("--threads", "1"),
+                        List.of("--threads", "3"),
+                        List.of("--validate"))) {
+            List<String> command =
+                    new ArrayList<>(List.of("run", world, "--seconds", "0.2", "--json"));
+            command.addAll(options);
+            Outcome run = Reve.run(command.toArray(String[]::new));
+            assertThat(run.code()).as(run.err()).isZero();
+            hashes.add(mapper.readTree(run.out()).get("stateHash").asString());
+        }
+        assertThat(hashes).hasSize(1);
+        Outcome none = Reve.run("run", world, "--threads", "0");
+        assertThat(none.code()).isEqualTo(2);
+        assertThat(none.err()).contains("--threads is 0, expected 1 to 256");
     }
 
     @Test

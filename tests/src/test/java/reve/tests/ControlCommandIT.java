@@ -93,12 +93,21 @@ class ControlCommandIT {
             assertThat(again.err()).contains("edit-refused", "moon");
             assertThat(control(port, "change", "item=spring", "physics.end2=moon").code()).isZero();
             assertThat(control(port, "change", "item=moon", "physics.mass=2 m").err())
-                    .contains("edit-refused: /physics/mass: unit m does not fit kg");
+                    .contains("edit-refused: /physics/mass: mass: unit m does not fit kg");
             assertThat(control(port, "change", "item=moon", "physics.mass=2 kg").code()).isZero();
             assertThat(control(port, "batch", batch.toString()).code()).isZero();
             assertThat(control(port, "rule", "name=heavy", "rule=physics.mass > 1.5").code())
                     .isZero();
             assertThat(control(port, "remove", "item=blue").code()).isZero();
+            assertThat(
+                            control(
+                                            port,
+                                            "load-law",
+                                            "library=sphere_contact",
+                                            "parameters.friction=0.25")
+                                    .code())
+                    .isZero();
+            assertThat(control(port, "laws").out()).contains("\"friction\" : 0.25");
             assertThat(control(port, "save", "file=later").code()).isZero();
             assertThat(Files.readString(folder.resolve("later.yaml")))
                     .contains("name: rock", "end2: rock", "class: stone", "physics.mass > 1.5")

@@ -198,6 +198,10 @@ public final class ControlCommand implements Callable<Integer> {
                                 + ", expected FIELD=VALUE, e.g. image=calm");
             }
             String field = each.substring(0, equals);
+            if (command.equals("load-law") && field.startsWith("parameters.")) {
+                ControlFields.put(fields, field, value(each.substring(equals + 1)));
+                continue;
+            }
             if (command.equals("change") && !field.equals("item")) {
                 ControlFields.put(fields, "to." + field, value(each.substring(equals + 1)));
                 continue;
@@ -254,7 +258,7 @@ public final class ControlCommand implements Callable<Integer> {
             Json.print(spec, fields);
         } else if (result.accepted()) {
             out.println(command + ": frame " + result.frame().orElseThrow());
-            result.value().ifPresent(value -> out.println(Json.text(value)));
+            result.value().ifPresent(value -> out.print(Json.text(value) + System.lineSeparator()));
         } else {
             spec.commandLine()
                     .getErr()

@@ -11,6 +11,7 @@ import reve.core.file.WorldFile;
 import reve.worlds.Product;
 
 import java.io.IOException;
+import java.io.PrintWriter;
 import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.regex.Pattern;
@@ -77,21 +78,17 @@ public final class NewCommand {
         Files.createDirectories(folder);
         Files.writeString(folder.resolve(WorldFile.NAME), WORLD.formatted(name));
         String reve = Product.command();
-        spec.commandLine()
-                .getOut()
-                .println(
-                        folder
-                                + ": written; look at it with\n  "
-                                + reve
-                                + " snapshot "
-                                + quoted(folder)
-                                + " --at 2 --out "
-                                + quoted(folder.resolve("world.png"))
-                                + "\n  "
-                                + reve
-                                + " serve "
-                                + quoted(folder));
-        spec.commandLine().getOut().flush();
+        PrintWriter out = spec.commandLine().getOut();
+        out.println(folder + ": written; look at it with");
+        out.println(
+                "  "
+                        + reve
+                        + " snapshot "
+                        + quoted(folder)
+                        + " --at 2 --out "
+                        + quoted(folder.resolve("world.png")));
+        out.println("  " + reve + " serve " + quoted(folder));
+        out.flush();
         return ExitCode.OK;
     }
 
