@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import asyncio
 import ssl
+from collections.abc import Mapping
 from typing import AsyncIterator, Awaitable, Callable, List, Optional, Tuple, Type, TypeVar, Union
 
 from . import protocol
@@ -343,9 +344,9 @@ class Control(Client, Commands[Awaitable[Result], Awaitable[Report]]):
     async def __aenter__(self) -> Control:
         return self
 
-    async def foresee(self, frames: int) -> Perception:
+    async def foresee(self, frames: int, *changes: Mapping[str, object]) -> Perception:
         """Returns the predicted perception that many frames from now, without further actions."""
-        return await self._answer(self._talk.fork(frames), self._talk.foreseen)
+        return await self._answer(self._talk.fork(frames, changes), self._talk.foreseen)
 
     def _report(self, t: str, **fields: object) -> Awaitable[Report]:
         return self._answer(

@@ -7,6 +7,7 @@ import errno
 import socket
 import threading
 import time as clock
+from collections.abc import Mapping
 from functools import partial
 from typing import (
     Callable,
@@ -419,12 +420,12 @@ class Control(Client, Commands[Result, Report]):
     def __enter__(self) -> Control:
         return self
 
-    def foresee(self, frames: int) -> Perception:
+    def foresee(self, frames: int, *changes: Mapping[str, object]) -> Perception:
         """Returns the predicted perception that many frames from now, without further actions.
 
         Raises ReveError with the server's code if it refuses a prediction of so many frames.
         """
-        return self._answer(lambda: self._talk.fork(frames), self._talk.foreseen)
+        return self._answer(lambda: self._talk.fork(frames, changes), self._talk.foreseen)
 
     def begin_edits(self, edits: Sequence[Tuple[str, str, Argument]]) -> Callable[[], List[Result]]:
         """Sends edits, as `edit` for each item, property and value, for the next frame.

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
 from typing import Generic, Optional, TypeVar, Union
 
 from .protocol import Argument, Item
@@ -61,8 +62,67 @@ class Commands(ABC, Generic[R, Q]):
 
     def edit(self, item: Union[str, Item], property: str, value: Argument) -> R:
         """Sets a property such as `physics.velocity` or `semantic.class`, in its own unit."""
-        target = item if isinstance(item, str) else item.name
-        return self._command("edit", item=target, property=property, value=value)
+        return self._command("edit", item=_name(item), property=property, value=value)
+
+    def add(
+        self, *items: Mapping[str, object], prefabs: Optional[Mapping[str, object]] = None
+    ) -> R:
+        """Adds items, all or none, as a world file describes them; they may be `like` prefabs.
+
+        For example `add({"name": "ball", "physical": {"shape": "sphere", "radius": "5 cm"}})`.
+        """
+        fields: dict[str, object] = {"items": list(items)}
+        if prefabs is not None:
+            fields["prefabs"] = prefabs
+        return self._command("add", **fields)
+
+    def change(self, item: Union[str, Item], **to: object) -> R:
+        """Changes an item: `name`, `parent`, `physical`, `physics`, `semantic` and `access`, as in
+        a world file. None removes a value.
+
+        For example `change("spring", physics={"end2": "hook"})`.
+        """
+        return self._command("change", item=_name(item), to=to)
+
+    def remove(self, item: Union[str, Item], cascade: bool = False) -> R:
+        """Removes an item; in cascade, also all items that refer to it or are attached to it."""
+        return self._command("remove", item=_name(item), cascade=cascade)
+
+    def rule(self, name: str, rule: Union[str, Mapping[str, object], None]) -> R:
+        """Sets a rule, an expression or a mapping as in a world file; None removes it."""
+        return self._command("rule", name=name, rule=rule)
+
+    def batch(self, *changes: Mapping[str, object]) -> R:
+        """Makes changes in their order, all or none. Each is a message without id, for example
+        `{"t": "remove", "item": "ball"}`."""
+        return self._command("batch", changes=list(changes))
+
+    def release(self, library: str) -> R:
+        """Permits a quarantined library of laws again."""
+        return self._command("release", library=library)
+
+    def profile(self) -> R:
+        """The value of the result says how the busy time of the frames was spent."""
+        return self._command("profile")
+
+    def changes(self) -> R:
+        """The value of the result is the changes since the last call, which laws did not cause."""
+        return self._command("changes")
+
+    def near(
+        self,
+        location: Sequence[float],
+        distance: Optional[float] = None,
+        most: Optional[int] = None,
+    ) -> R:
+        """The value of the result is the bodies within a distance [m], or the nearest ones."""
+        limits = {"distance": distance, "most": most}
+        given = {name: limit for name, limit in limits.items() if limit is not None}
+        return self._command("near", location=list(location), **given)
+
+    def region(self, low: Sequence[float], high: Sequence[float]) -> R:
+        """The value of the result is the bodies in a box, given by two of its corners [m]."""
+        return self._command("region", **{"from": list(low), "to": list(high)})
 
     def load_law(
         self, library: Optional[str] = None, *, text: Optional[str] = None, **parameters: float
@@ -96,7 +156,7 @@ class Commands(ABC, Generic[R, Q]):
 
     def inspect(self, item: Union[str, Item]) -> Q:
         """Returns the four aspects of an item, with units."""
-        return self._report("inspect", item=item if isinstance(item, str) else item.name)
+        return self._report("inspect", item=_name(item))
 
     def laws(self) -> Q:
         """Returns the loaded laws with uses, units, parameters and times, those in quarantine, and
@@ -119,3 +179,6 @@ class Commands(ABC, Generic[R, Q]):
 
     @abstractmethod
     def _report(self, t: str, **fields: object) -> Q: ...
+
+def _name(item: Union[str, Item]) -> str:
+    return item if isinstance(item, str) else item.name

@@ -9,7 +9,8 @@ import dataclasses
 import itertools
 import logging
 from collections import deque
-from typing import Callable, Deque, Dict, List, Optional, Set, Tuple, Type, TypeVar, Union
+from collections.abc import Mapping, Sequence
+from typing import Any, Callable, Deque, Dict, List, Optional, Set, Tuple, Type, TypeVar, Union
 
 from . import protocol
 from .errors import Disconnected, ProtocolError, ReveError
@@ -105,9 +106,12 @@ class Conversation:
         self._unanswered[number] = line
         return number, line
 
-    def fork(self, frames: int) -> Tuple[int, bytes]:
+    def fork(self, frames: int, changes: Sequence[Mapping[str, object]] = ()) -> Tuple[int, bytes]:
         """Requests the predicted perception that many frames from now."""
-        number, line = self.question(lambda id: protocol.command(id, "fork", frames=frames))
+        fields: dict[str, Any] = {"changes": list(changes)} if changes else {}
+        number, line = self.question(
+            lambda id: protocol.command(id, "fork", frames=frames, **fields)
+        )
         self._ahead.add(number)
         return number, line
 

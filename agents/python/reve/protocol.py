@@ -212,7 +212,7 @@ class Update:
 class Result:
     """The outcome of an act: the frame in which it took effect, or a code and a reason.
 
-    True if it was accepted.
+    True if it was accepted. A question has a `value`: its answer.
     """
 
     id: int
@@ -220,6 +220,7 @@ class Result:
     frame: Optional[int] = None
     code: Optional[str] = None
     reason: Optional[str] = None
+    value: Any = None
 
     def __bool__(self) -> bool:
         return self.accepted
@@ -613,7 +614,7 @@ def _report(message: Message) -> Report:
 
 def _result(message: Message) -> Result:
     if message["accepted"]:
-        return Result(message["id"], True, frame=message["frame"])
+        return Result(message["id"], True, frame=message["frame"], value=message.get("value"))
     return Result(message["id"], False, code=message["code"], reason=message["reason"])
 
 

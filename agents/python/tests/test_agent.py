@@ -241,6 +241,36 @@ class AgentTest(unittest.TestCase):
             self.assertEqual(refused.exception.code, "no-such-item")
             self.assertEqual(set(boss.laws().content), {"loaded", "quarantined", "available"})
 
+    def test_control_rebuilds_the_world(self):
+        with pond() as port, reve.control("127.0.0.1", port) as boss:
+            reed = {"physical": {"shape": "box", "size": "1 100 1 cm"}}
+            added = boss.add(
+                {"name": "reed {i}", "repeat": 2, "like": "reed"},
+                {"name": "hook", "physics": {"mass": 0}},
+                prefabs={"reed": reed},
+            )
+            self.assertTrue(added, added)
+            self.assertTrue(boss.change("rope", physics={"end2": "hook"}))
+            self.assertTrue(boss.remove("anchor"))
+            self.assertEqual(boss.remove("hook").code, "edit-refused")
+            self.assertTrue(boss.change("reed 0", name="stick", semantic={"worn": True}))
+            self.assertTrue(boss.rule("heavy", "physics.mass > 1.0"))
+            seen = boss.perceive()
+            self.assertIsNone(seen.find("anchor"))
+            self.assertEqual(seen.find("stick").symbols["worn"], True)
+            self.assertEqual(seen.find("stick").symbols["dimensions"], [0.01, 1.0, 0.01])
+            self.assertEqual(seen.find("duck").symbols["heavy"], True)
+            refused = boss.batch(
+                {"t": "remove", "item": "stick"},
+                {"t": "change", "item": "swan", "to": {"name": "goose"}},
+            )
+            self.assertEqual(refused.code, "no-such-item")
+            self.assertTrue(boss.change("stick", semantic={"worn": None}))
+            self.assertTrue(boss.rule("heavy", None))
+            seen = boss.perceive()
+            self.assertNotIn("worn", seen.find("stick").symbols)
+            self.assertNotIn("heavy", seen.find("duck").symbols)
+
     def test_control_goes_back_and_looks_ahead(self):
         with pond() as port, reve.control("127.0.0.1", port) as boss:
             self.assertTrue(boss.edit("duck", "physics.velocity", [0, 3, 0]))

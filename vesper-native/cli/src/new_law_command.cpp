@@ -47,6 +47,23 @@ int Fail(int code, const std::string& message) {
   return code;
 }
 
+/// Returns the folder with the CMake files of this program's Vesper: of a build, a release of a
+/// build, or an installation. Empty if CMake has to find it.
+std::filesystem::path ConfigFolder() {
+  std::error_code error;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
+  for (const char* place : {".", "../../../native", "../lib/cmake/Vesper"}) {
+    const auto folder = (program.parent_path() / place).lexically_normal();
+    if (!error && std::filesystem::exists(folder / "VesperConfig.cmake", error)) return folder;
+  }
+  return {};
+}
+
+/// Returns a path as a word of a shell.
+std::string Quoted(const std::filesystem::path& path) {
+  return "'" + Replace(path.string(), "'", "'\\''") + "'";
+}
+
 }  // namespace
 
 int WriteNewLaw(const NewLawOptions& options) {
@@ -71,8 +88,10 @@ int WriteNewLaw(const NewLawOptions& options) {
       return Fail(kFailed, (folder / file).string() + ": cannot be written");
     }
   }
+  const auto config = ConfigFolder();
+  const std::string where = config.empty() ? "" : " -DVesper_DIR=" + Quoted(config);
   std::cout << folder.string() << ": written; build and test it with\n"
-            << "  cmake -S " << folder.string() << " -B " << (folder / "build").string()
+            << "  cmake -S " << folder.string() << " -B " << (folder / "build").string() << where
             << " && cmake --build " << (folder / "build").string() << "\n"
             << "  ctest --test-dir " << (folder / "build").string() << "\n";
   return kDone;

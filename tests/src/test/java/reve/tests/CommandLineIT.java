@@ -16,6 +16,10 @@ import tools.jackson.databind.json.JsonMapper;
 import java.io.IOException;
 import java.nio.file.Files;
 import java.nio.file.Path;
+import java.util.ArrayList;
+import java.util.HashSet;
+import java.util.List;
+import java.util.Set;
 
 /** The commands as a new user meets them: output, messages, exit codes. */
 @Tag("slow")
@@ -72,8 +76,54 @@ class CommandLineIT {
     }
 
     @Test
+    void threadsAndValidationLeaveTheBitsAsTheyAre() throws Exception {
+        String world = Project.WORLDS.resolve("icosahedron").toString();
+        JsonMapper mapper = new JsonMapper();
+        Set<String> hashes = new HashSet<>();
+        for (List<String> options :
+                List.of(
+                        List.of("--threads", "1"),
+                        List.of("--threads", "3"),
+                        List.of("--validate"))) {
+            List<String> command =
+                    new ArrayList<>(List.of("run", world, "--seconds", "0.2", "--json"));
+            command.addAll(options);
+            Outcome run = Reve.run(command.toArray(String[]::new));
+            assertThat(run.code()).as(run.err()).isZero();
+            hashes.add(mapper.readTree(run.out()).get("stateHash").asString());
+        }
+        assertThat(hashes).hasSize(1);
+        Outcome none = Reve.run("run", world, "--threads", "0");
+        assertThat(none.code()).isEqualTo(2);
+        assertThat(none.err()).contains("--threads is 0, expected 1 to 256");
+    }
+
+    @Test
+    void helpIsACommandToo() throws Exception {
+        assertThat(Reve.launch("help").out()).contains("serve", "new", "Exit codes");
+        assertThat(Reve.launch("help", "run").out()).startsWith("Usage: ./reve run");
+        assertThat(Reve.launch("help", "clean").out()).startsWith("Usage: ./reve clean");
+    }
+
+    @Test
+    void aNewWorldRunsWithoutAWarning() throws Exception {
+        Path world = folder.resolve("my world");
+        Outcome made = Reve.run("new", "world", world.toString());
+        assertThat(made.code()).as(made.err()).isZero();
+        assertThat(made.out()).contains("serve '" + world + "'");
+        assertThat(Reve.run("check", "--strict", world.toString()).code()).isZero();
+        Outcome again = Reve.run("new", "world", world.toString());
+        assertThat(again.code()).isEqualTo(1);
+        assertThat(again.err()).contains("is there already; nothing was written");
+        Outcome near = Reve.run("check", folder.resolve("my wrld").toString());
+        assertThat(near.err()).contains("did you mean `my world`?");
+        assertThat(Reve.run("check", folder.resolve("pendulum").toString()).err())
+                .contains("in " + folder + " are my world");
+    }
+
+    @Test
     void theLaunchersOwnCommandsHaveHelpAndTakeNothingElse() throws Exception {
-        for (String command : new String[] {"build", "test", "format", "docs"}) {
+        for (String command : new String[] {"build", "test", "format", "docs", "clean"}) {
             Outcome help = Reve.launch(command, "--help");
             assertThat(help.code()).as(command).isZero();
             assertThat(help.out()).startsWith("Usage: ./reve " + command);
@@ -298,6 +348,67 @@ class CommandLineIT {
         assertThat(json.get("valid").asBoolean()).isFalse();
         assertThat(json.get("problems").size()).isEqualTo(5);
         assertThat(json.at("/problems/0/line").asInt()).isEqualTo(6);
+    }
+
+    @Test
+    void checkRunAndServeWarnOfAWorldInWhichNothingMoves() throws Exception {
+        Path world =
+                write(
+                        """
+                        reve: 1
+                        name: silent
+                        constants: {gravity: [0, -9.81, 0]}
+                        laws: [gravity_field]
+                        items: [{name: ball, physics: {mass: 1}}]
+                        """);
+        String warning =
+                world
+                        + ":4:8: warning: law gravity_field: exerts forces, but nothing moves,"
+                        + " because no law of this world moves bodies; add a law that moves bodies"
+                        + " to `laws`, for example newton_motion";
+        Outcome checked = Reve.run("check", world.toString());
+        assertThat(checked.code()).isZero();
+        assertThat(checked.err()).isEqualTo(warning + "\n");
+        assertThat(checked.out()).endsWith("valid, 1 items, 1 laws, warnings: 1\n");
+        Outcome strict = Reve.run("check", "--strict", "--json", world.toString());
+        assertThat(strict.code()).isEqualTo(3);
+        JsonNode json = new JsonMapper().readTree(strict.out());
+        assertThat(json.get("valid").asBoolean()).isFalse();
+        assertThat(json.at("/warnings/0/line").asInt()).isEqualTo(4);
+        Outcome run = Reve.run("run", world.toString(), "--seconds", "0.1", "--json");
+        assertThat(run.code()).isZero();
+        assertThat(run.err()).startsWith(warning + "\n");
+        assertThat(new JsonMapper().readTree(run.out()).at("/warnings/0/column").asInt())
+                .isEqualTo(8);
+        Outcome served =
+                Reve.run("serve", world.toString(), "--port", "0", "--seconds", "0.1", "--json");
+        assertThat(served.code()).isZero();
+        assertThat(served.err()).startsWith(warning + "\n");
+        JsonNode ready = new JsonMapper().readTree(served.out().lines().findFirst().orElseThrow());
+        assertThat(ready.at("/warnings/0").asString()).isEqualTo(warning);
+    }
+
+    @Test
+    void aWorldThatDivergesNamesItemLawAndStepAndSaysWhatToTry() throws Exception {
+        Path world =
+                write(
+                        """
+                        reve: 1
+                        name: stiff
+                        laws: [hooke_spring, newton_motion]
+                        items:
+                          - {name: a, physics: {mass: 1}}
+                          - {name: b, physical: {location: [1.1, 0, 0]}, physics: {mass: 1}}
+                          - name: s
+                            kind: spring
+                            physics: {end1: a, end2: b, length: 1, springConstant: 10 kN/m}
+                        """);
+        Outcome run = Reve.run("run", world.toString(), "--seconds", "10");
+        assertThat(run.code()).isEqualTo(1);
+        assertThat(run.out())
+                .containsPattern(
+                        "after [0-9]+ steps: law [a-z_]+: property .* of item [ab]; if the")
+                .contains("make its steps shorter");
     }
 
     @Test

@@ -13,6 +13,7 @@ import tools.jackson.databind.json.JsonMapper;
 import java.io.IOException;
 import java.net.InetAddress;
 import java.net.ServerSocket;
+import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.List;
@@ -126,6 +127,66 @@ class ControlCommandIT {
             }
         }
         throw new AssertionError("no law has the parameter " + parameter);
+    }
+
+    @Test
+    void itemsAreAddedChangedAndRemovedFromFilesAndArguments(@TempDir Path folder)
+            throws Exception {
+        Path item =
+                Files.writeString(
+                        folder.resolve("item.yaml"),
+                        """
+                        name: moon
+                        physical: {shape: sphere, radius: 20 cm, location: [3, 9, 0]}
+                        physics: {mass: 200 g}
+                        """);
+        Path batch =
+                Files.writeString(
+                        folder.resolve("batch.yaml"),
+                        """
+                        - {t: change, item: moon, to: {name: rock}}
+                        - {t: change, item: rock, to: {semantic: {class: stone}}}
+                        """);
+        try (Server server =
+                Server.start(
+                        folder,
+                        "serve",
+                        Project.WORLDS.resolve("spring-orbit").toString(),
+                        "--port",
+                        "0",
+                        "--json",
+                        "--saves",
+                        folder.toString())) {
+            String port = server.port();
+            assertThat(control(port, "add", item.toString()).code()).isZero();
+            Reve.Outcome again = control(port, "add", item.toString());
+            assertThat(again.code()).isEqualTo(1);
+            assertThat(again.err()).contains("edit-refused", "moon");
+            assertThat(control(port, "change", "item=spring", "physics.end2=moon").code()).isZero();
+            assertThat(control(port, "change", "item=moon", "physics.mass=2 m").err())
+                    .contains("edit-refused: /physics/mass: mass: unit m does not fit kg");
+            assertThat(control(port, "change", "item=moon", "physics.mass=2 kg").code()).isZero();
+            assertThat(control(port, "batch", batch.toString()).code()).isZero();
+            assertThat(control(port, "rule", "name=heavy", "rule=physics.mass > 1.5").code())
+                    .isZero();
+            assertThat(control(port, "remove", "item=blue").code()).isZero();
+            assertThat(
+                            control(
+                                            port,
+                                            "load-law",
+                                            "library=sphere_contact",
+                                            "parameters.friction=0.25")
+                                    .code())
+                    .isZero();
+            assertThat(value(report(port, "laws").get("loaded"), "friction")).isEqualTo(0.25);
+            assertThat(control(port, "save", "file=later").code()).isZero();
+            assertThat(Files.readString(folder.resolve("later.yaml")))
+                    .contains("name: rock", "end2: rock", "class: stone", "physics.mass > 1.5")
+                    .doesNotContain("name: blue", "name: moon");
+            assertThat(control(port, "shut-down").code()).isZero();
+        }
+        assertRefused(2, "'ad' is no command", "did you mean `add`?", "control", "ad");
+        assertRefused(1, "there is no file", "none.yaml", "control", "add", "none.yaml");
     }
 
     @Test

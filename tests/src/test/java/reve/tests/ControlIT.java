@@ -226,6 +226,10 @@ class ControlIT {
     void aRecordingOfARunThatWasRewoundIsReplayedIdentically() throws Exception {
         recording = Optional.of(folder.resolve("run.log"));
         RunReport report = serve(this::wander);
+        requireIdentical(report);
+    }
+
+    private void requireIdentical(RunReport report) throws Exception {
         try (Replay replay = new Replay(Optional.empty(), Pacing.FAST);
                 RunLog.Reader records = RunLog.open(recording.get())) {
             while (records.hasNext() && replay.take(records.next())) {
@@ -237,6 +241,159 @@ class ControlIT {
                 assertThat(again.physics().stateHash()).isEqualTo(report.stateHash());
             }
         }
+    }
+
+    @Test
+    void aWorldThatIsRebuiltByMessagesIsReplayedIdentically() throws Exception {
+        recording = Optional.of(folder.resolve("run.log"));
+        store = Optional.of(folder.resolve("world.db"));
+        RunReport report = serve(this::rebuild);
+        assertThat(report.items()).isEqualTo(description.items().size() + 2);
+        requireIdentical(report);
+        events = new ArrayList<>();
+        serve(boss -> {});
+        assertThat(events.getFirst().fields())
+                .containsEntry("stateHash", "%016x".formatted(report.stateHash()));
+    }
+
+    /** Changes everything that a message can change of a world. */
+    private void rebuild(AgentClient boss) throws Exception {
+        after(boss, 3);
+        edited(
+                boss,
+                "add",
+                Map.of(
+                        "items",
+                        List.of(
+                                Map.of(
+                                        "name",
+                                        "moon {i}",
+                                        "repeat",
+                                        2,
+                                        "like",
+                                        "ball",
+                                        "physical",
+                                        Map.of("location", List.of("{3 + i}", 9, 0)),
+                                        "physics",
+                                        Map.of("mass", "200 g")),
+                                Map.of(
+                                        "name", "rope",
+                                        "kind", "spring",
+                                        "physics",
+                                                Map.of(
+                                                        "end1", "moon 0",
+                                                        "end2", "moon 1",
+                                                        "length", 2,
+                                                        "springConstant", "3 N/m"))),
+                        "prefabs",
+                        Map.of(
+                                "ball",
+                                Map.of("physical", Map.of("shape", "sphere", "radius", "30 cm")))));
+        edited(boss, "change", Map.of("item", "rope", "to", physics("end2", "red")));
+        edited(
+                boss,
+                "change",
+                Map.of(
+                        "item",
+                        "moon 1",
+                        "to",
+                        Map.of(
+                                "name", "crate",
+                                "physical", Map.of("shape", "box", "size", List.of(1, 1, 1)),
+                                "physics", Map.of("mass", 0),
+                                "parent", "blue",
+                                "semantic", Map.of("class", "toy", "worn", true))));
+        edited(boss, "rule", Map.of("name", "heavy", "rule", Map.of("is", "physics.mass > 100.0")));
+        Perception seen = after(boss, 2);
+        assertThat(seen.find("red").orElseThrow().symbols()).containsEntry("heavy", true);
+        assertThat(seen.find("crate").orElseThrow().symbols())
+                .containsEntry("class", "toy")
+                .containsEntry("heavy", false);
+        accepted(boss, "run", Map.of());
+        ActResult refused =
+                boss.command(
+                        "batch",
+                        Map.of(
+                                "changes",
+                                List.of(
+                                        Map.of("t", "remove", "item", "crate"),
+                                        Map.of("t", "rule", "name", "heavy"),
+                                        Map.of("t", "remove", "item", "red"))));
+        accepted(boss, "pause", Map.of());
+        assertThat(refused.code()).contains("edit-refused");
+        assertThat(refused.reason().orElseThrow()).startsWith("edit 2 of 2: item red");
+        seen = after(boss, 1);
+        assertThat(seen.find("crate")).isPresent();
+        assertThat(seen.find("red").orElseThrow().symbols()).containsKey("heavy");
+        edited(
+                boss,
+                "batch",
+                Map.of(
+                        "changes",
+                        List.of(
+                                Map.of("t", "remove", "item", "moon 0", "cascade", true),
+                                Map.of("t", "rule", "name", "heavy"),
+                                Map.of(
+                                        "t",
+                                        "add",
+                                        "items",
+                                        List.of(
+                                                Map.of(
+                                                        "name",
+                                                        "light",
+                                                        "physics",
+                                                        Map.of(
+                                                                "mass",
+                                                                1,
+                                                                "velocity",
+                                                                List.of(1, 0, 0))))),
+                                Map.of(
+                                        "t",
+                                        "change",
+                                        "item",
+                                        "light",
+                                        "to",
+                                        Map.of(
+                                                "access",
+                                                Map.of(
+                                                        "stop",
+                                                        Map.of(
+                                                                "effects",
+                                                                List.of(
+                                                                        Map.of(
+                                                                                "set",
+                                                                                "physics.velocity",
+                                                                                "to",
+                                                                                List.of(
+                                                                                        0, 0,
+                                                                                        0))))))))));
+        seen = after(boss, 5);
+        assertThat(seen.find("rope")).isEmpty();
+        assertThat(seen.find("red").orElseThrow().symbols()).doesNotContainKey("heavy");
+        assertThat(seen.find("light").orElseThrow().actions()).containsKey("stop");
+    }
+
+    /** Makes an edit while the world makes at least one frame, and returns that frame. */
+    private static void edited(AgentClient boss, String command, Map<String, ?> fields) {
+        whileItRuns(boss, command, fields);
+        after(boss, 2);
+    }
+
+    private static Map<String, Object> physics(String property, Object value) {
+        return Map.of("physics", Map.of(property, value));
+    }
+
+    @Test
+    void theBodyOfAnAgentIsNotRemoved() throws Exception {
+        serve(
+                boss -> {
+                    try (AgentClient ada = AgentClient.connect("127.0.0.1", port, "ada")) {
+                        ActResult refused = boss.command("remove", Map.of("item", "ada"));
+                        assertThat(refused.code()).contains("cannot-remove");
+                        assertThat(ada.act("blue", "push", Map.of("impulse", List.of(0, 0, 3))))
+                                .matches(ActResult::accepted);
+                    }
+                });
     }
 
     @Test

@@ -63,7 +63,8 @@ class InterruptIT {
         assertThat(new ProcessBuilder("kill", "-INT", Long.toString(run.pid())).start().waitFor())
                 .isZero();
         String out = new String(run.getInputStream().readAllBytes(), StandardCharsets.UTF_8);
-        assertThat(run.waitFor()).isZero();
+        assertThat(run.waitFor()).isEqualTo(130);
+        assertThat(errors.lines()).anyMatch(said -> said.startsWith("reve: cut short after "));
         assertThat(out).contains("spring-orbit:").contains("state hash");
     }
 

@@ -39,6 +39,18 @@ class WritingALawIT {
     }
 
     @Test
+    void aNewLawIsBuiltAndTestedByTheCommandsThatArePrinted() throws Exception {
+        String said = shell.run("\"$REVE/build/current/bin/reve\" new law 'soft_wind'");
+        List<String> commands =
+                said.lines().filter(line -> line.startsWith("  ")).map(String::strip).toList();
+        assertThat(commands).hasSize(2);
+        for (String command : commands) {
+            shell.run(command);
+        }
+        assertThat(folder.resolve("soft_wind/build/libvesper_law_soft_wind.so")).exists();
+    }
+
+    @Test
     void theLawOfThePageIsBuiltDroppedActsAndStops() throws Exception {
         for (String file : List.of("uniform_wind.cpp", "CMakeLists.txt")) {
             Files.writeString(folder.resolve(file), page.titled(file).text());

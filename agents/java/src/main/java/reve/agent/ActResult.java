@@ -5,16 +5,19 @@ import java.util.Optional;
 import java.util.OptionalLong;
 
 /**
- * The result of an act.
+ * The result of an act or a command.
  *
  * @param frame in which the act took effect, if accepted
  * @param code of the refusal, for programs
  * @param reason of the refusal, for people
+ * @param value the answer to a question: a List or Map of texts, numbers, truth values, lists and
+ *     maps
  */
 public record ActResult(
         long id,
         boolean accepted,
         OptionalLong frame,
         Optional<String> code,
-        Optional<String> reason)
+        Optional<String> reason,
+        Optional<Object> value)
         implements ServerMessage {}

@@ -202,7 +202,17 @@ public final class AgentClient implements AutoCloseable {
      * @throws AgentException with the server's code if the number of frames is too large
      */
     public Perception foresee(int frames) {
-        return switch (ask(() -> talk.fork(frames), ServerMessage.class)) {
+        return foresee(frames, List.of());
+    }
+
+    /**
+     * Returns what follows if items are changed first, like {@link #foresee(int)}.
+     *
+     * @param changes messages {@code add}, {@code change} and {@code remove} without id, made in a
+     *     copy of the world
+     */
+    public Perception foresee(int frames, List<? extends Map<String, ?>> changes) {
+        return switch (ask(() -> talk.fork(frames, changes), ServerMessage.class)) {
             case Perception perception -> perception;
             case ActResult refused ->
                     throw new AgentException(

@@ -84,8 +84,12 @@ final class Conversation {
     }
 
     /** Requests the perception of a future frame. */
-    Question fork(int frames) {
-        Question question = question(id -> Protocol.command(id, "fork", Map.of("frames", frames)));
+    Question fork(int frames, List<? extends Map<String, ?>> changes) {
+        Map<String, ?> fields =
+                changes.isEmpty()
+                        ? Map.of("frames", frames)
+                        : Map.of("frames", frames, "changes", changes);
+        Question question = question(id -> Protocol.command(id, "fork", fields));
         ahead.add(question.id());
         return question;
     }

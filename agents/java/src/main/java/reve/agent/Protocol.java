@@ -132,10 +132,16 @@ final class Protocol {
                 (name, value) ->
                         message.set(
                                 name,
-                                value instanceof Map<?, ?> map
-                                        ? JSON.valueToTree(map)
+                                value instanceof Map<?, ?> || isOfMappings(value)
+                                        ? JSON.valueToTree(value)
                                         : argument(name, value)));
         return message;
+    }
+
+    /** Returns whether a value is a list of items or changes instead of numbers. */
+    private static boolean isOfMappings(Object value) {
+        return value instanceof List<?> list
+                && list.stream().anyMatch(element -> element instanceof Map<?, ?>);
     }
 
     static ObjectNode ping(long id) {
@@ -355,13 +361,16 @@ final class Protocol {
                         true,
                         OptionalLong.of(message.required("frame").longValue()),
                         Optional.empty(),
-                        Optional.empty())
+                        Optional.empty(),
+                        message.optional("value")
+                                .map(value -> JSON.treeToValue(value, Object.class)))
                 : new ActResult(
                         id,
                         false,
                         OptionalLong.empty(),
                         Optional.of(text(message, "code")),
-                        Optional.of(text(message, "reason")));
+                        Optional.of(text(message, "reason")),
+                        Optional.empty());
     }
 
     private static Perception.Item item(JsonNode item) {

@@ -258,9 +258,9 @@ class ProtocolTest {
 
     private static Object value(JsonNode value) {
         if (value.isArray()) {
-            var numbers = new ArrayList<Number>();
-            value.forEach(number -> numbers.add(number.numberValue()));
-            return numbers;
+            var elements = new ArrayList<Object>();
+            value.forEach(each -> elements.add(each.isNumber() ? each.numberValue() : value(each)));
+            return elements;
         }
         if (value.isObject()) {
             var values = new LinkedHashMap<String, Object>();
@@ -353,6 +353,7 @@ class ProtocolTest {
                 r.frame().ifPresent(frame -> json.put("frame", frame));
                 put(json, "code", r.code());
                 put(json, "reason", r.reason());
+                r.value().ifPresent(value -> json.set("value", JSON.valueToTree(value)));
             }
             case WorldEvent e ->
                     json.put("t", "event")

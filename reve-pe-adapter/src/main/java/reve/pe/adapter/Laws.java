@@ -8,6 +8,7 @@ import reve.pe.PhysicsEngine;
 import reve.pe.PhysicsException;
 import reve.pe.PhysicsLaw;
 import reve.pe.PreparedLibrary;
+import reve.pe.Status;
 
 import java.nio.file.Path;
 import java.util.ArrayList;
@@ -19,6 +20,7 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
 import java.util.function.Consumer;
+import java.util.regex.Pattern;
 import java.util.stream.Collectors;
 
 /**
@@ -27,6 +29,8 @@ import java.util.stream.Collectors;
  * milliseconds of all laws of the library. World's thread only.
  */
 public final class Laws {
+    private static final Pattern NOT_FINITE = Pattern.compile("wrote -?(nan|inf)");
+
     private final World world;
     private final PhysicsEngine engine;
     private final Map<Integer, LawLibrary> loaded = new LinkedHashMap<>();
@@ -356,8 +360,19 @@ public final class Laws {
     /** Reports that the engine refused a call or a law failed. */
     void reportFault(long frame, Map<String, Object> fields, PhysicsException failure) {
         fields.put("status", failure.status().name());
-        fields.put("message", String.valueOf(failure.getMessage()));
+        fields.put("message", failure.getMessage() + remedy(fields, failure));
         world.raise(new WorldEvent(frame, "fault", fields));
+    }
+
+    /** Returns the end of a message about numbers that are not finite: the item, and a remedy. */
+    private static String remedy(Map<String, Object> fields, PhysicsException failure) {
+        return failure.status() == Status.LAW_MISBEHAVED
+                        && NOT_FINITE.matcher(String.valueOf(failure.getMessage())).find()
+                ? (fields.containsKey("item") ? " of item " + fields.get("item") : "")
+                        + "; if the world has diverged, make its steps shorter (frame: steps in the"
+                        + " world file), or its springs and contacts softer: ./reve check names"
+                        + " those that are too stiff"
+                : "";
     }
 
     /** Removes a library, and returns the index that it had in the order of loading. */

@@ -125,7 +125,7 @@ public final class PropertyNames {
     }
 
     /** Returns REVE's columns of an engine's property, side by side. */
-    static List<String> columns(String kind, String engineName) {
+    public static List<String> columns(String kind, String engineName) {
         return TABLE.stream()
                 .filter(row -> row.kind.equals(kind) && row.engineName.equals(engineName))
                 .findFirst()

@@ -62,6 +62,21 @@ public record RoomControl(World world, FrameLoop loop, Image beginning) implemen
         return WorldControl.none().picture();
     }
 
+    @Override
+    public Change changeRules(Map<String, Optional<String>> rules) throws ActionRefused {
+        return WorldControl.none().changeRules(rules);
+    }
+
+    @Override
+    public Change release(String library) throws ActionRefused {
+        return WorldControl.none().release(library);
+    }
+
+    @Override
+    public Object answer(String what, Map<String, Object> arguments) throws ActionRefused {
+        return WorldControl.none().answer(what, arguments);
+    }
+
     private record Kept(World world, FrameLoop loop, WorldImage image) implements Image {
 
         Kept(World world, FrameLoop loop) {
@@ -83,7 +98,8 @@ public record RoomControl(World world, FrameLoop loop, Image beginning) implemen
         }
 
         @Override
-        public void foresee(int frames, Consumer<WorldSnapshot> look) throws ActionRefused {
+        public void foresee(int frames, Change first, Consumer<WorldSnapshot> look)
+                throws ActionRefused {
             throw new ActionRefused("unsupported", "nothing is foreseen here");
         }
 

@@ -21,6 +21,9 @@ final class ItemMentions {
 
     private final List<Mention> mentions = new ArrayList<>();
 
+    /** Whether other items exist than those of the file. */
+    private boolean others;
+
     /** Parent references, by the names of the items that have them. */
     private final Map<String, Node> parents = new LinkedHashMap<>();
 
@@ -60,6 +63,11 @@ final class ItemMentions {
     void mentionParent(String item, Node parent) {
         parents.put(item, parent);
         mention(parent, WorldPrototype.BODY, false);
+    }
+
+    /** Permits references to items that are not in the file; a running world checks them. */
+    void permitOthers() {
+        others = true;
     }
 
     /** Resolves all references, and notes problems. Called when all items are known. */
@@ -110,6 +118,9 @@ final class ItemMentions {
         Node target = mention.target;
         String name = target.text().orElseThrow();
         Entry entry = byName.get(name);
+        if (entry == null && others) {
+            return true;
+        }
         if (entry == null) {
             return refuse(
                     target,

@@ -57,6 +57,7 @@ final class ItemReader {
 
     private final Allowance created = new Allowance(MAX_CREATED);
     private final Allowance work = new Allowance(MAX_READ);
+    private final List<Places.Place> places = new ArrayList<>();
     private int createdDepth;
 
     /** Reads one aspect of an item. */
@@ -103,7 +104,9 @@ final class ItemReader {
                 new Expansion.Sink() {
                     @Override
                     public void accept(Node item) throws WorldFileException {
-                        read(item).ifPresent(items::add);
+                        Optional<ItemDefinition> read = read(item);
+                        read.ifPresent(items::add);
+                        read.ifPresent(_ -> places.add(Places.Place.of(item)));
                     }
 
                     @Override
@@ -118,6 +121,11 @@ final class ItemReader {
         }
         names.resolve();
         return items;
+    }
+
+    /** Returns a place for each item that {@link #readAll} has returned. */
+    List<Places.Place> places() {
+        return places;
     }
 
     /** Returns the items by name. */
@@ -151,6 +159,20 @@ final class ItemReader {
             readAspects(node, kind.get(), true, item.get());
         }
         return item.map(ItemDefinition.Builder::build);
+    }
+
+    /** Reads the new values of an item. References to other items are not checked. */
+    ItemDefinition readChange(Node node, String kind) throws WorldFileException {
+        try {
+            ItemDefinition.Builder item =
+                    beginning.apply(node.get("name").flatMap(Node::text).orElse(""));
+            node.get("parent").flatMap(Node::text).ifPresent(item::parent);
+            readAspects(node, kind, true, item.kind(kind));
+            return item.build();
+        } catch (IllegalArgumentException refused) {
+            problems.add(node, refused.getMessage());
+            return ItemDefinition.kept("unnamed").build();
+        }
     }
 
     /** Checks a part of an item; only its problems are of interest. */
@@ -224,15 +246,24 @@ final class ItemReader {
             double[] values = repetition.values().at(n);
             if (repeated.isPresent()) {
                 readAgain(repeated.get(), template.makeParts(values, n)).ifPresent(items::add);
+                share(items.size());
             } else {
                 Node node = template.make(values, n);
                 Optional<ItemDefinition> item = read(node);
                 item.ifPresent(items::add);
+                item.ifPresent(_ -> places.add(Places.Place.of(node)));
                 List<Template.Made> parts = template.makeParts(values, n);
                 repeated =
                         item.map(first -> new RepeatedItem(node, first))
                                 .filter(first -> first.differsInSingleValues(parts));
             }
+        }
+    }
+
+    /** Gives a repetition the place of the one before it. */
+    private void share(int count) {
+        if (places.size() < count) {
+            places.add(places.getLast());
         }
     }
 

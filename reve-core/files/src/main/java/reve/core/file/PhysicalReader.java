@@ -3,6 +3,7 @@ package reve.core.file;
 
 import reve.core.mesh.AssetException;
 import reve.core.mesh.Assets;
+import reve.core.text.Rounded;
 import reve.core.unit.Unit;
 import reve.core.world.Colour;
 import reve.core.world.ItemDefinition;
@@ -14,6 +15,7 @@ import reve.core.world.WorldPrototype;
 
 import java.util.LinkedHashSet;
 import java.util.List;
+import java.util.Locale;
 import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
@@ -59,6 +61,7 @@ final class PhysicalReader {
 
     void read(Node aspect, ItemDefinition.Builder item) {
         aspect.children().forEach(value -> readPlaceOrColour(value, item));
+        aspect.get("orientation").flatMap(node -> node.get("angle")).ifPresent(this::doubtAngle);
         shape(aspect, item);
         aspect.get("material").filter(Node::isMapping).ifPresent(node -> material(node, item));
     }
@@ -82,6 +85,24 @@ final class PhysicalReader {
         Optional<double[]> quaternion =
                 node.isMapping() ? aroundAxis(node) : quantities.numbers(node, 4, Unit.ONE);
         quaternion.ifPresent(q -> attempt(node, () -> item.orientation(q[0], q[1], q[2], q[3])));
+    }
+
+    /** Warns of an angle of more than a turn without a unit, which is meant in degrees. */
+    private void doubtAngle(Node node) {
+        node.number()
+                .filter(radians -> Math.abs(radians) > 2 * Math.PI)
+                .ifPresent(
+                        radians ->
+                                problems.warn(
+                                        node,
+                                        String.format(
+                                                Locale.ROOT,
+                                                "angle: %s rad are %.1f turns, because a number"
+                                                        + " without a unit is in radians; write"
+                                                        + " `%s deg` if you mean degrees",
+                                                Rounded.of(radians),
+                                                Math.abs(radians) / (2 * Math.PI),
+                                                Rounded.of(radians))));
     }
 
     private Optional<double[]> aroundAxis(Node node) {

@@ -155,6 +155,11 @@ final class Problems {
         }
     }
 
+    /** Creates a warning that does not belong to the reading of a file. */
+    static Problem warning(String file, int line, int column, String pointer, String message) {
+        return problem(Problem.Severity.WARNING, file, line, column, pointer, message);
+    }
+
     /** Returns the warnings in order of position, at most as many as a report holds. */
     List<Problem> warnings() {
         return warnings.stream().sorted().toList();

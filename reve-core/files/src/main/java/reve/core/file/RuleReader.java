@@ -183,6 +183,13 @@ final class RuleReader {
         }
     }
 
+    /** Requires the same of rules of which one was changed, at the node of that rule. */
+    static void requireOrder(List<Rule> rules, Node changed, Problems problems) {
+        Map<String, Node> nodes = new HashMap<>();
+        rules.forEach(rule -> nodes.put(rule.symbol(), changed));
+        new RuleReader(problems).requireOrder(rules, nodes);
+    }
+
     private static String doc(Node node) {
         return node.get("doc").flatMap(Node::text).orElse("");
     }

@@ -35,6 +35,8 @@ import java.util.Optional;
  * @param items in the order of the file; they may refer to each other
  * @param forces on items, in the order of summation
  * @param warnings about the file
+ * @param places of items and constants in the file
+ * @param threads maximum number of threads that laws share; results do not depend on it
  */
 public record WorldDescription(
         String name,
@@ -50,7 +52,9 @@ public record WorldDescription(
         long ruleSteps,
         List<ItemDefinition> items,
         List<LastingForce> forces,
-        List<Problem> warnings) {
+        List<Problem> warnings,
+        Places places,
+        int threads) {
     /** Copies lists and maps, in their order. */
     public WorldDescription {
         laws = List.copyOf(laws);
@@ -59,6 +63,41 @@ public record WorldDescription(
         items = List.copyOf(items);
         forces = List.copyOf(forces);
         warnings = List.copyOf(warnings);
+    }
+
+    /** Creates a description that was not read from a file. */
+    public WorldDescription(
+            String name,
+            String doc,
+            WorldPrototype prototype,
+            Timing timing,
+            long age,
+            List<LawReference> laws,
+            Map<String, List<Double>> constants,
+            Optional<CameraDescription> camera,
+            AgentPolicy agents,
+            List<Rule> rules,
+            long ruleSteps,
+            List<ItemDefinition> items,
+            List<LastingForce> forces,
+            List<Problem> warnings) {
+        this(
+                name,
+                doc,
+                prototype,
+                timing,
+                age,
+                laws,
+                constants,
+                camera,
+                agents,
+                rules,
+                ruleSteps,
+                items,
+                forces,
+                warnings,
+                Places.none(),
+                1);
     }
 
     /** Returns a description without items, laws and agents. */
@@ -84,7 +123,21 @@ public record WorldDescription(
     public WorldDescription withLaws(List<LawReference> others) {
         return new WorldDescription(
                 name, doc, prototype, timing, age, others, constants, camera, agents, rules,
-                ruleSteps, items, forces, warnings);
+                ruleSteps, items, forces, warnings, places, threads);
+    }
+
+    /** Returns this description with another maximum number of threads. */
+    public WorldDescription withThreads(int others) {
+        return new WorldDescription(
+                name, doc, prototype, timing, age, laws, constants, camera, agents, rules,
+                ruleSteps, items, forces, warnings, places, others);
+    }
+
+    /** Returns this description with other rules. */
+    public WorldDescription withRules(List<Rule> others) {
+        return new WorldDescription(
+                name, doc, prototype, timing, age, laws, constants, camera, agents, others,
+                ruleSteps, items, forces, warnings, places, threads);
     }
 
     /**
@@ -146,7 +199,9 @@ public record WorldDescription(
                 ruleSteps,
                 inOrderOfRows(world).stream().map(Item::definition).toList(),
                 forcesIn(world),
-                List.of());
+                List.of(),
+                Places.none(),
+                threads);
     }
 
     /**

@@ -109,7 +109,9 @@ final class WorldReader {
                 wholeNumber(root.get("frame"), "ruleSteps", Rules.DEFAULT_STEPS),
                 items,
                 forces,
-                problems.warnings());
+                problems.warnings(),
+                Places.of(problems.file(), itemReader.places(), source.all("constants")),
+                (int) wholeNumber(root.get("frame"), "threads", 1));
     }
 
     private static String text(Node node, String key) {

@@ -192,6 +192,7 @@ public final class WorldWriter {
         if (world.age() > 0) {
             tree.put("age", YamlWriter.Numeral.of((double) world.age()));
         }
+        putUnless(tree, "threads", world.threads(), 1);
         putUnless(tree, "ruleSteps", (int) world.ruleSteps(), (int) Rules.DEFAULT_STEPS);
         return tree;
     }

@@ -95,6 +95,17 @@ final class RuleKeeper {
         return true;
     }
 
+    Rule rule() {
+        return rule;
+    }
+
+    /** Removes the symbol of the rule from all items. */
+    void takeBack() {
+        for (int row = 0; row < table.rowCount(); row++) {
+            itemAt(row).semantic().derive(rule.symbol(), null);
+        }
+    }
+
     /** Makes all items count as changed; no item has the id 0. */
     void forget() {
         Arrays.fill(ids, 0);

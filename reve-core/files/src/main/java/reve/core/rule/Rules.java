@@ -7,8 +7,10 @@ import reve.core.world.World;
 
 import java.util.ArrayList;
 import java.util.Comparator;
+import java.util.IdentityHashMap;
 import java.util.List;
 import java.util.Locale;
+import java.util.Map;
 import java.util.function.BooleanSupplier;
 
 /**
@@ -77,6 +79,24 @@ public final class Rules {
         nextKeeper = 0;
         nextRow = 0;
         keepers.forEach(RuleKeeper::forget);
+    }
+
+    /**
+     * Replaces the rules. Items lose the symbols of rules that are not among the new ones; the next
+     * update evaluates the new rules for all items. Outside DERIVE.
+     */
+    public void set(List<Rule> rules) {
+        Map<Rule, RuleKeeper> before = new IdentityHashMap<>();
+        keepers.forEach(keeper -> before.put(keeper.rule(), keeper));
+        keepers.clear();
+        for (Rule rule : rules) {
+            RuleKeeper known = before.remove(rule);
+            keepers.add(known == null ? new RuleKeeper(world, rule) : known);
+        }
+        before.values().forEach(RuleKeeper::takeBack);
+        first = true;
+        nextKeeper = 0;
+        nextRow = 0;
     }
 
     /** Evaluates rules now, as part of that frame. */

@@ -167,20 +167,21 @@ class WorldWriterTest {
                                                 1 + random.nextLong(Forces.MAX_FRAMES)))
                         .toList();
         return new WorldDescription(
-                shell.name(),
-                RandomItems.text(random),
-                shell.prototype(),
-                shell.timing(),
-                random.nextLong(1L << 40),
-                shell.laws(),
-                shell.constants(),
-                Optional.empty(),
-                AgentPolicy.none(),
-                List.of(),
-                20_000 + random.nextInt(2) * random.nextInt(1_000_000),
-                items,
-                forces,
-                List.of());
+                        shell.name(),
+                        RandomItems.text(random),
+                        shell.prototype(),
+                        shell.timing(),
+                        random.nextLong(1L << 40),
+                        shell.laws(),
+                        shell.constants(),
+                        Optional.empty(),
+                        AgentPolicy.none(),
+                        List.of(),
+                        20_000 + random.nextInt(2) * random.nextInt(1_000_000),
+                        items,
+                        forces,
+                        List.of())
+                .withThreads(1 + random.nextInt(3));
     }
 
     private double force(WorldDescription world) {

@@ -39,6 +39,11 @@ public final class SnapshotRing {
         this.memory = new SnapshotSlot.Memory(world);
     }
 
+    /** Returns the prototype of the world. Any thread. */
+    public WorldPrototype prototype() {
+        return world.prototype();
+    }
+
     /**
      * Copies the present world as one frame. World's thread, in PUBLISH. Allocates memory only if
      * the world has grown or has events.

@@ -13,6 +13,7 @@ import reve.core.file.WorldDescription;
 import reve.core.file.WorldFileException;
 import reve.core.frame.Pacing;
 import reve.pe.PhysicsException;
+import reve.worlds.check.WorldCheck;
 import reve.worlds.server.LawPath;
 import reve.worlds.server.Simulation;
 
@@ -37,6 +38,9 @@ public final class CheckCommand implements Callable<Integer> {
 
     @Mixin private LawOptions laws = new LawOptions();
 
+    @Option(names = "--strict", description = "Refuse a world with warnings, with code 3.")
+    private boolean strict;
+
     @Option(names = "--json", description = "Print the result as one JSON document.")
     private boolean json;
 
@@ -50,7 +54,7 @@ public final class CheckCommand implements Callable<Integer> {
         if (json) {
             Map<String, Object> result = new LinkedHashMap<>();
             result.put("world", world.file().toString());
-            result.put("valid", problems.isEmpty());
+            result.put("valid", problems.isEmpty() && !(strict && !warnings.isEmpty()));
             result.put("problems", problems);
             result.put("warnings", warnings);
             result.put("unchecked", unchecked);
@@ -72,18 +76,12 @@ public final class CheckCommand implements Callable<Integer> {
             description = world.read();
         } catch (WorldFileException invalid) {
             for (Problem problem : invalid.problems()) {
-                problems.add(fields(problem));
+                problems.add(Warnings.fields(problem));
                 if (!json) {
                     err.println(problem);
                 }
             }
             return ExitCode.INVALID_WORLD;
-        }
-        for (Problem warning : description.warnings()) {
-            warnings.add(fields(warning));
-            if (!json) {
-                err.println(warning);
-            }
         }
         List<LawReference> checked = new ArrayList<>();
         for (LawReference law : description.laws()) {
@@ -93,19 +91,33 @@ public final class CheckCommand implements Callable<Integer> {
                 checked.add(law);
             }
         }
+        int untrusted = unchecked.size();
         try (Simulation simulation =
                 new Simulation(description.withLaws(checked), Pacing.FAST, lawPath)) {
+            List<Problem> found = simulation.warnings(unchecked.isEmpty());
+            warnings.addAll(Warnings.fields(found));
+            boolean refused = strict && !found.isEmpty();
+            if (!unchecked.isEmpty()) {
+                unchecked.add(WorldCheck.leftOut());
+            }
             if (!json) {
+                Warnings.print(spec, found);
                 unchecked.forEach(err::println);
                 out.printf(
-                        "%s: valid, %d items, %d laws%s%n",
+                        "%s: %s, %d items, %d laws%s%s%n",
                         world.file(),
+                        refused ? "refused by --strict" : "valid",
                         description.items().size(),
                         simulation.physics().laws().loaded().size(),
-                        unchecked.isEmpty() ? "" : ", not checked: " + unchecked.size() + " more");
+                        found.isEmpty() ? "" : ", warnings: " + found.size(),
+                        untrusted == 0 ? "" : ", not checked: " + untrusted + " more");
             }
-            return ExitCode.OK;
+            return refused ? ExitCode.INVALID_WORLD : ExitCode.OK;
         } catch (PhysicsException refused) {
+            warnings.addAll(Warnings.fields(description.warnings()));
+            if (!json) {
+                Warnings.print(spec, description.warnings());
+            }
             refused.getMessage()
                     .lines()
                     .forEach(message -> problems.add(Map.of("message", message)));
@@ -114,15 +126,5 @@ public final class CheckCommand implements Callable<Integer> {
             }
             return ExitCode.PHYSICS;
         }
-    }
-
-    private static Map<String, Object> fields(Problem problem) {
-        Map<String, Object> fields = new LinkedHashMap<>();
-        fields.put("file", problem.file());
-        fields.put("line", problem.line());
-        fields.put("column", problem.column());
-        fields.put("pointer", problem.pointer());
-        fields.put("message", problem.message());
-        return fields;
     }
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.worlds.cli;
 
+import org.jspecify.annotations.Nullable;
+
 import picocli.CommandLine.Command;
 import picocli.CommandLine.Model.CommandSpec;
 import picocli.CommandLine.Option;
@@ -13,6 +15,7 @@ import reve.agent.AgentClient;
 import reve.agent.AgentException;
 import reve.agent.Join;
 import reve.agent.Trust;
+import reve.core.text.Suggestion;
 
 import java.io.IOException;
 import java.io.PrintWriter;
@@ -35,10 +38,12 @@ import java.util.concurrent.Callable;
         name = "control",
         description =
                 "Sends a command to a running world: pause, step, run, speed, snapshot, rewind, "
-                        + "save, edit, load-law, set-law, unload-law, picture, shut-down; or asks: "
-                        + "state, laws, inspect, ledger. For example: "
+                        + "save, edit, add, change, remove, rule, batch, load-law, set-law, "
+                        + "unload-law, release, profile, changes, near, region, picture, "
+                        + "shut-down; or asks: state, laws, inspect, ledger. For example: "
                         + "control rewind image=calm, "
-                        + "control edit item=blue property=physics.velocity value=0,3,0, "
+                        + "control add item.yaml, "
+                        + "control change item=blue physics.velocity=0,3,0, "
                         + "control load-law file=wind.law.")
 public final class ControlCommand implements Callable<Integer> {
     private static final String TOKEN = "REVE_TOKEN";
@@ -59,6 +64,16 @@ public final class ControlCommand implements Callable<Integer> {
                             Map.entry("rewind", Set.of("image")),
                             Map.entry("save", Set.of("file")),
                             Map.entry("edit", Set.of("item", "property", "value")),
+                            Map.entry("add", Set.of()),
+                            Map.entry("change", Set.of("item")),
+                            Map.entry("remove", Set.of("item", "cascade")),
+                            Map.entry("rule", Set.of("name", "rule")),
+                            Map.entry("batch", Set.of()),
+                            Map.entry("profile", Set.of()),
+                            Map.entry("changes", Set.of()),
+                            Map.entry("near", Set.of("location", "distance", "most")),
+                            Map.entry("region", Set.of("from", "to")),
+                            Map.entry("release", Set.of("library")),
                             Map.entry("speed", Set.of("factor")),
                             Map.entry("load-law", Set.of("library", "file", "text")),
                             Map.entry("set-law", Set.of("library")),
@@ -78,6 +93,9 @@ public final class ControlCommand implements Callable<Integer> {
                             "laws", Set.of(),
                             "ledger", Set.of("open")));
 
+    /** Commands that take a file. */
+    private static final Set<String> FROM_FILES = Set.of("add", "change", "batch");
+
     @Spec private CommandSpec spec = CommandSpec.create();
 
     @Parameters(
@@ -91,7 +109,8 @@ public final class ControlCommand implements Callable<Integer> {
             paramLabel = "FIELD=VALUE",
             description =
                     "Fields of the command: a number, numbers separated by commas, "
-                            + "true, false or text.")
+                            + "true, false, null or text. add, change and batch also take a FILE "
+                            + "of YAML or JSON.")
     private List<String> given = new ArrayList<>();
 
     @Option(
@@ -174,20 +193,23 @@ public final class ControlCommand implements Callable<Integer> {
         return trust.isPresent() ? join.withTls(Trust.file(trust.get())) : join;
     }
 
-    private Map<String, Object> fields() {
+    private Map<String, Object> fields() throws IOException {
         Set<String> known = COMMANDS.getOrDefault(command, QUESTIONS.get(command));
         if (known == null) {
             throw wrong(
                     "'"
                             + command
                             + "' is no command of the role control, expected one of "
-                            + String.join(", ", COMMANDS.keySet())
-                            + ", "
-                            + String.join(", ", QUESTIONS.keySet()));
+                            + String.join(", ", names())
+                            + Suggestion.of(command, names()));
         }
         Map<String, Object> fields = new LinkedHashMap<>();
         Map<String, Object> parameters = new LinkedHashMap<>();
         for (String each : given) {
+            if (FROM_FILES.contains(command) && ControlFields.isFile(each)) {
+                fields.putAll(ControlFields.read(command, Path.of(each)));
+                continue;
+            }
             int equals = each.indexOf('=');
             if (equals < 1) {
                 throw wrong(
@@ -205,6 +227,10 @@ public final class ControlCommand implements Callable<Integer> {
                 parameters.put(name, value(each.substring(equals + 1)));
                 continue;
             }
+            if (command.equals("change") && !field.equals("item")) {
+                ControlFields.put(fields, "to." + field, value(each.substring(equals + 1)));
+                continue;
+            }
             if (!known.contains(field)) {
                 throw wrong(
                         command
@@ -215,7 +241,10 @@ public final class ControlCommand implements Callable<Integer> {
                                         ? "none"
                                         : String.join(", ", new TreeSet<>(known))));
             }
-            fields.put(field, value(each.substring(equals + 1)));
+            Object value = value(each.substring(equals + 1));
+            if (value != null) {
+                fields.put(field, value);
+            }
         }
         if (!parameters.isEmpty()) {
             fields.put("parameters", parameters);
@@ -224,6 +253,12 @@ public final class ControlCommand implements Callable<Integer> {
             putText(fields);
         }
         return fields;
+    }
+
+    private static Set<String> names() {
+        Set<String> names = new TreeSet<>(COMMANDS.keySet());
+        names.addAll(QUESTIONS.keySet());
+        return names;
     }
 
     /** Replaces the file of a law as text by its name and content. */
@@ -251,7 +286,10 @@ public final class ControlCommand implements Callable<Integer> {
         return new ParameterException(spec.commandLine(), problem);
     }
 
-    private static Object value(String text) {
+    private static @Nullable Object value(String text) {
+        if (text.equals("null")) {
+            return null;
+        }
         if (text.equals("true") || text.equals("false")) {
             return Boolean.valueOf(text);
         }
@@ -272,11 +310,13 @@ public final class ControlCommand implements Callable<Integer> {
             Map<String, Object> fields = new LinkedHashMap<>();
             fields.put("accepted", result.accepted());
             result.frame().ifPresent(frame -> fields.put("frame", frame));
+            result.value().ifPresent(value -> fields.put("value", value));
             result.code().ifPresent(code -> fields.put("code", code));
             result.reason().ifPresent(reason -> fields.put("reason", reason));
             Json.print(spec, fields);
         } else if (result.accepted()) {
             out.println(command + ": frame " + result.frame().orElseThrow());
+            result.value().ifPresent(value -> out.print(Json.text(value) + System.lineSeparator()));
         } else {
             spec.commandLine()
                     .getErr()

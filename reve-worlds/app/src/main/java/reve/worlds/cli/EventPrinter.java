@@ -153,9 +153,11 @@ final class EventPrinter implements ServerEvents, AutoCloseable {
         return Json.line(line);
     }
 
+    /** Returns a line for people, without the warnings, which standard error has. */
     private static String textLine(Event event) {
         return event.name
                 + event.fields.entrySet().stream()
+                        .filter(field -> !field.getKey().equals("warnings"))
                         .map(field -> " " + field.getKey() + "=" + field.getValue())
                         .collect(Collectors.joining());
     }

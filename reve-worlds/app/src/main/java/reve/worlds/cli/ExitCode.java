@@ -29,6 +29,11 @@ public final class ExitCode {
     /** A world made no frame within the watchdog's time. */
     public static final int STALLED = 6;
 
+    /**
+     * Ctrl-C or SIGTERM has cut the work short: what shells report for a program that SIGINT ended.
+     */
+    public static final int INTERRUPTED = 128 + 2;
+
     /** Exit code that shells report for a program that SIGPIPE ended. */
     public static final int CLOSED_PIPE = 128 + 13;
 

@@ -22,6 +22,7 @@ final class Interrupt implements AutoCloseable {
     private final CommandSpec spec;
     private volatile @Nullable Runnable stop;
     private volatile int code = ExitCode.FAILURE;
+    private volatile boolean asked;
 
     Interrupt(CommandSpec spec) {
         this.spec = spec;
@@ -36,6 +37,17 @@ final class Interrupt implements AutoCloseable {
      */
     void stopWith(Runnable asks) {
         stop = asks;
+    }
+
+    /** Returns whether Ctrl-C or SIGTERM has asked the command to stop. */
+    boolean wasAsked() {
+        return asked;
+    }
+
+    /** Returns the exit code of a command whose work an interrupt has cut short. */
+    int endsCut() {
+        code = ExitCode.INTERRUPTED;
+        return code;
     }
 
     /** Returns the exit code of the command; an interrupted command has the same exit codes. */
@@ -54,6 +66,7 @@ final class Interrupt implements AutoCloseable {
             Runtime.getRuntime().halt(ExitCode.OK); // no frame was made
             return;
         }
+        asked = true;
         asks.run();
         try {
             if (!reported.await(PATIENCE_SECONDS, TimeUnit.SECONDS)) {

@@ -21,6 +21,11 @@ public final class Json {
         return Visible.json(MAPPER.writeValueAsString(fields));
     }
 
+    /** Returns a value as JSON of several lines, for people. */
+    static String text(Object value) {
+        return Visible.json(MAPPER.writerWithDefaultPrettyPrinter().writeValueAsString(value));
+    }
+
     /** Prints one document to the command's standard output. */
     static void print(CommandSpec spec, Map<String, ?> fields) {
         PrintWriter out = spec.commandLine().getOut();

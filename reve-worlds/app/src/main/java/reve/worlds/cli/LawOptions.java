@@ -109,7 +109,8 @@ final class LawOptions {
                 folder,
                 Optional.empty(),
                 trust,
-                enginePlace(spec, usual));
+                enginePlace(spec, usual),
+                false);
     }
 
     private EnginePlace enginePlace(CommandSpec spec, Duration usual) {

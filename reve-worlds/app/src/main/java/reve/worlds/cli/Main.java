@@ -44,6 +44,8 @@ import java.util.stream.Stream;
             ControlCommand.class,
             TokenCommand.class,
             StoreCommand.class,
+            NewCommand.class,
+            CommandLine.HelpCommand.class,
         },
         footer = {
             "",
@@ -64,6 +66,7 @@ public final class Main {
                     "  format     Formats the sources, or checks that they are formatted.",
                     "  docs       Writes the pages of the Java, C and C++ API.",
                     "  install    Makes a folder that runs without this checkout.",
+                    "  clean      Removes everything that was built.",
                     "  doctor     Says which shared libraries of the system are missing.");
 
     /** The commands that the shell script of an installed folder runs itself. */

@@ -7,6 +7,7 @@ import picocli.CommandLine.Model.CommandSpec;
 import picocli.CommandLine.Option;
 import picocli.CommandLine.Spec;
 
+import reve.core.file.Problem;
 import reve.core.file.WorldDescription;
 import reve.core.file.WorldFile;
 import reve.core.frame.Pacing;
@@ -21,6 +22,7 @@ import java.io.IOError;
 import java.io.IOException;
 import java.io.PrintWriter;
 import java.nio.file.Path;
+import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.concurrent.Callable;
@@ -35,6 +37,8 @@ public final class RunCommand implements Callable<Integer> {
     @Mixin private WorldArgument world = new WorldArgument();
 
     @Mixin private LawOptions laws = new LawOptions();
+
+    @Mixin private EngineOptions engine = new EngineOptions();
 
     @Option(
             names = "--seconds",
@@ -69,10 +73,14 @@ public final class RunCommand implements Callable<Integer> {
 
     private volatile boolean wholeRecording = true;
 
+    /** Whether Ctrl-C or SIGTERM has ended the run before its time. */
+    private boolean cut;
+
     @Override
     public Integer call() throws Exception {
         try (Interrupt interrupt = new Interrupt(spec)) {
-            return interrupt.endsWith(!isWhole(interrupt));
+            boolean whole = isWhole(interrupt);
+            return cut && whole ? interrupt.endsCut() : interrupt.endsWith(!whole);
         }
     }
 
@@ -89,14 +97,26 @@ public final class RunCommand implements Callable<Integer> {
                                     spec, "--save", save.get(), "reve:", "a world file"));
         }
         Optional<RecordingPlan> recording = record.plan();
-        LawPath lawPath = laws.path(spec).forWorld(world.folder());
-        WorldDescription description = world.load(spec.commandLine().getErr());
+        LawPath lawPath = engine.of(laws.path(spec)).forWorld(world.folder());
+        WorldDescription description = engine.of(spec, world.read());
         long frames = Frames.of(spec, "--seconds", seconds, description.timing());
         Pacing pacing = realTime ? Pacing.REAL_TIME : Pacing.FAST;
         try (Simulation simulation = new Simulation(description, pacing, lawPath)) {
             interrupt.stopWith(simulation.loop()::stop);
+            List<Problem> warnings = Warnings.print(spec, simulation.warnings(true));
             simulation.physics().setLedger(ledger);
             RunReport report = recorded(simulation, frames, pacing, recording);
+            cut = interrupt.wasAsked() && report.frames() < frames;
+            if (cut) {
+                spec.commandLine()
+                        .getErr()
+                        .println(
+                                "reve: cut short after "
+                                        + report.frames()
+                                        + " of "
+                                        + frames
+                                        + " frames");
+            }
             if (save.isPresent()) {
                 WorldFile.save(save.get(), simulation.descriptionNow());
                 simulation
@@ -112,7 +132,9 @@ public final class RunCommand implements Callable<Integer> {
                                                                 + left));
             }
             if (json) {
-                Json.print(spec, fields(report, simulation));
+                Map<String, Object> fields = fields(report, simulation);
+                fields.put("warnings", Warnings.fields(warnings));
+                Json.print(spec, fields);
             } else {
                 print(report, simulation);
             }

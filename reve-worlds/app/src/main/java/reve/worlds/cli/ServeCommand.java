@@ -74,6 +74,8 @@ public final class ServeCommand implements Callable<Integer> {
 
     @Mixin private LawOptions laws = new LawOptions();
 
+    @Mixin private EngineOptions engine = new EngineOptions();
+
     @Option(
             names = "--seconds",
             paramLabel = "S",
@@ -230,6 +232,7 @@ public final class ServeCommand implements Callable<Integer> {
                             watchdog(events),
                             events);
             interrupt.stopWith(server::stop);
+            Warnings.print(spec, server.warnings());
             ServerReport report;
             try (server;
                     WebServer page = page(agents, server)) {
@@ -256,11 +259,11 @@ public final class ServeCommand implements Callable<Integer> {
     }
 
     private List<WorldPlan> plans() throws IOException, WorldFileException {
-        LawPath lawPath = laws.path(spec, LAW_DEADLINE);
+        LawPath lawPath = engine.of(laws.path(spec, LAW_DEADLINE));
         Map<String, WorldPlan> plans = new LinkedHashMap<>();
         for (Path path : paths) {
             WorldArgument world = new WorldArgument(path);
-            WorldDescription description = world.load(spec.commandLine().getErr());
+            WorldDescription description = engine.of(spec, world.read());
             if (plans.put(description.name(), plan(description, world.folder(), lawPath)) != null) {
                 throw new ParameterException(
                         spec.commandLine(),

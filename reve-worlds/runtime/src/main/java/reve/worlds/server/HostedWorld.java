@@ -7,6 +7,7 @@ import org.slf4j.LoggerFactory;
 
 import reve.core.agent.port.WorldPort;
 import reve.core.file.AgentPolicy;
+import reve.core.file.Problem;
 import reve.core.frame.FrameEvent;
 import reve.core.frame.Pacing;
 import reve.core.world.WorldEvent;
@@ -21,6 +22,7 @@ import java.io.IOException;
 import java.net.InetSocketAddress;
 import java.nio.file.Path;
 import java.util.LinkedHashMap;
+import java.util.List;
 import java.util.Locale;
 import java.util.Map;
 import java.util.Optional;
@@ -159,6 +161,11 @@ final class HostedWorld implements AutoCloseable {
         events.happened("fault", WorldServer.fault(source, message));
     }
 
+    /** Returns the warnings about the world; none if it resumes from a store. */
+    List<Problem> warnings() {
+        return simulation.loop().frame() > 0 ? List.of() : simulation.warnings(true);
+    }
+
     String name() {
         return plan.description().name();
     }
@@ -207,6 +214,10 @@ final class HostedWorld implements AutoCloseable {
                 .recording()
                 .ifPresent(recording -> fields.put("recording", recording.file().toString()));
         olderRecording.ifPresent(file -> fields.put("olderRecording", file.toString()));
+        List<Problem> warnings = warnings();
+        if (!warnings.isEmpty()) {
+            fields.put("warnings", warnings.stream().map(Problem::toString).toList());
+        }
         fields.put("pid", ProcessHandle.current().pid());
         events.happened("ready", fields);
     }

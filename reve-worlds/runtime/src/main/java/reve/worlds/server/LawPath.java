@@ -21,6 +21,7 @@ import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
+import java.util.Set;
 import java.util.SortedSet;
 import java.util.TreeSet;
 import java.util.regex.Pattern;
@@ -38,21 +39,23 @@ import java.util.stream.Stream;
  * @param world folder of the world file
  * @param trusted whether native code that comes with the world may be opened
  * @param place where the laws run
+ * @param validated whether laws run on guarded copies that hold them to their declarations (slower)
  */
 public record LawPath(
         Path shipped,
         Optional<Path> folder,
         Optional<Path> world,
         boolean trusted,
-        EnginePlace place) {
+        EnginePlace place,
+        boolean validated) {
     private static final Pattern NAME = Pattern.compile("[A-Za-z0-9_-]{1,47}");
     private static final String PREFIX = "libvesper_law_";
     private static final String SUFFIX = ".so";
     private static final String WORLDS_OWN = "laws";
 
-    /** Creates a path of laws that run in this process. */
+    /** Creates a path of laws that run in this process, without validation. */
     public LawPath(Path shipped, Optional<Path> folder, Optional<Path> world, boolean trusted) {
-        this(shipped, folder, world, trusted, EnginePlace.IN_PROCESS);
+        this(shipped, folder, world, trusted, EnginePlace.IN_PROCESS, false);
     }
 
     /** The origin of a library. */
@@ -73,6 +76,11 @@ public record LawPath(
         }
     }
 
+    /** Returns this path with laws that are held to their declarations, or not. */
+    public LawPath withValidation(boolean on) {
+        return new LawPath(shipped, folder, world, trusted, place, on);
+    }
+
     /** Returns a path of the shipped laws only. */
     public static LawPath ofShipped() {
         return new LawPath(
@@ -81,7 +89,8 @@ public record LawPath(
 
     /** Returns this path for a world whose file lies in this folder. */
     public LawPath forWorld(Path worldFolder) {
-        return new LawPath(shipped, folder, Optional.of(worldFolder), trusted, place);
+        return new LawPath(
+                shipped, folder, Optional.of(worldFolder), trusted, place, validated);
     }
 
     /**
@@ -117,6 +126,11 @@ public record LawPath(
                                                 + "' was not found among "
                                                 + places()
                                                 + suggestion(name)));
+    }
+
+    /** Returns the names of the laws that ship. */
+    Set<String> shippedNames() {
+        return Set.copyOf(namesIn(shipped));
     }
 
     /** Returns whether the law is in the world's own folder and must not be opened. */

@@ -165,7 +165,8 @@ public record RunReport(
         return String.format(Locale.ROOT, "%016x", stateHash);
     }
 
-    private Map<String, Object> profileFields() {
+    /** Returns how the busy time was spent, for JSON. */
+    Map<String, Object> profileFields() {
         Map<String, Object> fields = new LinkedHashMap<>();
         fields.put("busyNanoseconds", profile.busyNanoseconds());
         fields.put("overruns", profile.overruns());

@@ -7,7 +7,11 @@ import org.slf4j.LoggerFactory;
 
 import reve.core.agent.port.WorldControl;
 import reve.core.disk.Reason;
+import reve.core.file.EditReader;
+import reve.core.file.WorldEdit;
 import reve.core.file.WorldFile;
+import reve.core.file.WorldFileException;
+import reve.core.rule.Rule;
 import reve.core.world.ActionRefused;
 import reve.core.world.Departure;
 import reve.core.world.ItemId;
@@ -18,6 +22,7 @@ import reve.pe.PhysicsLaw;
 import reve.pe.PreparedLibrary;
 import reve.pe.adapter.LawLibrary;
 import reve.pe.adapter.Laws;
+import reve.pe.adapter.Quarantined;
 import reve.worlds.journal.SimulationImage;
 
 import java.io.IOException;
@@ -63,6 +68,7 @@ final class ServerControl implements WorldControl, AutoCloseable {
     private final ServerEvents events;
     private final Ledger ledger;
     private final LawEquations equations = new LawEquations();
+    private final WorldAnswers answers;
     private @Nullable SimulationImage beginning;
 
     /**
@@ -75,6 +81,7 @@ final class ServerControl implements WorldControl, AutoCloseable {
         this.saves = saves;
         this.events = events;
         this.ledger = new Ledger(simulation.physics());
+        this.answers = new WorldAnswers(simulation);
     }
 
     @Override
@@ -175,6 +182,50 @@ final class ServerControl implements WorldControl, AutoCloseable {
     }
 
     @Override
+    public Change release(String library) {
+        return (world, frame) -> {
+            Quarantined found =
+                    simulation.physics().laws().quarantined().stream()
+                            .filter(each -> each.library().equals(library))
+                            .findFirst()
+                            .orElseThrow(
+                                    () ->
+                                            new ActionRefused(
+                                                    "law-refused",
+                                                    "no library \""
+                                                            + library
+                                                            + "\" is in quarantine"));
+            simulation.physics().laws().release(found.sha256());
+        };
+    }
+
+    @Override
+    public Object answer(String what, Map<String, Object> arguments) throws ActionRefused {
+        return answers.answer(what, arguments);
+    }
+
+    @Override
+    public Change changeRules(Map<String, Optional<String>> rules) {
+        return (world, frame) -> {
+            EditReader reader = new EditReader(world.prototype());
+            List<Rule> changed = simulation.description().rules();
+            for (Map.Entry<String, Optional<String>> rule : rules.entrySet()) {
+                try {
+                    changed = reader.rules(changed, rule.getKey(), rule.getValue());
+                } catch (WorldFileException invalid) {
+                    throw new ActionRefused(
+                            WorldEdit.REFUSED,
+                            "rule "
+                                    + rule.getKey()
+                                    + ": "
+                                    + invalid.problems().getFirst().message());
+                }
+            }
+            simulation.setRules(changed);
+        };
+    }
+
+    @Override
     public synchronized Image beginning() {
         if (beginning == null) {
             beginning = simulation.beginning();
@@ -253,10 +304,12 @@ final class ServerControl implements WorldControl, AutoCloseable {
         }
 
         @Override
-        public void foresee(int frames, Consumer<WorldSnapshot> look) throws ActionRefused {
+        public void foresee(int frames, Change first, Consumer<WorldSnapshot> look)
+                throws ActionRefused {
             try (Simulation fork = simulation.fork(image)) {
                 long deadline = System.nanoTime() + FORESEE_NANOSECONDS;
                 fork.loop().run(0);
+                first.make(fork.world(), fork.loop().frame());
                 for (int made = 0; made < frames; made++) {
                     if (System.nanoTime() > deadline) {
                         throw new ActionRefused(

@@ -6,6 +6,7 @@ import org.slf4j.LoggerFactory;
 
 import reve.core.derive.DerivedColumns;
 import reve.core.file.LawReference;
+import reve.core.file.Problem;
 import reve.core.file.WorldDescription;
 import reve.core.frame.CommandQueue;
 import reve.core.frame.FrameBus;
@@ -14,6 +15,7 @@ import reve.core.frame.FrameListener;
 import reve.core.frame.FrameLoop;
 import reve.core.frame.FramePhase;
 import reve.core.frame.Pacing;
+import reve.core.rule.Rule;
 import reve.core.rule.Rules;
 import reve.core.world.SnapshotRing;
 import reve.core.world.World;
@@ -30,6 +32,7 @@ import reve.pe.adapter.PropertyNames;
 import reve.pe.adapter.SharedArena;
 import reve.pe.vesper.VesperConfig;
 import reve.pe.vesper.VesperEngine;
+import reve.worlds.check.WorldCheck;
 import reve.worlds.journal.Journal;
 import reve.worlds.journal.JournalSink;
 import reve.worlds.journal.SimulationImage;
@@ -58,7 +61,9 @@ public final class Simulation implements AutoCloseable {
     private static final int MAX_IMAGES = 64;
     private static final long MAX_IMAGE_BYTES = 1L << 30;
 
-    private final WorldDescription description;
+    /** Changes only in its rules. */
+    private volatile WorldDescription description;
+
     private final LawPath lawPath;
     private final Closing closing = new Closing();
     private final World world;
@@ -122,7 +127,7 @@ public final class Simulation implements AutoCloseable {
                     closing.add(
                             lawPath.place()
                                     .engine(
-                                            config(),
+                                            config(description.threads(), lawPath.validated()),
                                             PropertyNames.prototype(
                                                     world.prototype(),
                                                     VesperEngine.standardPrototype(
@@ -146,8 +151,9 @@ public final class Simulation implements AutoCloseable {
         onPublish("run events", events);
     }
 
-    private static VesperConfig config() {
-        return new VesperConfig(1, false, List.of(LawPath.ofShipped().shipped()), Simulation::log);
+    private static VesperConfig config(int threads, boolean validated) {
+        return new VesperConfig(
+                threads, validated, List.of(LawPath.ofShipped().shipped()), Simulation::log);
     }
 
     /** Logs a message of the engine or a law. The log drops lines instead of delaying the world. */
@@ -258,6 +264,16 @@ public final class Simulation implements AutoCloseable {
         snapshotNanoseconds += System.nanoTime() - start;
     }
 
+    /**
+     * Returns warnings about the world as described and its loaded laws: of values that do nothing,
+     * of bodies that fall for ever, and of steps that are too long. Between frames.
+     *
+     * @param complete whether all laws of the world are loaded
+     */
+    public List<Problem> warnings(boolean complete) {
+        return WorldCheck.warnings(description, engine.laws(), lawPath.shippedNames(), complete);
+    }
+
     /** Returns the description from which the world was built. */
     public WorldDescription description() {
         return description;
@@ -302,6 +318,15 @@ public final class Simulation implements AutoCloseable {
             }
         }
         return left;
+    }
+
+    /**
+     * Replaces the rules; symbols change in the next frame. Journals do not contain rules: a
+     * resumed world has those of its world file. World's thread, outside DERIVE.
+     */
+    public void setRules(List<Rule> newRules) {
+        rules.set(newRules);
+        description = description.withRules(newRules);
     }
 
     /** Returns the bus on which components subscribe to phases of the frame. */

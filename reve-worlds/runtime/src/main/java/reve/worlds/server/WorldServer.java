@@ -6,6 +6,7 @@ import org.jspecify.annotations.Nullable;
 import reve.core.agent.AgentServer;
 import reve.core.agent.AgentServerConfig;
 import reve.core.agent.port.WorldPort;
+import reve.core.file.Problem;
 import reve.core.file.WorldDescription;
 import reve.core.frame.Pacing;
 
@@ -129,6 +130,11 @@ public final class WorldServer implements AutoCloseable {
     /** Returns the port for agents. */
     public int port() {
         return agents.address().getPort();
+    }
+
+    /** Returns the warnings about the worlds, in their order. Before {@link #start}. */
+    public List<Problem> warnings() {
+        return worlds.stream().flatMap(world -> world.warnings().stream()).toList();
     }
 
     /** Starts to watch the laws folder, and reports that the worlds are ready. */

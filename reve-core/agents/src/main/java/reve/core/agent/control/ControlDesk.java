@@ -37,6 +37,7 @@ public final class ControlDesk {
     private final Publisher publisher;
     private final Embodiment embodiment;
     private final Images images;
+    private final WorldEdits edits;
     private final ForkAndSave forkAndSave;
     private final Reports reports;
     private final RateLimitedLog log;
@@ -60,6 +61,7 @@ public final class ControlDesk {
         this.publisher = publisher;
         this.embodiment = new Embodiment(port.agents(), port.framesPerSecond());
         this.images = new Images(port, embodiment);
+        this.edits = new WorldEdits(port, embodiment);
         this.forkAndSave = new ForkAndSave(port, embodiment, log);
         this.reports = new Reports(port, publisher, images, log, clients);
         this.log = log;
@@ -92,6 +94,8 @@ public final class ControlDesk {
                             edit,
                             new AgentInput.Edit(
                                     requester.name(), edit.item(), edit.property(), edit.value()));
+            case ClientMessage.WorldChange change ->
+                    change(requester, change, true, () -> edits.prepare(change));
             case ClientMessage.Pause pause -> accept(requester, pause, port.loop().pause());
             case ClientMessage.Run run -> {
                 accept(requester, run, port.loop().frame());
@@ -111,7 +115,14 @@ public final class ControlDesk {
                     between(requester, snapshot, () -> images.keep(snapshot.image()));
             case ClientMessage.Rewind rewind -> rewind(requester, rewind);
             case ClientMessage.Save save -> forkAndSave.save(requester, save);
-            case ClientMessage.Fork fork -> forkAndSave.fork(requester, fork);
+            case ClientMessage.Fork fork -> fork(requester, fork);
+            case ClientMessage.Ask ask -> ask(requester, ask);
+            case ClientMessage.Release release ->
+                    change(
+                            requester,
+                            release,
+                            true,
+                            () -> port.control().release(release.library()));
             case ClientMessage.ShutDown shutDown -> {
                 accept(requester, shutDown, port.loop().frame());
                 port.loop().stop();
@@ -252,6 +263,46 @@ public final class ControlDesk {
                             Outcome outcome = outcome(errand);
                             publisher.later(() -> answer(requester, request, outcome));
                         });
+    }
+
+    private void fork(Requester requester, ClientMessage.Fork fork) {
+        try {
+            forkAndSave.fork(requester, fork, edits.prepare(fork));
+        } catch (ActionRefused e) {
+            answer(requester, fork, refused(e, 0));
+        }
+    }
+
+    /** Answers a question between two frames, also while the world is paused. */
+    private void ask(Requester requester, ClientMessage.Ask ask) {
+        port.loop()
+                .betweenFrames(
+                        () -> {
+                            long frame = port.loop().frame();
+                            try {
+                                Object value = port.control().answer(ask.what(), ask.arguments());
+                                byte[] line =
+                                        new ServerMessage.Answer(ask.id(), frame, value)
+                                                .in(requester.encoding());
+                                publisher.later(() -> give(requester, ask, line));
+                            } catch (ActionRefused e) {
+                                publisher.later(() -> answer(requester, ask, refused(e, frame)));
+                            } catch (RuntimeException e) {
+                                publisher.later(
+                                        () -> answer(requester, ask, new Outcome.Failed(frame, e)));
+                            }
+                        });
+    }
+
+    private static void give(Requester requester, ClientMessage.Ask ask, byte[] line) {
+        if (!requester.answer(ask, line)) {
+            requester.refuse(
+                    ask,
+                    "too-large",
+                    "the answer has "
+                            + line.length
+                            + " bytes, which is more than is sent at once; ask for less");
+        }
     }
 
     private Outcome outcome(Errand errand) {

@@ -63,7 +63,10 @@ final class ForkAndSave {
                 });
     }
 
-    void fork(Requester requester, ClientMessage.Fork fork) {
+    /**
+     * @param first change that is made in the copy
+     */
+    void fork(Requester requester, ClientMessage.Fork fork, WorldControl.Change first) {
         study(
                 requester,
                 fork,
@@ -71,6 +74,7 @@ final class ForkAndSave {
                     var line = new AtomicReference<byte[]>();
                     now.image.foresee(
                             fork.frames(),
+                            first,
                             snapshot -> {
                                 var observatory = new Observatory();
                                 observatory.read(snapshot);

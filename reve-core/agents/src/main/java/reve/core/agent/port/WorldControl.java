@@ -86,6 +86,26 @@ public interface WorldControl {
     /** Prepares a picture of the frame. */
     Change picture() throws ActionRefused;
 
+    /**
+     * Prepares new rules, all of them or none.
+     *
+     * @param rules by the symbol that each computes: the rule as in a world file, in JSON; empty
+     *     removes the rule
+     */
+    Change changeRules(Map<String, Optional<String>> rules) throws ActionRefused;
+
+    /** Prepares the end of a library's quarantine. */
+    Change release(String library) throws ActionRefused;
+
+    /**
+     * Answers a question about the world. World's thread, between frames.
+     *
+     * @param what the type of the message in the protocol, such as {@code near}
+     * @param arguments Double, List of Double, String or Boolean by name
+     * @return a List or Map by text of String, Boolean, Number, or lists and maps of these
+     */
+    Object answer(String what, Map<String, Object> arguments) throws ActionRefused;
+
     /** A saved state of the world, to which it can be rewound. */
     interface Image extends AutoCloseable {
         /**
@@ -108,9 +128,10 @@ public interface WorldControl {
          * affected. Any thread.
          *
          * @param frames to make
+         * @param first change that is made in the copy before its first frame
          * @param look receives the last frame
          */
-        void foresee(int frames, Consumer<WorldSnapshot> look) throws ActionRefused;
+        void foresee(int frames, Change first, Consumer<WorldSnapshot> look) throws ActionRefused;
 
         @Override
         void close();
@@ -168,6 +189,21 @@ public interface WorldControl {
         @Override
         public Change picture() throws ActionRefused {
             throw unsupported("pictures");
+        }
+
+        @Override
+        public Change changeRules(Map<String, Optional<String>> rules) throws ActionRefused {
+            throw unsupported("rules");
+        }
+
+        @Override
+        public Change release(String library) throws ActionRefused {
+            throw unsupported("laws");
+        }
+
+        @Override
+        public Object answer(String what, Map<String, Object> arguments) throws ActionRefused {
+            throw unsupported(what);
         }
 
         @Override

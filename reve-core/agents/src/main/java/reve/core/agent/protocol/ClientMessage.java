@@ -3,6 +3,7 @@ package reve.core.agent.protocol;
 
 import java.util.Collections;
 import java.util.LinkedHashMap;
+import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.OptionalLong;
@@ -34,6 +35,13 @@ public sealed interface ClientMessage {
             case LoadLaw load -> "load-law";
             case UnloadLaw unload -> "unload-law";
             case Edit edit -> "edit";
+            case Add add -> "add";
+            case Change change -> "change";
+            case Remove remove -> "remove";
+            case SetRule rule -> "rule";
+            case Batch batch -> "batch";
+            case Ask ask -> ask.what();
+            case Release release -> "release";
             case Picture picture -> "picture";
             case Snapshot snapshot -> "snapshot";
             case Rewind rewind -> "rewind";
@@ -194,6 +202,65 @@ public sealed interface ClientMessage {
      */
     record Edit(long id, String item, String property, Object value) implements Control {}
 
+    /** A command that changes the items or the rules of a world. */
+    sealed interface WorldChange extends Control {}
+
+    /**
+     * @param items a mapping with {@code items} and {@code prefabs} as in a world file, in JSON
+     */
+    record Add(long id, String items) implements WorldChange {}
+
+    /**
+     * @param to the values of the item that change, as in a world file, in JSON; null removes one
+     */
+    record Change(long id, String item, String to) implements WorldChange {}
+
+    /**
+     * @param cascade whether items that refer to it or are attached to it are removed, too
+     */
+    record Remove(long id, String item, boolean cascade) implements WorldChange {}
+
+    /**
+     * @param name the symbol that the rule computes
+     * @param rule the rule as in a world file, in JSON; empty removes it
+     */
+    record SetRule(long id, String name, Optional<String> rule) implements WorldChange {}
+
+    /** Several changes, of which all happen or none. None of them is a batch. */
+    record Batch(long id, List<WorldChange> changes) implements WorldChange {
+        /** Maximum number of changes. */
+        public static final int MAX = 1000;
+
+        /** Copies the list. */
+        public Batch {
+            changes = List.copyOf(changes);
+        }
+    }
+
+    /**
+     * A question about the world, whose result has a value.
+     *
+     * @param what one of {@link #QUESTIONS}
+     * @param arguments Double, List of Double, String or Boolean by name
+     */
+    record Ask(long id, String what, Map<String, Object> arguments) implements Control {
+        /** The questions, and the names of their arguments; a * marks those that are optional. */
+        public static final Map<String, List<String>> QUESTIONS =
+                Map.of(
+                        "profile", List.of(),
+                        "changes", List.of(),
+                        "near", List.of("location", "distance*", "most*"),
+                        "region", List.of("from", "to"));
+
+        /** Copies the arguments. */
+        public Ask {
+            arguments = Collections.unmodifiableMap(new LinkedHashMap<>(arguments));
+        }
+    }
+
+    /** Permits a quarantined library of laws again. */
+    record Release(long id, String library) implements Control {}
+
     /** Requests a picture of the world. */
     record Picture(long id) implements Control {}
 
@@ -214,8 +281,9 @@ public sealed interface ClientMessage {
 
     /**
      * @param frames number of frames for which a copy of the world advances
+     * @param changes of items that are made in the copy first
      */
-    record Fork(long id, int frames) implements Control {}
+    record Fork(long id, int frames, Optional<Batch> changes) implements Control {}
 
     /** Ends the world. */
     record ShutDown(long id) implements Control {}

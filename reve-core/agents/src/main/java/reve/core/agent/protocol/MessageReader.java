@@ -131,7 +131,7 @@ public final class MessageReader {
             case "hello" ->
                     new ClientMessage.Hello(
                             fields.id,
-                            (int) fields.integer("protocol", 0, Integer.MAX_VALUE),
+                            fields.protocol(),
                             fields.text("name"),
                             fields.optionalText("role").orElse("agent"),
                             fields.optionalText("world"),
@@ -185,6 +185,8 @@ public final class MessageReader {
                             fields.text("item"),
                             fields.text("property"),
                             fields.value());
+            case "add", "change", "remove", "rule" -> fields.change(fields.required());
+            case "batch" -> fields.batch();
             case "picture" -> new ClientMessage.Picture(fields.required());
             case "snapshot" -> new ClientMessage.Snapshot(fields.required(), fields.image());
             case "rewind" ->
@@ -192,7 +194,11 @@ public final class MessageReader {
             case "save" -> new ClientMessage.Save(fields.required(), fields.text("file"));
             case "fork" ->
                     new ClientMessage.Fork(
-                            fields.required(), (int) fields.integer("frames", 0, MAX_EVERY));
+                            fields.required(),
+                            (int) fields.integer("frames", 0, MAX_EVERY),
+                            fields.has("changes") ? Optional.of(fields.batch()) : Optional.empty());
+            case "profile", "changes", "near", "region" -> fields.ask();
+            case "release" -> new ClientMessage.Release(fields.required(), fields.text("library"));
             case "shut-down" -> new ClientMessage.ShutDown(fields.required());
             case "speed" ->
                     new ClientMessage.Speed(
@@ -222,8 +228,9 @@ public final class MessageReader {
                             "a client sends hello, perceive, look, act, ready, ping, pong or bye;"
                                     + " in the roles observer and control also state, inspect or"
                                     + " laws; in the role control also pause, run, step, speed,"
-                                    + " load-law, set-law, unload-law, ledger, edit, picture,"
-                                    + " snapshot, rewind, save, fork or shut-down");
+                                    + " load-law, set-law, unload-law, release, edit, add, change,"
+                                    + " remove, rule, batch, picture, snapshot, rewind, save, fork,"
+                                    + " ledger, profile, changes, near, region or shut-down");
         };
     }
 
@@ -238,8 +245,26 @@ public final class MessageReader {
             this.id = find("id") == null ? NO_ID : integer(NO_ID, "id", 0, MAX_ID);
         }
 
+        /** Reads a part of a message, whose problems are those of the message. */
+        Fields(JsonNode part, long id) {
+            this.message = part;
+            this.id = id;
+        }
+
         boolean has(String name) {
             return find(name) != null;
+        }
+
+        /** Returns the version of the protocol that a client wants to speak. */
+        int protocol() throws BadMessage {
+            if (!has("protocol")) {
+                throw bad(
+                        id,
+                        "protocol",
+                        "is missing",
+                        "expected " + ClientMessage.PROTOCOL + ", as in " + EXAMPLE);
+            }
+            return (int) integer("protocol", 0, Integer.MAX_VALUE);
         }
 
         /** Returns the id of a message that requires one. */
@@ -365,6 +390,106 @@ public final class MessageReader {
                         "expected a number, a list of numbers, a text, or true or false");
             }
             return value("value", "value", field);
+        }
+
+        /** Returns a change of items or rules, by the type of the message. */
+        ClientMessage.WorldChange change(long answerTo) throws BadMessage {
+            return switch (text("t")) {
+                case "add" -> new ClientMessage.Add(answerTo, items());
+                case "change" ->
+                        new ClientMessage.Change(
+                                answerTo, text("item"), mapping("to", message.get("to")));
+                case "remove" ->
+                        new ClientMessage.Remove(answerTo, text("item"), isTrue("cascade"));
+                case "rule" -> new ClientMessage.SetRule(answerTo, text("name"), rule());
+                default ->
+                        throw bad(
+                                id,
+                                "t",
+                                "is " + show(message.get("t")),
+                                "expected add, change, remove or rule in a batch");
+            };
+        }
+
+        ClientMessage.Batch batch() throws BadMessage {
+            long answerTo = required();
+            JsonNode list = find("changes");
+            if (list == null
+                    || !list.isArray()
+                    || list.isEmpty()
+                    || list.size() > ClientMessage.Batch.MAX) {
+                throw bad(
+                        id,
+                        "changes",
+                        list == null ? "is missing" : "does not fit",
+                        "expected a list of 1 to " + ClientMessage.Batch.MAX + " changes");
+            }
+            List<ClientMessage.WorldChange> changes = new ArrayList<>();
+            for (JsonNode each : list.values()) {
+                if (!each.isObject()) {
+                    throw bad(id, "changes", "holds " + show(each), "expected objects with t");
+                }
+                changes.add(new Fields(each, answerTo).change(ClientMessage.NO_ID));
+            }
+            return new ClientMessage.Batch(answerTo, changes);
+        }
+
+        /** Returns a question with its arguments. */
+        ClientMessage.Ask ask() throws BadMessage {
+            String what = text("t");
+            Map<String, Object> arguments = new LinkedHashMap<>();
+            for (String name : ClientMessage.Ask.QUESTIONS.get(what)) {
+                boolean optional = name.endsWith("*");
+                String key = optional ? name.substring(0, name.length() - 1) : name;
+                JsonNode given = find(key);
+                if (given != null) {
+                    arguments.put(key, value(key, key, given));
+                } else if (!optional) {
+                    throw bad(id, key, "is missing", "expected a value");
+                }
+            }
+            return new ClientMessage.Ask(required(), what, arguments);
+        }
+
+        /** Returns the items and prefabs to add, as JSON. */
+        private String items() throws BadMessage {
+            JsonNode items = find("items");
+            if (items == null || !items.isArray() || items.isEmpty()) {
+                throw bad(
+                        id,
+                        "items",
+                        items == null ? "is missing" : "is " + show(items),
+                        "expected a list of items as in a world file");
+            }
+            JsonNode prefabs = find("prefabs");
+            return "{\"items\":"
+                    + items
+                    + (prefabs == null ? "" : ",\"prefabs\":" + mapping("prefabs", prefabs))
+                    + "}";
+        }
+
+        /** Returns a rule as JSON; empty if the message has none, and so removes the rule. */
+        private Optional<String> rule() throws BadMessage {
+            JsonNode rule = find("rule");
+            if (rule != null && !rule.isString() && !rule.isObject()) {
+                throw bad(
+                        id,
+                        "rule",
+                        "is " + show(rule),
+                        "expected an expression, or an object with is");
+            }
+            return Optional.ofNullable(rule).map(JsonNode::toString);
+        }
+
+        private String mapping(String name, @Nullable JsonNode value) throws BadMessage {
+            if (value == null || !value.isObject()) {
+                throw bad(
+                        id,
+                        name,
+                        value == null ? "is missing" : "is " + show(value),
+                        "expected an object as in a world file");
+            }
+            return value.toString();
         }
 
         String text(String name) throws BadMessage {

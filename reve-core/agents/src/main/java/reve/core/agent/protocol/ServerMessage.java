@@ -63,6 +63,14 @@ public sealed interface ServerMessage {
     /** A command took effect in a frame. */
     record Accepted(long id, long frame) implements ServerMessage {}
 
+    /**
+     * The answer to a question.
+     *
+     * @param frame of the state that it describes
+     * @param value a List or Map by text of String, Boolean, Number, or lists and maps of these
+     */
+    record Answer(long id, long frame, Object value) implements ServerMessage {}
+
     /** A command was refused. */
     record Refused(long id, String code, String reason) implements ServerMessage {}
 
@@ -132,6 +140,11 @@ public sealed interface ServerMessage {
                 fields.put("accepted", true);
                 fields.put("frame", accepted.frame);
             }
+            case Answer answer -> {
+                fields.put("accepted", true);
+                fields.put("frame", answer.frame);
+                fields.put("value", answer.value);
+            }
             case Refused refused -> {
                 fields.put("accepted", false);
                 fields.put("code", refused.code);
@@ -168,6 +181,7 @@ public sealed interface ServerMessage {
         return switch (this) {
             case Welcome welcome -> "welcome";
             case Accepted accepted -> "result";
+            case Answer answer -> "result";
             case Refused refused -> "result";
             case Report report -> "report";
             case Image image -> "image";

@@ -235,11 +235,26 @@ class MessagesTest {
                     json.put("item", edit.item())
                             .put("property", edit.property())
                             .set("value", JSON.valueToTree(edit.value()));
+            case ClientMessage.Add add -> json.setAll((ObjectNode) JSON.readTree(add.items()));
+            case ClientMessage.Change change ->
+                    json.put("item", change.item()).set("to", JSON.readTree(change.to()));
+            case ClientMessage.Remove remove -> {
+                json.put("item", remove.item());
+                if (remove.cascade()) {
+                    json.put("cascade", true);
+                }
+            }
+            case ClientMessage.SetRule rule -> {
+                json.put("name", rule.name());
+                rule.rule().ifPresent(text -> json.set("rule", JSON.readTree(text)));
+            }
+            case ClientMessage.Batch batch ->
+                    batch.changes()
+                            .forEach(change -> json.withArray("changes").add(written(change)));
             case ClientMessage.Snapshot snapshot -> json.put("image", snapshot.image());
             case ClientMessage.Rewind rewind ->
                     rewind.image().ifPresent(image -> json.put("image", image));
             case ClientMessage.Save save -> json.put("file", save.file());
-            case ClientMessage.Fork fork -> json.put("frames", fork.frames());
             case ClientMessage.Speed speed -> json.put("factor", speed.factor());
             case ClientMessage.SetLaw set ->
                     json.put("library", set.library())
@@ -249,6 +264,15 @@ class MessagesTest {
             case ClientMessage.Inspect inspect -> json.put("item", inspect.item());
             case ClientMessage.State state -> {}
             case ClientMessage.Laws laws -> {}
+            case ClientMessage.Fork fork -> {
+                json.put("frames", fork.frames());
+                fork.changes()
+                        .ifPresent(batch -> json.set("changes", written(batch).get("changes")));
+            }
+            case ClientMessage.Ask ask ->
+                    ask.arguments()
+                            .forEach((name, value) -> json.set(name, JSON.valueToTree(value)));
+            case ClientMessage.Release release -> json.put("library", release.library());
             case ClientMessage.Pause pause -> {}
             case ClientMessage.Run run -> {}
             case ClientMessage.Picture picture -> {}
@@ -322,7 +346,12 @@ class MessagesTest {
                                     json.at("/limits/worldEventBytes").intValue()));
             case "result" ->
                     json.get("accepted").booleanValue()
-                            ? new ServerMessage.Accepted(id, json.get("frame").longValue())
+                            ? json.has("value")
+                                    ? new ServerMessage.Answer(
+                                            id,
+                                            json.get("frame").longValue(),
+                                            JSON.treeToValue(json.get("value"), Object.class))
+                                    : new ServerMessage.Accepted(id, json.get("frame").longValue())
                             : new ServerMessage.Refused(
                                     id, text(json, "code"), text(json, "reason"));
             case "report" ->

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.agent.control;
+
+import reve.core.agent.embodiment.Embodiment;
+import reve.core.agent.port.WorldControl;
+import reve.core.agent.port.WorldPort;
+import reve.core.agent.protocol.ClientMessage;
+import reve.core.agent.protocol.Text;
+import reve.core.file.EditReader;
+import reve.core.file.Problem;
+import reve.core.file.WorldEdit;
+import reve.core.file.WorldFileException;
+import reve.core.world.ActionRefused;
+import reve.core.world.Item;
+import reve.core.world.World;
+
+import java.util.ArrayList;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.stream.Collectors;
+
+/** Changes of items and rules that operators request. Each message happens completely or not. */
+final class WorldEdits {
+    private static final int SHOWN = 3;
+
+    private final WorldPort port;
+    private final Embodiment embodiment;
+    private final EditReader reader;
+
+    WorldEdits(WorldPort port, Embodiment embodiment) {
+        this.port = port;
+        this.embodiment = embodiment;
+        this.reader = new EditReader(port.snapshots().prototype());
+    }
+
+    /** An edit that is read when the kinds of all items before it are known. */
+    private interface Reading {
+        WorldEdit read(World world, List<WorldEdit> before) throws ActionRefused;
+    }
+
+    /**
+     * Prepares a change: reads new items, and the rest when it is made. Any thread.
+     *
+     * @throws ActionRefused if the items are not valid
+     */
+    WorldControl.Change prepare(ClientMessage.WorldChange message) throws ActionRefused {
+        List<Reading> readings = new ArrayList<>();
+        Map<String, Optional<String>> rules = new LinkedHashMap<>();
+        List<ClientMessage.WorldChange> all =
+                message instanceof ClientMessage.Batch batch ? batch.changes() : List.of(message);
+        for (ClientMessage.WorldChange each : all) {
+            switch (each) {
+                case ClientMessage.Add add -> {
+                    WorldEdit items = add(add);
+                    readings.add((world, before) -> items);
+                }
+                case ClientMessage.Change change ->
+                        readings.add((world, before) -> change(world, before, change));
+                case ClientMessage.Remove remove -> {
+                    WorldEdit removal = new WorldEdit.Remove(remove.item(), remove.cascade());
+                    readings.add((world, before) -> removal);
+                }
+                case ClientMessage.SetRule rule -> rules.put(rule.name(), rule.rule());
+                case ClientMessage.Batch nested ->
+                        throw new IllegalArgumentException("a batch in a batch: " + nested);
+            }
+        }
+        Optional<WorldControl.Change> rulesChange =
+                rules.isEmpty() ? Optional.empty() : Optional.of(port.control().changeRules(rules));
+        return (world, frame) -> make(world, frame, readings, rulesChange);
+    }
+
+    /** Prepares the changes of a copy of the world, which has the rules of the world itself. */
+    WorldControl.Change prepare(ClientMessage.Fork fork) throws ActionRefused {
+        if (fork.changes().isEmpty()) {
+            return (world, frame) -> {};
+        }
+        if (fork.changes().get().changes().stream()
+                .anyMatch(ClientMessage.SetRule.class::isInstance)) {
+            throw new ActionRefused("fork-refused", "the copy has the rules of the world itself");
+        }
+        return prepare(fork.changes().get());
+    }
+
+    private void make(
+            World world, long frame, List<Reading> readings, Optional<WorldControl.Change> rules)
+            throws ActionRefused {
+        List<WorldEdit> edits = new ArrayList<>();
+        for (Reading reading : readings) {
+            edits.add(reading.read(world, edits));
+        }
+        if (edits.isEmpty()) {
+            rules.orElseThrow().make(world, frame);
+            return;
+        }
+        WorldEdit.make(
+                world,
+                edits,
+                embodiment.bodies().values(),
+                () -> {
+                    if (rules.isPresent()) {
+                        rules.get().make(world, frame);
+                    }
+                });
+    }
+
+    private WorldEdit add(ClientMessage.Add add) throws ActionRefused {
+        try {
+            return reader.add(add.items());
+        } catch (WorldFileException invalid) {
+            throw refusal(invalid);
+        }
+    }
+
+    private WorldEdit change(World world, List<WorldEdit> before, ClientMessage.Change change)
+            throws ActionRefused {
+        Optional<String> kind =
+                world.find(change.item())
+                        .map(Item::kind)
+                        .or(() -> Optional.ofNullable(WorldEdit.kinds(before).get(change.item())));
+        if (kind.isEmpty()) {
+            throw new ActionRefused(
+                    "no-such-item", "the world has no item " + Text.quote(change.item()));
+        }
+        try {
+            return reader.change(change.item(), kind.get(), change.to());
+        } catch (WorldFileException invalid) {
+            throw refusal(invalid);
+        }
+    }
+
+    /** Returns a refusal with the first problems. */
+    static ActionRefused refusal(WorldFileException invalid) {
+        List<Problem> problems = invalid.problems();
+        return new ActionRefused(
+                WorldEdit.REFUSED,
+                problems.stream()
+                                .limit(SHOWN)
+                                .map(
+                                        problem ->
+                                                (problem.pointer().isEmpty()
+                                                                ? ""
+                                                                : problem.pointer() + ": ")
+                                                        + problem.message())
+                                .collect(Collectors.joining("; "))
+                        + (problems.size() > SHOWN
+                                ? "; and " + (problems.size() - SHOWN) + " more problems"
+                                : ""));
+    }
+}

@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.file;
+
+import reve.core.mesh.Assets;
+import reve.core.mesh.WorldFolder;
+import reve.core.rule.Rule;
+import reve.core.world.ItemDefinition;
+import reve.core.world.WorldPrototype;
+
+import tools.jackson.databind.json.JsonMapper;
+
+import java.util.ArrayList;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.Set;
+
+/**
+ * Reader of edits of a running world, whose texts are parts of world files in JSON or YAML. They
+ * use no files. Any thread.
+ */
+public final class EditReader {
+    /** Maximum number of items that one edit adds. */
+    static final int MAX_ITEMS = 10_000;
+
+    private static final Set<String> CHANGEABLE =
+            Set.of("name", "parent", "physical", "physics", "semantic", "access");
+    private static final Set<String> SHAPE =
+            Set.of("shape", "radius", "size", "vertices", "triangles");
+
+    private final WorldPrototype prototype;
+
+    /** Creates a reader for a world of this prototype. */
+    public EditReader(WorldPrototype prototype) {
+        this.prototype = prototype;
+    }
+
+    /**
+     * Reads items to add.
+     *
+     * @param text a mapping with {@code items}, and {@code prefabs} if they are {@code like} some
+     * @throws WorldFileException with all problems
+     */
+    public WorldEdit add(String text) throws WorldFileException {
+        var problems = new Problems("add");
+        Node part = YamlReader.read(text, problems, new Allowance(YamlReader.MAX_VALUES));
+        SchemaCheck.checkPart(part, problems);
+        for (Node value : part.children()) {
+            if (!value.key().equals("items") && !value.key().equals("prefabs")) {
+                problems.addAtKey(
+                        value, "`" + value.key() + "` cannot be added; expected items or prefabs");
+            }
+        }
+        problems.throwIfAny();
+        WorldSource source =
+                new WorldSource(part, List.of(part), new SourceFiles(WorldFolder.none(), "add"));
+        var expansion = new Expansion(source, problems);
+        ItemReader reader = reader(expansion::complete, problems);
+        reader.names().permitOthers();
+        List<ItemDefinition> items = reader.readAll(source.all("items"), expansion);
+        if (items.size() > MAX_ITEMS) {
+            problems.add(
+                    part,
+                    "items: found "
+                            + items.size()
+                            + " with their repetitions, expected at most "
+                            + MAX_ITEMS
+                            + " in one message");
+        }
+        problems.throwIfAny();
+        return new WorldEdit.Add(items);
+    }
+
+    /**
+     * Reads a change of an item.
+     *
+     * @param item its name
+     * @param kind its kind
+     * @param text a mapping of the values that change, as of an item; null removes a value
+     * @throws WorldFileException with all problems
+     */
+    public WorldEdit change(String item, String kind, String text) throws WorldFileException {
+        var problems = new Problems("change");
+        Node given = YamlReader.read(text, problems, new Allowance(YamlReader.MAX_VALUES));
+        problems.throwIfAny();
+        List<String> set = new ArrayList<>();
+        List<String> cleared = new ArrayList<>();
+        Node values = split(given, set, cleared, problems);
+        if (set.remove("parent")) {
+            set.add("parent"); // last, because an item with a mass cannot be attached
+        }
+        problems.throwIfAny();
+        Map<String, Node> fields = new LinkedHashMap<>();
+        for (Node value : values.children()) {
+            fields.put(value.key(), value);
+        }
+        Node named = values.withValue(fields);
+        if (named.get("name").isEmpty()) {
+            new Node.Slot(named, "name", given.line(), given.column())
+                    .fill(given.line(), given.column(), item);
+        }
+        SchemaCheck.checkItem(named, problems);
+        problems.throwIfAny();
+        ItemDefinition definition = reader(node -> node, problems).readChange(named, kind);
+        problems.throwIfAny();
+        return new WorldEdit.Change(item, definition, set, cleared);
+    }
+
+    /** Sorts the values of a change into those to set and those to clear; returns the former. */
+    private static Node split(
+            Node given, List<String> set, List<String> cleared, Problems problems) {
+        Map<String, Node> fields = new LinkedHashMap<>();
+        for (Node value : given.children()) {
+            String key = value.key();
+            if (!given.isMapping() || !CHANGEABLE.contains(key)) {
+                problems.addAtKey(
+                        value,
+                        "`"
+                                + key
+                                + "` of an item cannot be changed; expected name, parent, physical,"
+                                + " physics, semantic or access");
+            } else if (value.isNothing()) {
+                clear(key, value, cleared, problems);
+            } else if (value.isMapping()) {
+                fields.put(key, splitAspect(key, value, set, cleared, problems));
+            } else {
+                set.add(key);
+                fields.put(key, value);
+            }
+        }
+        if (given.children().isEmpty()) {
+            problems.add(given, "to: found nothing to change");
+        }
+        return given.isMapping() ? given.withValue(fields) : given;
+    }
+
+    private static Node splitAspect(
+            String aspect, Node values, List<String> set, List<String> cleared, Problems problems) {
+        Map<String, Node> left = new LinkedHashMap<>();
+        for (Node value : values.children()) {
+            String key = aspect + "." + value.key();
+            if (value.isNothing()) {
+                clear(key, value, cleared, problems);
+                continue;
+            }
+            left.put(value.key(), value);
+            String what =
+                    aspect.equals("physical") && SHAPE.contains(value.key())
+                            ? "physical.shape"
+                            : key;
+            if (key.equals("physics.density")) {
+                set.add("physics.mass");
+                set.add("physics.inertia");
+            } else if (!set.contains(what)) {
+                set.add(what);
+            }
+        }
+        return values.withValue(left);
+    }
+
+    private static void clear(String key, Node value, List<String> cleared, Problems problems) {
+        if (key.equals("parent")
+                || key.equals("physics")
+                || key.equals("physical.material")
+                || key.startsWith("semantic.")
+                || key.startsWith("access.")) {
+            cleared.add(key);
+        } else {
+            problems.addAtKey(
+                    value,
+                    key
+                            + ": cannot be removed; null removes a parent, the whole physics, a"
+                            + " material, a symbol or an action");
+        }
+    }
+
+    private ItemReader reader(ItemReader.Completion completion, Problems problems) {
+        return new ItemReader(
+                prototype,
+                new PhysicsReader(prototype, Set.of(), Doubts.REFUSED, problems),
+                new Assets(WorldFolder.none()),
+                (node, path) -> path,
+                completion,
+                Doubts.REFUSED,
+                problems);
+    }
+
+    /**
+     * Returns rules with one of them replaced, added at the end, or removed.
+     *
+     * @param name the symbol that the rule computes
+     * @param text the rule as in a world file, an expression or a mapping with {@code is}; empty
+     *     removes the rule
+     * @throws WorldFileException with all problems
+     */
+    public List<Rule> rules(List<Rule> rules, String name, Optional<String> text)
+            throws WorldFileException {
+        List<Rule> changed = new ArrayList<>(rules);
+        int at = 0;
+        while (at < rules.size() && !rules.get(at).symbol().equals(name)) {
+            at++;
+        }
+        if (text.isEmpty()) {
+            if (at < rules.size()) {
+                changed.remove(at);
+            }
+            return List.copyOf(changed);
+        }
+        var problems = new Problems("rule");
+        Node part =
+                YamlReader.read(
+                        "{\"rules\":{"
+                                + JsonMapper.shared().writeValueAsString(name)
+                                + ":"
+                                + text.get()
+                                + "}}",
+                        problems,
+                        new Allowance(YamlReader.MAX_VALUES));
+        SchemaCheck.checkPart(part, problems);
+        problems.throwIfAny();
+        List<Node> nodes =
+                part.get("rules").map(Node::children).map(List::copyOf).orElse(List.of());
+        List<Rule> read = new RuleReader(problems).readRules(nodes, prototype);
+        problems.throwIfAny();
+        if (at < rules.size()) {
+            changed.set(at, read.getFirst());
+        } else {
+            changed.add(read.getFirst());
+        }
+        RuleReader.requireOrder(changed, nodes.getFirst(), problems);
+        problems.throwIfAny();
+        return List.copyOf(changed);
+    }
+}

@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.file;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.core.world.Action;
+import reve.core.world.ActionRefused;
+import reve.core.world.Item;
+import reve.core.world.ItemDefinition;
+import reve.core.world.ItemId;
+import reve.core.world.OffHeapArena;
+import reve.core.world.Possible;
+import reve.core.world.PropertyDescriptor;
+import reve.core.world.World;
+import reve.core.world.WorldImage;
+
+import java.util.ArrayList;
+import java.util.Arrays;
+import java.util.Collection;
+import java.util.HashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+
+/**
+ * A change of a running world's items, in the words of world files: the edits of operators. {@link
+ * EditReader} reads them. Immutable.
+ */
+public sealed interface WorldEdit {
+    /** Code of a refusal by the world. */
+    String REFUSED = "edit-refused";
+
+    /** Adds items, which may refer to each other and to items of the world. */
+    record Add(List<ItemDefinition> items) implements WorldEdit {
+        /** Copies the list. */
+        public Add {
+            items = List.copyOf(items);
+        }
+    }
+
+    /** Removes an item; in cascade, also all items that refer to it or are attached to it. */
+    record Remove(String item, boolean cascade) implements WorldEdit {}
+
+    /**
+     * Changes an item.
+     *
+     * @param item its name
+     * @param values the new values, as of an item
+     * @param set what to take from the values, in the order of the message: {@code name}, {@code
+     *     parent}, {@code physical.shape}, {@code physics.mass}, {@code semantic.SYMBOL}, {@code
+     *     access.ACTION}
+     * @param cleared what the item loses: {@code parent}, {@code physics}, {@code
+     *     physical.material}, {@code semantic.SYMBOL}, {@code access.ACTION}
+     */
+    record Change(String item, ItemDefinition values, List<String> set, List<String> cleared)
+            implements WorldEdit {
+        /** Copies the lists. */
+        public Change {
+            set = List.copyOf(set);
+            cleared = List.copyOf(cleared);
+        }
+    }
+
+    /**
+     * Makes edits in their order, all of them or none. Several edits are first tried on a copy of
+     * the world, which costs two bulk copies of its columns. World's thread, outside PHYSICS.
+     *
+     * @param kept items that must stay, such as the bodies of agents
+     * @param between called when the edits are known to be possible, and before they are made; it
+     *     may refuse them
+     * @throws ActionRefused with the reason; the world is then unchanged
+     */
+    static void make(World world, List<WorldEdit> edits, Collection<ItemId> kept, Step between)
+            throws ActionRefused {
+        if (edits.size() != 1 || hasParts(edits.getFirst())) {
+            tryOut(world, edits, kept);
+        } else if (edits.getFirst() instanceof Remove remove) {
+            requireNotKept(find(world, remove.item), kept);
+        }
+        between.run();
+        for (WorldEdit edit : edits) {
+            make(world, edit);
+        }
+    }
+
+    /** A step that may be refused. */
+    interface Step {
+        void run() throws ActionRefused;
+    }
+
+    private static boolean hasParts(WorldEdit edit) {
+        return edit instanceof Change change && change.set.size() + change.cleared.size() > 1
+                || edit instanceof Remove remove && remove.cascade;
+    }
+
+    private static void requireNotKept(Item item, Collection<ItemId> kept) throws ActionRefused {
+        if (kept.contains(item.id())) {
+            throw new ActionRefused(
+                    "cannot-remove",
+                    item.name() + " is the body of an agent, and leaves the world with it");
+        }
+    }
+
+    private static void tryOut(World world, List<WorldEdit> edits, Collection<ItemId> kept)
+            throws ActionRefused {
+        try (OffHeapArena arena = new OffHeapArena();
+                WorldImage image = new WorldImage(world)) {
+            image.copyFrom(world, 0);
+            World copy = new World(world.name(), world.prototype(), arena);
+            copy.restore(image);
+            for (int i = 0; i < edits.size(); i++) {
+                try {
+                    make(copy, edits.get(i));
+                } catch (ActionRefused refused) {
+                    throw edits.size() == 1
+                            ? refused
+                            : new ActionRefused(
+                                    refused.code(),
+                                    "edit "
+                                            + (i + 1)
+                                            + " of "
+                                            + edits.size()
+                                            + ": "
+                                            + refused.getMessage());
+                }
+            }
+            for (ItemId id : kept) {
+                if (copy.find(id).isEmpty()) {
+                    requireNotKept(world.item(id), kept);
+                }
+            }
+        }
+    }
+
+    private static void make(World world, WorldEdit edit) throws ActionRefused {
+        try {
+            switch (edit) {
+                case Add add ->
+                        world.addAll(add.items).forEach(item -> world.arrests().suspect(item.id()));
+                case Remove remove -> {
+                    ItemId id = find(world, remove.item).id();
+                    if (remove.cascade) {
+                        world.removeCascade(id);
+                    } else {
+                        world.remove(id);
+                    }
+                }
+                case Change change -> change(world, change);
+            }
+        } catch (IllegalArgumentException | IllegalStateException refused) {
+            throw new ActionRefused(REFUSED, String.valueOf(refused.getMessage()));
+        }
+    }
+
+    private static Item find(World world, String name) throws ActionRefused {
+        Optional<Item> item = world.find(name);
+        if (item.isEmpty()) {
+            throw new ActionRefused("no-such-item", "the world has no item \"" + name + "\"");
+        }
+        return item.get();
+    }
+
+    private static void change(World world, Change change) throws ActionRefused {
+        Item item = find(world, change.item);
+        for (String key : change.cleared) {
+            clear(world, item, key);
+        }
+        for (String key : change.set) {
+            set(world, item, change.values, key);
+        }
+    }
+
+    private static void clear(World world, Item item, String key) {
+        String name = key.substring(key.indexOf('.') + 1);
+        switch (key.substring(0, Math.max(0, key.indexOf('.')))) {
+            case "semantic" -> item.semantic().remove(name);
+            case "access" -> item.access().remove(name);
+            case "physical" -> item.physical().setMaterial(Optional.empty());
+            default -> {
+                if (key.equals("parent")) {
+                    world.detach(item.id());
+                } else {
+                    item.physics().clear();
+                }
+            }
+        }
+    }
+
+    private static void set(World world, Item item, ItemDefinition values, String key)
+            throws ActionRefused {
+        String name = key.substring(key.indexOf('.') + 1);
+        switch (key.substring(0, Math.max(0, key.indexOf('.')))) {
+            case "physical" -> setPhysical(world, item, values, name);
+            case "physics" -> setPhysics(world, item, values, name);
+            case "semantic" -> item.semantic().set(name, values.symbols().get(name));
+            case "access" -> item.access().set(action(values, name));
+            default -> {
+                if (key.equals("name")) {
+                    world.rename(item.id(), values.name());
+                } else {
+                    world.attach(item.id(), find(world, values.parent().orElseThrow()).id());
+                }
+            }
+        }
+    }
+
+    private static Action action(ItemDefinition values, String name) {
+        return values.actions().stream()
+                .filter(action -> action.name().equals(name))
+                .findFirst()
+                .orElseThrow();
+    }
+
+    private static void setPhysical(World world, Item item, ItemDefinition values, String key) {
+        switch (key) {
+            case "shape" -> item.physical().setShape(values.shape());
+            case "material" -> item.physical().setMaterial(values.material());
+            case "colour" -> item.physical().setColour(values.colour());
+            case "location" -> {
+                double[] at = values.location();
+                item.physical().setLocation(at[0], at[1], at[2]);
+                world.arrests().suspect(item.id());
+            }
+            default -> {
+                double[] turn = values.orientation();
+                item.physical().setOrientation(turn[0], turn[1], turn[2], turn[3]);
+            }
+        }
+    }
+
+    private static void setPhysics(World world, Item item, ItemDefinition values, String property)
+            throws ActionRefused {
+        @Nullable List<String> targets = values.references().get(property);
+        if (targets != null) {
+            List<ItemId> ids = new ArrayList<>();
+            for (String target : targets) {
+                ids.add(find(world, target).id());
+            }
+            item.physics().setReferences(property, ids.toArray(ItemId[]::new));
+            return;
+        }
+        double[] numbers = values.physics(property).orElseThrow();
+        Optional<PropertyDescriptor> column = world.prototype().find(item.kind(), property);
+        Optional<String> why = column.flatMap(known -> Possible.refusal(known, numbers));
+        if (why.isPresent()) {
+            throw new ActionRefused(
+                    "out-of-range",
+                    "item "
+                            + item.name()
+                            + ": physics."
+                            + property
+                            + " is "
+                            + (numbers.length == 1 ? numbers[0] : Arrays.toString(numbers))
+                            + "; "
+                            + why.get());
+        }
+        item.physics().set(property, numbers);
+        world.arrests().suspect(item.id());
+    }
+
+    /** Returns the kinds of the items that edits add, by name. */
+    static Map<String, String> kinds(List<WorldEdit> edits) {
+        Map<String, String> kinds = new HashMap<>();
+        for (WorldEdit edit : edits) {
+            if (edit instanceof Add add) {
+                add.items.forEach(item -> kinds.put(item.name(), item.kind()));
+            } else if (edit instanceof Change change && change.set.contains("name")) {
+                kinds.put(change.values.name(), change.values.kind());
+            }
+        }
+        return kinds;
+    }
+}

@@ -1,0 +1,296 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.worlds.check;
+
+import reve.core.file.WorldDescription;
+import reve.core.text.Rounded;
+import reve.core.world.ItemDefinition;
+import reve.core.world.Shape;
+import reve.core.world.WorldPrototype;
+import reve.pe.PhysicsLaw;
+
+import java.util.ArrayList;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+
+/** The checks for bodies that fall through what is below them. */
+final class ContactChecks {
+    /** The least height of a floor that a law with a floor of its own can reach [m]. */
+    private static final double LOWEST_FLOOR = -1e8;
+
+    private static final double ROUNDING = 1e-6;
+
+    private final WorldDescription world;
+    private final LawFacts laws;
+    private final ItemFacts items;
+    private final Findings findings;
+    private final List<PhysicsLaw> balls;
+    private final boolean surfaces;
+    private final boolean shapes;
+
+    ContactChecks(WorldDescription world, LawFacts laws, ItemFacts items, Findings findings) {
+        this.world = world;
+        this.laws = laws;
+        this.items = items;
+        this.findings = findings;
+        balls = laws.all().stream().filter(laws::touchesBalls).toList();
+        surfaces =
+                laws.all().stream().anyMatch(laws::touchesSurfaces)
+                        && items.mayExist(LawFacts.SURFACE);
+        shapes = laws.all().stream().anyMatch(laws::touchesShapes);
+    }
+
+    void run() {
+        checkRadii();
+        if (laws.mover().isPresent() && !surfaces) {
+            down().ifPresent(this::checkFloors);
+        }
+    }
+
+    /** Checks balls whose radius only the picture knows. */
+    private void checkRadii() {
+        if (balls.isEmpty() || items.isSetByActions(LawFacts.RADIUS)) {
+            return;
+        }
+        findings.items(
+                items.all().stream().filter(ContactChecks::isDrawnBall).toList(),
+                "physical.radius",
+                ball ->
+                        "radius: "
+                                + balls.getFirst().name()
+                                + " reads `physics.radius`, which "
+                                + ball.name()
+                                + " does not set, so nothing touches it; add radius: "
+                                + Rounded.of(((Shape.Sphere) ball.item().shape()).radius())
+                                + " m under `physics`");
+    }
+
+    private static boolean isDrawnBall(ItemFacts.Entry item) {
+        return item.isBody()
+                && item.item().hasPhysics()
+                && item.item().shape() instanceof Shape.Sphere
+                && !item.has(LawFacts.RADIUS);
+    }
+
+    /** Returns the axis along which gravity acts, if it acts along one, and its sign. */
+    private Optional<Down> down() {
+        List<Double> gravity = world.constants().get(LawFacts.GRAVITY);
+        if (gravity == null || !laws.isRead(WorldPrototype.WORLD, LawFacts.GRAVITY)) {
+            return Optional.empty();
+        }
+        int axis = 0;
+        for (int other = 1; other < 3; other++) {
+            if (Math.abs(gravity.get(other)) > Math.abs(gravity.get(axis))) {
+                axis = other;
+            }
+        }
+        return gravity.get(axis) == 0
+                ? Optional.empty()
+                : Optional.of(new Down(axis, Math.signum(gravity.get(axis))));
+    }
+
+    private record Down(int axis, double sign) {}
+
+    private void checkFloors(Down down) {
+        List<Floor> floors = floors();
+        Map<Fault, List<ItemFacts.Entry>> found = new LinkedHashMap<>();
+        Map<Fault, Floor> below = new LinkedHashMap<>();
+        for (ItemFacts.Entry body : items.movable()) {
+            if (body.item().shape() == Shape.none()
+                    || body.has("appliedForce")
+                    || items.isReferredTo(body)) {
+                continue;
+            }
+            List<Floor> reached =
+                    floors.stream().filter(floor -> isBelow(floor, body, down)).toList();
+            if (!reached.isEmpty() && reached.stream().noneMatch(floor -> holds(floor, body))) {
+                Fault fault = fault(body);
+                found.computeIfAbsent(fault, _ -> new ArrayList<>()).add(body);
+                below.putIfAbsent(fault, reached.getFirst());
+            }
+        }
+        found.forEach((fault, bodies) -> report(fault, bodies, below.get(fault), down));
+    }
+
+    /** The reason for which a body falls through a floor. */
+    private enum Fault {
+        NO_LAW,
+        NO_RADIUS,
+        NO_FLOOR,
+        SCENERY
+    }
+
+    private Fault fault(ItemFacts.Entry body) {
+        if (shapes) {
+            return Fault.SCENERY;
+        }
+        return balls.isEmpty()
+                ? Fault.NO_LAW
+                : body.has(LawFacts.RADIUS) ? Fault.NO_FLOOR : Fault.NO_RADIUS;
+    }
+
+    private void report(Fault fault, List<ItemFacts.Entry> bodies, Floor floor, Down down) {
+        switch (fault) {
+            case NO_LAW ->
+                    findings.items(
+                            bodies,
+                            "physical.shape",
+                            body ->
+                                    body.name()
+                                            + " falls through "
+                                            + floor.name
+                                            + ", because no law of this world makes bodies touch; "
+                                            + remedy(body, floor, down));
+            case NO_RADIUS -> {
+                List<ItemFacts.Entry> others =
+                        bodies.stream().filter(body -> !isDrawnBall(body)).toList();
+                findings.items(
+                        others,
+                        "physical.shape",
+                        body ->
+                                body.name()
+                                        + " falls through "
+                                        + floor.name
+                                        + ", because "
+                                        + balls.getFirst().name()
+                                        + " knows bodies as balls only, and `physics.radius` of "
+                                        + body.name()
+                                        + " is not set; set it, or "
+                                        + remedy(body, floor, down));
+            }
+            case NO_FLOOR ->
+                    findings.items(
+                            bodies,
+                            "physical.shape",
+                            body ->
+                                    body.name()
+                                            + " falls through "
+                                            + floor.name
+                                            + ", because "
+                                            + balls.getFirst().name()
+                                            + " does not know "
+                                            + floor.name
+                                            + "; "
+                                            + floorRemedy(balls.getFirst(), floor, down));
+            case SCENERY ->
+                    findings.items(
+                            bodies,
+                            "physical.shape",
+                            body ->
+                                    body.name()
+                                            + " falls through "
+                                            + floor.name
+                                            + ", because "
+                                            + floor.name
+                                            + " has no `physics`, so no law knows it; give it"
+                                            + " physics: {mass: 0}");
+        }
+    }
+
+    private String floorRemedy(PhysicsLaw law, Floor floor, Down down) {
+        return laws.parameter(law, LawFacts.FLOOR).isPresent() && down.axis == 1 && down.sign < 0
+                ? "set its parameter " + LawFacts.FLOOR + ": " + Rounded.of(floor.top(down)) + " m"
+                : "build the floor from immovable balls, or from items of kind surface with"
+                        + " surface_contact";
+    }
+
+    /** Returns a law that would hold a body, among those that ship. */
+    private String remedy(ItemFacts.Entry body, Floor floor, Down down) {
+        if (!laws.shipped("rigid_contact").isEmpty()) {
+            return "add rigid_contact to `laws`, and give " + floor.name + " physics: {mass: 0}";
+        }
+        return body.item().shape() instanceof Shape.Sphere && down.axis == 1
+                ? "add sphere_contact to `laws` with its parameter floorHeight: "
+                        + Rounded.of(floor.top(down))
+                        + " m, and set `physics.radius` of "
+                        + body.name()
+                : "add surface_contact to `laws`, and build "
+                        + floor.name
+                        + " from items of kind surface with a hardness";
+    }
+
+    /** Something with a shape that no law moves, by its box. */
+    private record Floor(String name, boolean physics, double radius, double[] low, double[] high) {
+        double top(Down down) {
+            return down.sign < 0 ? high[down.axis] : low[down.axis];
+        }
+    }
+
+    private List<Floor> floors() {
+        List<Floor> floors = new ArrayList<>();
+        for (ItemFacts.Entry entry : items.all()) {
+            ItemDefinition item = entry.item();
+            if (entry.isBody()
+                    && !entry.isMovable()
+                    && item.parent().isEmpty()
+                    && item.shape() != Shape.none()
+                    && !items.isSetByActions("mass")) {
+                floors.add(floor(entry));
+            }
+        }
+        return floors;
+    }
+
+    private static Floor floor(ItemFacts.Entry entry) {
+        ItemDefinition item = entry.item();
+        double[] at = item.location();
+        double[] half = extents(item);
+        double[] low = new double[3];
+        double[] high = new double[3];
+        for (int axis = 0; axis < 3; axis++) {
+            low[axis] = at[axis] - half[axis];
+            high[axis] = at[axis] + half[axis];
+        }
+        return new Floor(entry.name(), item.hasPhysics(), entry.number(LawFacts.RADIUS), low, high);
+    }
+
+    /** Returns half the extents of an item's shape along the axes of the world [m]. */
+    private static double[] extents(ItemDefinition item) {
+        double[] q = item.orientation();
+        double x = q[0];
+        double y = q[1];
+        double z = q[2];
+        double w = q[3];
+        double[][] rotation = {
+            {1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)},
+            {2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)},
+            {2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)}
+        };
+        double[] half = new double[3];
+        for (int axis = 0; axis < 3; axis++) {
+            for (int own = 0; own < 3; own++) {
+                half[axis] += Math.abs(rotation[axis][own]) * item.shape().size(own) / 2;
+            }
+        }
+        return half;
+    }
+
+    private static boolean isBelow(Floor floor, ItemFacts.Entry body, Down down) {
+        double[] at = body.item().location();
+        double[] half = extents(body.item());
+        for (int axis = 0; axis < 3; axis++) {
+            if (axis != down.axis
+                    && !(at[axis] >= floor.low[axis] && at[axis] <= floor.high[axis])) {
+                return false;
+            }
+        }
+        double bottom = at[down.axis] + down.sign * half[down.axis];
+        return (floor.top(down) - bottom) * down.sign >= -ROUNDING - 2 * half[down.axis];
+    }
+
+    /** Returns whether a law of this world keeps a body from falling through a floor. */
+    private boolean holds(Floor floor, ItemFacts.Entry body) {
+        if (shapes && floor.physics) {
+            return true;
+        }
+        return body.has(LawFacts.RADIUS)
+                && balls.stream()
+                        .anyMatch(
+                                law ->
+                                        floor.physics && floor.radius > 0
+                                                || laws.parameter(law, LawFacts.FLOOR)
+                                                                .orElse(LOWEST_FLOOR)
+                                                        > LOWEST_FLOOR);
+    }
+}

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.worlds.check;
+
+import reve.core.file.LawReference;
+import reve.core.file.Problem;
+import reve.core.file.WorldDescription;
+
+import java.util.ArrayList;
+import java.util.List;
+
+/** Collector of warnings. A check that finds several items reports the first, and their number. */
+final class Findings {
+    private final WorldDescription world;
+    private final List<Problem> all = new ArrayList<>();
+
+    Findings(WorldDescription world) {
+        this.world = world;
+    }
+
+    List<Problem> all() {
+        return all;
+    }
+
+    /** Reports items with the same fault, if there are any. */
+    void items(List<ItemFacts.Entry> found, String key, Message message) {
+        if (!found.isEmpty()) {
+            ItemFacts.Entry first = found.getFirst();
+            all.add(
+                    world.places()
+                            .item(
+                                    first.index(),
+                                    key,
+                                    message.about(first)
+                                            + (found.size() == 1
+                                                    ? ""
+                                                    : " (and "
+                                                            + (found.size() - 1)
+                                                            + " more items like it)")));
+        }
+    }
+
+    /** The text of a warning about an item. */
+    interface Message {
+        String about(ItemFacts.Entry item);
+    }
+
+    void law(LawReference law, String message) {
+        all.add(world.places().law(law, "law " + law.name() + ": " + message));
+    }
+
+    void constant(String name, String message) {
+        all.add(world.places().constant(name, "constants: " + message));
+    }
+}

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.worlds.check;
+
+import reve.core.access.DeclaredAction;
+import reve.core.access.Effect;
+import reve.core.file.WorldDescription;
+import reve.core.rule.Rule;
+import reve.core.world.Action;
+import reve.core.world.ItemDefinition;
+import reve.core.world.WorldPrototype;
+
+import java.util.ArrayList;
+import java.util.Arrays;
+import java.util.Collection;
+import java.util.Collections;
+import java.util.HashMap;
+import java.util.HashSet;
+import java.util.IdentityHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.Set;
+
+/**
+ * The items of a world as the checks see them: those of the file, and those that agents and actions
+ * may add.
+ */
+final class ItemFacts {
+    /** An item of the file, by its index in the description. */
+    record Entry(int index, ItemDefinition item) {
+        String name() {
+            return item.name();
+        }
+
+        boolean isBody() {
+            return item.kind().equals(WorldPrototype.BODY);
+        }
+
+        double number(String property) {
+            return item.physics(property).map(values -> values[0]).orElse(0.0);
+        }
+
+        double mass() {
+            return number("mass");
+        }
+
+        /** Returns whether laws may move it. */
+        boolean isMovable() {
+            return isBody() && mass() > 0 && item.parent().isEmpty();
+        }
+
+        boolean has(String property) {
+            return ItemFacts.has(item, property);
+        }
+    }
+
+    private final List<Entry> entries = new ArrayList<>();
+    private final Map<String, Entry> byName = new HashMap<>();
+    private final List<ItemDefinition> additional = new ArrayList<>();
+    private final Set<String> setByActions = new HashSet<>();
+    private final Set<String> referredTo = new HashSet<>();
+    private final Set<String> readByRules = new HashSet<>();
+    private boolean pushed;
+
+    ItemFacts(WorldDescription world) {
+        Set<Action> seen = Collections.newSetFromMap(new IdentityHashMap<>());
+        for (ItemDefinition item : world.items()) {
+            Entry entry = new Entry(entries.size(), item);
+            entries.add(entry);
+            byName.put(item.name(), entry);
+            item.references().values().forEach(referredTo::addAll);
+            readActions(item, seen);
+        }
+        world.agents().template().ifPresent(body -> addAdditional(body, seen));
+        for (Rule rule : world.rules()) {
+            readByRules.addAll(rule.expression().uses());
+        }
+    }
+
+    private void addAdditional(ItemDefinition item, Set<Action> seen) {
+        additional.add(item);
+        item.references().values().forEach(referredTo::addAll);
+        readActions(item, seen);
+    }
+
+    private void readActions(ItemDefinition item, Set<Action> seen) {
+        for (Action action : item.actions()) {
+            if (seen.add(action) && action instanceof DeclaredAction declared) {
+                for (Effect effect : declared.effects()) {
+                    readEffect(effect, seen);
+                }
+            }
+        }
+    }
+
+    private void readEffect(Effect effect, Set<Action> seen) {
+        switch (effect) {
+            case Effect.Impulse _, Effect.Force _ -> pushed = true;
+            case Effect.SetProperty set -> setByActions.add(set.property());
+            case Effect.Create create -> {
+                addAdditional(create.definition(), seen);
+                create.with().keySet().stream()
+                        .filter(key -> key.startsWith("physics."))
+                        .forEach(key -> setByActions.add(key.substring("physics.".length())));
+            }
+            case Effect.Attach _,
+                    Effect.Detach _,
+                    Effect.Raise _,
+                    Effect.Remove _,
+                    Effect.SetColour _,
+                    Effect.SetLocation _,
+                    Effect.SetOrientation _,
+                    Effect.SetSymbol _ -> {}
+        }
+    }
+
+    /** Returns the items of the file. */
+    List<Entry> all() {
+        return entries;
+    }
+
+    Optional<Entry> find(String name) {
+        return Optional.ofNullable(byName.get(name));
+    }
+
+    /** Returns the bodies of the file that laws may move. */
+    List<Entry> movable() {
+        return entries.stream().filter(Entry::isMovable).toList();
+    }
+
+    /** Returns whether there is, or may come to be, a body that laws may move. */
+    boolean mayMove() {
+        return setByActions.contains("mass")
+                || entries.stream().anyMatch(Entry::isMovable)
+                || additional.stream()
+                        .anyMatch(
+                                item ->
+                                        item.kind().equals(WorldPrototype.BODY)
+                                                && has(item, "mass"));
+    }
+
+    /** Returns whether there is, or may come to be, an item of a kind with physics. */
+    boolean mayExist(String kind) {
+        return count(kind) > 0
+                || additional.stream().anyMatch(item -> item.kind().equals(kind) && physics(item));
+    }
+
+    /** Returns the number of items of a kind with physics in the file. */
+    int count(String kind) {
+        return (int)
+                entries.stream()
+                        .filter(entry -> entry.item().kind().equals(kind) && physics(entry.item()))
+                        .count();
+    }
+
+    /** Returns whether a property of a kind is, or may come to be, other than 0 for some item. */
+    boolean mayDiffer(String kind, Collection<String> properties) {
+        return properties.stream().anyMatch(setByActions::contains)
+                || entries.stream()
+                        .map(Entry::item)
+                        .anyMatch(item -> item.kind().equals(kind) && hasAny(item, properties))
+                || additional.stream()
+                        .anyMatch(item -> item.kind().equals(kind) && hasAny(item, properties));
+    }
+
+    /** Returns whether an effect of an action sets a property. */
+    boolean isSetByActions(String property) {
+        return setByActions.contains(property);
+    }
+
+    /** Returns whether a rule reads a property of items. */
+    boolean isReadByRules(String property) {
+        return readByRules.contains("physics." + property);
+    }
+
+    /** Returns whether an action pushes items by impulses or forces. */
+    boolean isPushed() {
+        return pushed;
+    }
+
+    /** Returns whether springs, surfaces and so on refer to an item. */
+    boolean isReferredTo(Entry entry) {
+        return referredTo.contains(entry.name());
+    }
+
+    private static boolean physics(ItemDefinition item) {
+        return item.hasPhysics();
+    }
+
+    private static boolean hasAny(ItemDefinition item, Collection<String> properties) {
+        return properties.stream().anyMatch(property -> has(item, property));
+    }
+
+    /** Returns whether an item gives a property a value other than 0. */
+    static boolean has(ItemDefinition item, String property) {
+        return item.physics(property)
+                .filter(values -> Arrays.stream(values).anyMatch(value -> value != 0))
+                .isPresent();
+    }
+}

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.worlds.check;
+
+import reve.core.file.LawReference;
+import reve.core.file.WorldDescription;
+import reve.core.world.WorldPrototype;
+import reve.pe.Access;
+import reve.pe.LawParameter;
+import reve.pe.PhysicsLaw;
+import reve.pe.PropertyUse;
+import reve.pe.ScalarType;
+import reve.pe.adapter.PropertyNames;
+
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.Set;
+import java.util.function.Predicate;
+import java.util.regex.Pattern;
+import java.util.stream.Stream;
+
+/** The laws of a world by what they declare. */
+final class LawFacts {
+    static final String POSITION = "position";
+    static final String VELOCITY = "velocity";
+    static final String ORIENTATION = "orientation";
+    static final String FORCE = "externalForce";
+    static final String GRAVITY = "gravity";
+    static final String RADIUS = "radius";
+    static final String SURFACE = "surface";
+    static final String FLOOR = "floorHeight";
+
+    /** Properties that describe the state of a body or its rest shape, where 0 is a usual value. */
+    private static final Set<String> STATE =
+            Set.of(
+                    POSITION,
+                    VELOCITY,
+                    "acceleration",
+                    ORIENTATION,
+                    "angularVelocity",
+                    FORCE,
+                    "appliedForce",
+                    "torque",
+                    "length",
+                    "softening");
+
+    /** Properties from which a law can know the shape of a body. */
+    private static final Pattern EXTENT =
+            Pattern.compile("(?i).*(shape|size|extent|dimension|hull).*");
+
+    private final List<PhysicsLaw> laws;
+    private final List<LawReference> references;
+    private final Set<String> shipped;
+
+    LawFacts(WorldDescription world, List<PhysicsLaw> laws, Set<String> shipped) {
+        this.laws = laws;
+        this.references = world.laws();
+        this.shipped = shipped;
+    }
+
+    List<PhysicsLaw> all() {
+        return laws;
+    }
+
+    /** Returns the reference through which the world loads a law. */
+    LawReference reference(PhysicsLaw law) {
+        return references.stream()
+                .filter(reference -> reference.name().equals(law.library()))
+                .findFirst()
+                .orElseGet(() -> new LawReference(law.library(), Map.of(), ""));
+    }
+
+    /** Returns the value of a parameter; empty if the law declares none of this name. */
+    Optional<Double> parameter(PhysicsLaw law, String name) {
+        return law.parameters().stream()
+                .filter(parameter -> parameter.name().equals(name))
+                .findFirst()
+                .map(LawParameter::standard)
+                .map(
+                        standard -> {
+                            var given = reference(law).parameters();
+                            return given.getOrDefault(
+                                    name, given.getOrDefault(law.name() + "." + name, standard));
+                        });
+    }
+
+    private Optional<PhysicsLaw> first(Predicate<PropertyUse> use) {
+        return laws.stream().filter(law -> law.uses().stream().anyMatch(use)).findFirst();
+    }
+
+    /** Returns the first law that moves bodies. */
+    Optional<PhysicsLaw> mover() {
+        return first(use -> isBody(use, POSITION) && use.access().contains(Access.WRITE));
+    }
+
+    /** Returns the first law that turns bodies. */
+    Optional<PhysicsLaw> turner() {
+        return first(use -> isBody(use, ORIENTATION) && use.access().contains(Access.WRITE));
+    }
+
+    /** Returns the first law that exerts forces, or changes velocities in another way. */
+    Optional<PhysicsLaw> pusher() {
+        return laws.stream().filter(this::pushes).findFirst();
+    }
+
+    boolean pushes(PhysicsLaw law) {
+        return law.uses().stream()
+                        .anyMatch(
+                                use ->
+                                        use.kind().equals(WorldPrototype.BODY)
+                                                && use.access().contains(Access.ACCUMULATE))
+                || law.uses().stream()
+                                .anyMatch(
+                                        use ->
+                                                isBody(use, VELOCITY)
+                                                        && use.access().contains(Access.WRITE))
+                        && law.uses().stream().noneMatch(use -> isBody(use, FORCE));
+    }
+
+    /** Returns whether a law reads a property, under the world's name of it. */
+    boolean isRead(String kind, String property) {
+        return laws.stream()
+                .flatMap(law -> law.uses().stream())
+                .anyMatch(
+                        use ->
+                                use.kind().equals(kind)
+                                        && reads(use)
+                                        && columns(use).contains(property));
+    }
+
+    boolean isWritten(String kind, String engineName) {
+        return laws.stream()
+                .flatMap(law -> law.uses().stream())
+                .anyMatch(
+                        use ->
+                                use.kind().equals(kind)
+                                        && use.name().equals(engineName)
+                                        && (use.access().contains(Access.WRITE)
+                                                || use.access().contains(Access.ACCUMULATE)));
+    }
+
+    boolean isUsed(String kind) {
+        return laws.stream()
+                .flatMap(law -> law.uses().stream())
+                .anyMatch(use -> use.kind().equals(kind));
+    }
+
+    boolean uses(PhysicsLaw law, String kind, String engineName) {
+        return law.uses().stream()
+                .anyMatch(use -> use.kind().equals(kind) && use.name().equals(engineName));
+    }
+
+    /** Returns the kinds of items whose rows a law needs, without body and world. */
+    List<String> ownKinds(PhysicsLaw law) {
+        return law.uses().stream()
+                .filter(use -> !use.optional())
+                .map(PropertyUse::kind)
+                .filter(
+                        kind ->
+                                !kind.equals(WorldPrototype.BODY)
+                                        && !kind.equals(WorldPrototype.WORLD))
+                .distinct()
+                .toList();
+    }
+
+    /**
+     * Returns the uses of a law whose values decide how strongly it acts: read by it, written by no
+     * law, and neither state nor reference.
+     */
+    Stream<PropertyUse> strengths(PhysicsLaw law) {
+        return law.uses().stream()
+                .filter(
+                        use ->
+                                reads(use)
+                                        && !use.access().contains(Access.SCRATCH)
+                                        && (use.type() == ScalarType.F32
+                                                || use.type() == ScalarType.F64)
+                                        && !STATE.contains(use.name())
+                                        && !isWritten(use.kind(), use.name()));
+    }
+
+    /** Returns the first law that reads a function of position, which only a library provides. */
+    Optional<PhysicsLaw> readerOfUnknownField() {
+        return laws.stream().allMatch(law -> shipped.contains(law.library()))
+                ? first(use -> use.type() == ScalarType.FIELD && !use.optional())
+                : Optional.empty();
+    }
+
+    /** Returns whether a law makes bodies touch that it knows as balls. */
+    boolean touchesBalls(PhysicsLaw law) {
+        return pushes(law) && law.uses().stream().anyMatch(use -> isBody(use, RADIUS));
+    }
+
+    /** Returns whether a law makes bodies touch triangles. */
+    boolean touchesSurfaces(PhysicsLaw law) {
+        return pushes(law) && law.uses().stream().anyMatch(use -> use.kind().equals(SURFACE));
+    }
+
+    /** Returns whether a law makes bodies touch whose shape it reads. */
+    boolean touchesShapes(PhysicsLaw law) {
+        return law.uses().stream()
+                .anyMatch(
+                        use ->
+                                use.kind().equals(WorldPrototype.BODY)
+                                        && EXTENT.matcher(use.name()).matches());
+    }
+
+    /** Returns which of some law libraries ship with this release. */
+    List<String> shipped(String... names) {
+        return Stream.of(names).filter(shipped::contains).toList();
+    }
+
+    static List<String> columns(PropertyUse use) {
+        return PropertyNames.columns(use.kind(), use.name());
+    }
+
+    private static boolean reads(PropertyUse use) {
+        return use.access().contains(Access.READ);
+    }
+
+    private static boolean isBody(PropertyUse use, String name) {
+        return use.kind().equals(WorldPrototype.BODY) && use.name().equals(name);
+    }
+}

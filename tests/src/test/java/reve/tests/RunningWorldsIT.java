@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.tests;
+
+import static org.assertj.core.api.Assertions.assertThat;
+
+import org.junit.jupiter.api.Tag;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+
+import reve.agent.AgentClient;
+import reve.agent.Join;
+import reve.core.frame.FrameLoop;
+import reve.core.world.AccessAspect;
+import reve.core.world.PhysicalAspect;
+import reve.core.world.PhysicsAspect;
+import reve.core.world.SemanticAspect;
+import reve.core.world.World;
+import reve.pe.adapter.Laws;
+import reve.pe.adapter.PhysicsAdapter;
+import reve.worlds.server.Simulation;
+
+import tools.jackson.databind.json.JsonMapper;
+
+import java.lang.reflect.Method;
+import java.lang.reflect.Modifier;
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.util.ArrayList;
+import java.util.Arrays;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Set;
+import java.util.TreeSet;
+import java.util.concurrent.TimeUnit;
+import java.util.regex.Matcher;
+import java.util.regex.Pattern;
+import java.util.stream.Stream;
+
+/** The tables of docs/running-worlds.md: each cell works, and no operation of Java is missing. */
+@Tag("slow")
+class RunningWorldsIT {
+    private static final Path PAGE = Project.ROOT.resolve("docs/running-worlds.md");
+    private static final Pattern CODE = Pattern.compile("`([^`]+)`");
+    private static final Pattern FILE =
+            Pattern.compile("```yaml\n# (\\w+\\.yaml)\n(.*?)```", Pattern.DOTALL);
+
+    /** Classes whose operations the page lists. */
+    private static final List<Class<?>> DOORS =
+            List.of(
+                    World.class,
+                    PhysicalAspect.class,
+                    SemanticAspect.class,
+                    AccessAspect.class,
+                    PhysicsAspect.class,
+                    Laws.class,
+                    PhysicsAdapter.class,
+                    Simulation.class,
+                    FrameLoop.class);
+
+    private static final Pattern OPERATION =
+            Pattern.compile(
+                    "(add|remove|rename|attach|detach|set|clear|load|unload|release|keep|rewind"
+                            + "|fork|pause|resume|stop)([A-Z].*)?");
+
+    /** Operations of programs that build or restore worlds; none changes a running world. */
+    private static final Set<String> INTERNAL =
+            Set.of(
+                    "FrameLoop.setGate",
+                    "World.setAge",
+                    "World.add",
+                    "Laws.addListener",
+                    "Laws.removeListener",
+                    "Simulation.addListener");
+
+    /** Questions that are answered by a report. */
+    private static final Set<String> REPORTS = Set.of("state", "inspect", "laws", "ledger");
+
+    /** A row: what to do, and the code of its other cells; empty for a dash. */
+    private record Row(
+            String what, List<String> java, String command, String message, String python) {}
+
+    private static List<Row> rows() throws Exception {
+        List<Row> rows = new ArrayList<>();
+        for (String line : Files.readAllLines(PAGE)) {
+            String[] cells = line.split("\\|");
+            if (cells.length == 6 && cells[2].contains("`") && !cells[1].contains("to do")) {
+                rows.add(
+                        new Row(
+                                cells[1].strip(),
+                                CODE.matcher(cells[2]).results().map(m -> m.group(1)).toList(),
+                                code(cells[3]),
+                                code(cells[4]),
+                                code(cells[5])));
+            }
+        }
+        return rows;
+    }
+
+    private static String code(String cell) {
+        Matcher code = CODE.matcher(cell);
+        return code.find() ? code.group(1) : "";
+    }
+
+    @Test
+    void noOperationOfJavaIsMissing() throws Exception {
+        Set<String> listed = new TreeSet<>();
+        rows().forEach(row -> listed.addAll(row.java()));
+        assertThat(listed).hasSizeGreaterThan(30);
+        Set<String> missing = new TreeSet<>();
+        for (Class<?> door : DOORS) {
+            for (Method method : door.getMethods()) {
+                String name = door.getSimpleName() + "." + method.getName();
+                if (method.getDeclaringClass() == door
+                        && !Modifier.isStatic(method.getModifiers())
+                        && OPERATION.matcher(method.getName()).matches()
+                        && !INTERNAL.contains(name)
+                        && !listed.contains(name)) {
+                    missing.add(name);
+                }
+            }
+        }
+        assertThat(missing).isEmpty();
+        for (String name : listed) {
+            String[] parts = name.split("\\.");
+            DOORS.stream()
+                    .filter(door -> door.getSimpleName().equals(parts[0]))
+                    .forEach(
+                            door ->
+                                    assertThat(
+                                                    Arrays.stream(door.getMethods())
+                                                            .map(Method::getName))
+                                            .as(name)
+                                            .contains(parts[1]));
+        }
+    }
+
+    @Test
+    void eachCellWorks(@TempDir Path folder) throws Exception {
+        Matcher file = FILE.matcher(Files.readString(PAGE));
+        while (file.find()) {
+            Files.writeString(folder.resolve(file.group(1)), file.group(2));
+        }
+        try (Server server =
+                        Server.start(
+                                folder,
+                                "serve",
+                                folder.resolve("bench.yaml").toString(),
+                                "--port",
+                                "0",
+                                "--json",
+                                "--saves",
+                                folder.resolve("saved").toString(),
+                                "--snapshots",
+                                folder.toString());
+                AgentClient boss =
+                        AgentClient.connect(
+                                "127.0.0.1",
+                                Integer.parseInt(server.port()),
+                                Join.as("boss").withRole("control"))) {
+            server.events().await("fault", fault -> true);
+            assertThat(boss.command("snapshot", Map.of("image", "start")).accepted()).isTrue();
+            List<Row> rows = rows();
+            for (Row row : rows) {
+                if (!row.message().contains("shut-down")) {
+                    begin(boss);
+                    say(boss, row);
+                }
+            }
+            tryPython(folder, server.port(), rows);
+            for (Row row : rows) {
+                if (!row.command().isEmpty() && !row.command().equals("shut-down")) {
+                    begin(boss);
+                    new Shell(folder).run(command(row, server.port()));
+                }
+            }
+            assertThat(boss.command("shut-down", Map.of()).accepted()).isTrue();
+            assertThat(server.exitCode()).isZero();
+        }
+    }
+
+    /** Restores the world of the page, and lets it run. */
+    private static void begin(AgentClient boss) {
+        assertThat(boss.command("rewind", Map.of("image", "start")).accepted()).isTrue();
+        assertThat(boss.command("run", Map.of()).accepted()).isTrue();
+    }
+
+    @SuppressWarnings("unchecked") // what JSON objects become
+    private static void say(AgentClient boss, Row row) {
+        Map<String, Object> fields =
+                new LinkedHashMap<>(new JsonMapper().readValue(row.message(), Map.class));
+        String type = (String) fields.remove("t");
+        if (type.equals("fork")) {
+            var changes = (List<Map<String, Object>>) fields.getOrDefault("changes", List.of());
+            assertThat(boss.foresee((int) fields.get("frames"), changes).find("sign").isPresent())
+                    .isEqualTo(changes.isEmpty());
+            return;
+        }
+        if (REPORTS.contains(type)) {
+            assertThat(boss.report(type, fields).content()).as(row.message()).isNotEmpty();
+            return;
+        }
+        var result = boss.command(type, fields);
+        assertThat(result.accepted()).as("%s: %s", row.message(), result).isTrue();
+    }
+
+    private static String command(Row row, String port) {
+        return Project.ROOT.resolve("build/current/bin/reve")
+                + " control "
+                + row.command()
+                + " --port "
+                + port;
+    }
+
+    private static void tryPython(Path folder, String port, List<Row> rows) throws Exception {
+        List<String> script =
+                new ArrayList<>(
+                        List.of(
+                                "import reve",
+                                "boss = reve.control('127.0.0.1', " + port + ", name='snake')",
+                                "def begin():",
+                                "    assert boss.rewind('start')",
+                                "    assert boss.run()"));
+        Stream<String> calls = rows.stream().map(Row::python);
+        calls.filter(call -> !call.isEmpty() && !call.contains("shut_down"))
+                .forEach(
+                        call -> {
+                            script.add("begin()");
+                            script.add("done = " + call);
+                            script.add("assert done, done");
+                        });
+        Path file = Files.write(folder.resolve("calls.py"), script);
+        ProcessBuilder builder =
+                new ProcessBuilder("python3", file.toString()).redirectErrorStream(true);
+        builder.environment().put("PYTHONPATH", Project.ROOT.resolve("agents/python").toString());
+        Process python = builder.start();
+        String said = new String(python.getInputStream().readAllBytes());
+        assertThat(python.waitFor(60, TimeUnit.SECONDS)).isTrue();
+        assertThat(python.exitValue()).as(said).isZero();
+    }
+}
