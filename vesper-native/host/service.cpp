@@ -202,17 +202,19 @@ void Service::Create(Reader& request) {
 void Service::Bind(Reader& request, bool rebind) {
   const std::string name = request.Text();
   const auto descriptor = request.Value<uint32_t>();
+  const auto offset = request.Value<uint64_t>();
   const auto size = request.Value<uint64_t>();
   const auto value_count = request.Value<uint64_t>();
   const auto index_descriptor = request.Value<uint32_t>();
+  const auto index_offset = request.Value<uint64_t>();
   const auto index_size = request.Value<uint64_t>();
   const auto object_count = request.Value<uint64_t>();
   Columns::Arrays arrays;
   if (descriptor != kNoDescriptor) {
-    arrays.data = Mapping(client_, descriptor, size, columns_.IsWritable(name));
+    arrays.data = Mapping(client_, descriptor, size, columns_.IsWritable(name), offset);
   }
   if (index_descriptor != kNoDescriptor) {
-    arrays.indices = Mapping(client_, index_descriptor, index_size, false);
+    arrays.indices = Mapping(client_, index_descriptor, index_size, false, index_offset);
   }
   const auto bind =
       rebind ? vesper_provider_rebind_physical_property : vesper_provider_add_physical_property;

@@ -11,6 +11,7 @@ import reve.pe.PhysicsLaw;
 import reve.pe.PreparedLibrary;
 import reve.pe.Prototype;
 import reve.pe.Status;
+import reve.pe.posix.SharedPart;
 import reve.pe.vesper.LawText;
 import reve.pe.vesper.LibraryFile;
 import reve.pe.vesper.VesperConfig;
@@ -26,7 +27,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.function.Consumer;
-import java.util.function.ToIntFunction;
+import java.util.function.Function;
 
 /**
  * A Vesper engine in a process of its own, the host, which uses the arrays of the provider in
@@ -86,7 +87,7 @@ public final class HostedEngine implements PhysicsEngine {
      * @param frameLimit time that all laws together may take for an advance: processor time, and
      *     time in which they only wait. The first advance may take at least ten seconds, and others
      *     eight times the longest of the last frames
-     * @param descriptors returns the descriptor of shared memory that is lent to the engine, and
+     * @param parts returns where hosts find memory that is lent to the engine, and
      *     throws IllegalArgumentException for other memory
      * @throws PhysicsException if the engine refuses the prototype
      * @throws IllegalStateException if no process can be started
@@ -96,12 +97,12 @@ public final class HostedEngine implements PhysicsEngine {
             Duration frameLimit,
             VesperConfig config,
             Prototype prototype,
-            ToIntFunction<MemorySegment> descriptors) {
+            Function<MemorySegment, SharedPart> parts) {
         this.hosts = hosts;
         this.frameLimit = frameLimit;
         this.config = config;
         this.prototype = prototype;
-        this.provider = new HostedProvider(this, prototype, descriptors);
+        this.provider = new HostedProvider(this, prototype, parts);
         try {
             host();
         } catch (HostLost lost) {

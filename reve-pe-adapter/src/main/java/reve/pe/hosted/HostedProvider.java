@@ -10,6 +10,7 @@ import reve.pe.PropertyDescriptor;
 import reve.pe.Prototype;
 import reve.pe.ScalarType;
 import reve.pe.Status;
+import reve.pe.posix.SharedPart;
 
 import java.lang.foreign.MemorySegment;
 import java.util.HashSet;
@@ -17,14 +18,14 @@ import java.util.LinkedHashMap;
 import java.util.LinkedHashSet;
 import java.util.Map;
 import java.util.Set;
-import java.util.function.ToIntFunction;
+import java.util.function.Function;
 
 /** The provider of a hosted engine: the arrays of the client, which each host maps. */
 final class HostedProvider implements PhysicalPropertyProvider {
     private static final int NO_DESCRIPTOR = -1;
 
     private final HostedEngine engine;
-    private final ToIntFunction<MemorySegment> descriptors;
+    private final Function<MemorySegment, SharedPart> parts;
     private final Map<String, PropertyDescriptor> properties = new LinkedHashMap<>();
     private final Map<String, Arrays> bound = new LinkedHashMap<>();
 
@@ -44,9 +45,9 @@ final class HostedProvider implements PhysicalPropertyProvider {
             long objectCount) {}
 
     HostedProvider(
-            HostedEngine engine, Prototype prototype, ToIntFunction<MemorySegment> descriptors) {
+            HostedEngine engine, Prototype prototype, Function<MemorySegment, SharedPart> parts) {
         this.engine = engine;
-        this.descriptors = descriptors;
+        this.parts = parts;
         prototype.properties().forEach(property -> properties.put(property.name(), property));
     }
 
@@ -107,9 +108,10 @@ final class HostedProvider implements PhysicalPropertyProvider {
 
     private void put(Mailbox to, @Nullable MemorySegment memory) {
         if (memory == null || memory.byteSize() == 0) {
-            to.putInt(NO_DESCRIPTOR).putLong(0);
+            to.putInt(NO_DESCRIPTOR).putLong(0).putLong(0);
         } else {
-            to.putInt(descriptors.applyAsInt(memory)).putLong(memory.byteSize());
+            SharedPart part = parts.apply(memory);
+            to.putInt(part.descriptor()).putLong(part.offset()).putLong(memory.byteSize());
         }
     }
 
