@@ -484,6 +484,7 @@ public final class HostedEngine implements PhysicsEngine {
             throw failed;
         }
         host = fresh;
+        hosts.refill(); // now, because the start would have delayed this host
         return fresh;
     }
 

@@ -22,8 +22,9 @@ import java.util.Set;
 import java.util.function.ToIntFunction;
 
 /**
- * The provider of a hosted engine: the arrays of the client, which each host maps. A host is told of
- * all rebound arrays at once, so a refusal of their values comes with the next call of the engine.
+ * The provider of a hosted engine: the arrays of the client, which each host maps. A host is told
+ * of all rebound arrays at once, so a refusal of their values comes with the next call of the
+ * engine.
  */
 final class HostedProvider implements PhysicalPropertyProvider {
     private static final int NO_DESCRIPTOR = -1;
