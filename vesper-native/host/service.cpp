@@ -176,6 +176,12 @@ void Service::Dispatch(Reader request, Writer& reply) {
       return Check(vesper_engine_set_ledger(engine_.get(), request.Value<uint32_t>(), &error_));
     case Request::kLedger:
       return Ledger(request, reply);
+    case Request::kBindAll:
+      for (auto left = request.Value<uint32_t>(); left > 0; --left) {
+        const bool rebind = request.Value<uint32_t>() != 0;
+        Bind(request, rebind);
+      }
+      return;
   }
   throw std::runtime_error("unknown request " + std::to_string(static_cast<uint32_t>(number)));
 }

@@ -180,7 +180,7 @@ public final class HostedEngine implements PhysicsEngine {
         library.requireFree();
         Loaded added = new Loaded(nextId, library, parameters);
         try {
-            Calls calls = calls(host(), REQUEST.toNanos(), config.log());
+            Calls calls = connected();
             loadWithReport(calls, added);
             library.taken();
             libraries.put(added.id, added);
@@ -290,6 +290,9 @@ public final class HostedEngine implements PhysicsEngine {
         provider.checkArraysAlive();
         try {
             HostProcess current = host();
+            if (provider.hasPending()) {
+                provider.flush(calls(current, REQUEST.toNanos(), config.log()));
+            }
             provider.flushTouches();
             current.begin(Request.ADVANCE).putDouble(dt).putInt(steps);
             long start = System.nanoTime();
@@ -369,7 +372,7 @@ public final class HostedEngine implements PhysicsEngine {
     public void loadState(byte[] saved) {
         checkOpen();
         try {
-            Calls calls = calls(host(), REQUEST.toNanos(), config.log());
+            Calls calls = connected();
             state.load(saved, List.of(), calls);
             state.keep(calls);
             moves.clear();
@@ -380,7 +383,7 @@ public final class HostedEngine implements PhysicsEngine {
 
     private void keepState() {
         try {
-            state.keep(calls(host(), REQUEST.toNanos(), config.log()));
+            state.keep(connected());
             moves.clear();
         } catch (HostLost lost) {
             throw lost(lost);
@@ -443,17 +446,26 @@ public final class HostedEngine implements PhysicsEngine {
         checkOpen();
         try {
             try {
-                return calls(host(), REQUEST.toNanos(), config.log()).call(request);
+                return connected().call(request);
             } catch (HostLost lost) {
                 if (!lost.running.isEmpty()) {
                     throw lost;
                 }
                 lose();
-                return calls(host(), REQUEST.toNanos(), config.log()).call(request);
+                return connected().call(request);
             }
         } catch (HostLost lost) {
             throw lost(lost);
         }
+    }
+
+    /** Returns a connection to the host, which has the present arrays. */
+    private Calls connected() throws HostLost {
+        Calls calls = calls(host(), REQUEST.toNanos(), config.log());
+        if (provider.hasPending()) {
+            provider.flush(calls);
+        }
+        return calls;
     }
 
     private Calls calls(HostProcess to, long limitNanos, VesperLog log) {
@@ -504,6 +516,7 @@ public final class HostedEngine implements PhysicsEngine {
             throw failed;
         }
         host = fresh;
+        hosts.refill(); // now, because the start would have delayed this host
         return fresh;
     }
 
@@ -518,7 +531,7 @@ public final class HostedEngine implements PhysicsEngine {
     }
 
     /** Forgets the host; the next call starts another one. */
-    private void lose() {
+    void lose() {
         if (host != null) {
             host.close();
             host = null;

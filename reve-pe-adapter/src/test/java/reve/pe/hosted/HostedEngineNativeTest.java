@@ -129,8 +129,7 @@ class HostedEngineNativeTest extends EngineContract {
             assertThat(orbit.engine.stepCount()).isEqualTo(40);
             assertThat(orbit.engine.laws())
                     .extracting(PhysicsLaw::calls)
-                    .isEqualTo(
-                            undisturbed.engine.laws().stream().map(PhysicsLaw::calls).toList());
+                    .isEqualTo(undisturbed.engine.laws().stream().map(PhysicsLaw::calls).toList());
         }
     }
 
