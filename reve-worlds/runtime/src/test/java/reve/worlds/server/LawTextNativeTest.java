@@ -45,7 +45,7 @@ class LawTextNativeTest {
     }
 
     private static double speed(Simulation simulation) {
-        return simulation.world().find("stone").orElseThrow().physics().get("velocity")[0];
+        return simulation.world().find("stone").orElseThrow().physics().vector("velocity")[0];
     }
 
     @Test
