@@ -278,13 +278,10 @@ public final class ControlCommand implements Callable<Integer> {
         } else if (result.accepted()) {
             out.println(command + ": frame " + result.frame().orElseThrow());
         } else {
-            spec.commandLine()
-                    .getErr()
-                    .println(
-                            "reve: "
-                                    + result.code().orElse("refused")
-                                    + ": "
-                                    + result.reason().orElse(""));
+            // A refused law as text has several lines; other control characters are escaped.
+            String reason = "reve: " + result.code().orElse("refused") + ": "
+                    + result.reason().orElse("");
+            reason.lines().forEach(spec.commandLine().getErr()::println);
         }
         out.flush();
     }
