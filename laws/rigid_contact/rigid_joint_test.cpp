@@ -70,7 +70,8 @@ struct DoublePendulum {
     const double half = length / 2, c = std::cos(s[0] - s[1]), d = std::sin(s[0] - s[1]);
     const double a = m * half * half + inertia + m * length * length, b = m * length * half * c;
     const double e = m * half * half + inertia;
-    const double p = -m * length * half * d * s[3] * s[3] - (m * half + m * length) * kG * std::sin(s[0]);
+    const double p =
+        -m * length * half * d * s[3] * s[3] - (m * half + m * length) * kG * std::sin(s[0]);
     const double q = m * length * half * d * s[2] * s[2] - m * half * kG * std::sin(s[1]);
     const double determinant = a * e - b * b;
     return {s[2], s[3], (p * e - b * q) / determinant, (a * q - b * p) / determinant};
