@@ -6,6 +6,7 @@ import reve.core.agent.protocol.AgentLimits;
 import reve.core.agent.protocol.AgentTimeouts;
 import reve.core.agent.protocol.CloseReason;
 import reve.core.agent.protocol.Encoding;
+import reve.core.disk.Reason;
 
 import java.io.Closeable;
 import java.io.IOException;
@@ -55,7 +56,15 @@ public final class Connections {
     private final Optional<AuditLog> audit;
     private final Door door;
     private final EventLoop loop;
+    private final Descriptors descriptors;
     private final ServerSocketChannel listening;
+
+    /** Maximum number of open connections. */
+    private final int most;
+
+    /** True if accepting failed, and the failure was logged. */
+    private boolean isAcceptFailing;
+
     private final SelectionKey accepting;
     private final Set<Connection> open = new HashSet<>();
     private final PendingConnections<Connection> pending;
@@ -71,6 +80,7 @@ public final class Connections {
      * @param tls creates the TLS engine of each connection; if empty, connections are plain text
      * @param log about clients that have sent hello
      * @param audit records all messages to clients
+     * @param descriptors limit the number of connections
      * @param listening the server socket
      */
     public Connections(
@@ -82,6 +92,7 @@ public final class Connections {
             Optional<AuditLog> audit,
             Door door,
             EventLoop loop,
+            Descriptors descriptors,
             ServerSocketChannel listening)
             throws IOException {
         this.limits = limits;
@@ -92,9 +103,20 @@ public final class Connections {
         this.audit = audit;
         this.door = door;
         this.loop = loop;
+        this.descriptors = descriptors;
         this.listening = listening;
-        int all = limits.maxConnections();
-        this.pending = new PendingConnections<>(all - all / 4);
+        this.most = (int) Math.min(limits.maxConnections(), descriptors.room());
+        this.pending = new PendingConnections<>(most - most / 4);
+        if (most < limits.maxConnections()) {
+            log.warn(
+                    "the process may open "
+                            + descriptors.limit()
+                            + " files, enough for "
+                            + most
+                            + " connections instead of "
+                            + limits.maxConnections()
+                            + "; raise the limit (ulimit -n) for more");
+        }
         this.accepting = loop.register(listening, SelectionKey.OP_ACCEPT, key -> accept());
     }
 
@@ -132,6 +154,7 @@ public final class Connections {
 
     /** Ends connections that exceed time limits. Called periodically. */
     public void checkDeadlines(long nowNanos) {
+        descriptors.count();
         List.copyOf(open).forEach(connection -> connection.checkDeadlines(nowNanos));
     }
 
@@ -220,6 +243,7 @@ public final class Connections {
         known(connection);
         if (open.remove(connection)) {
             counters.open.decrement();
+            descriptors.give();
         }
     }
 
@@ -230,18 +254,25 @@ public final class Connections {
                 if (accepted == null) {
                     return;
                 }
+                isAcceptFailing = false;
                 admit(accepted);
             }
         } catch (IOException e) { // no free file descriptors; wait until some are closed
-            log.error("accepting a connection failed", e);
+            if (!isAcceptFailing) {
+                strangersLog.warn(
+                        "no connection can be accepted: "
+                                + Reason.of(e)
+                                + "; see the limit of open files (ulimit -n)");
+            }
+            isAcceptFailing = true;
             accepting.interestOps(0);
         }
     }
 
     private void admit(SocketChannel channel) {
         counters.connections.increment();
-        if (open.size() >= limits.maxConnections()) {
-            turnAway(channel, CloseReason.serverFull(limits.maxConnections()));
+        if (open.size() >= most || descriptors.room() <= 0) {
+            turnAway(channel, CloseReason.serverFull(open.size()));
             return;
         }
         try {
@@ -256,6 +287,7 @@ public final class Connections {
             }
             var connection = new Connection(this, wire(channel));
             open.add(connection);
+            descriptors.take();
             pending.add(connection.address(), connection);
             counters.open.increment();
         } catch (IOException e) {
