@@ -327,7 +327,11 @@ void Service::WriteLaws(vesper_library_id library, Writer& reply) {
     reply.Value(info.parameter_count);
     ForEach(info.parameters, info.parameter_count, [&](const vesper_parameter_desc& parameter) {
       reply.Text(parameter.name);
+      reply.Text(parameter.doc == nullptr ? "" : parameter.doc);
       reply.Unit(parameter.unit);
+      reply.Value(parameter.default_value);
+      reply.Value(parameter.minimum);
+      reply.Value(parameter.maximum);
     });
     reply.Value(info.calls);
     reply.Value(info.nanoseconds);

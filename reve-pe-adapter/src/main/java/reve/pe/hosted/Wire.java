@@ -95,7 +95,14 @@ final class Wire {
     private static List<LawParameter> parameters(Mailbox from) {
         List<LawParameter> parameters = new ArrayList<>();
         for (int left = from.getInt(); left > 0; left--) {
-            parameters.add(new LawParameter(from.getText(), from.getUnit()));
+            parameters.add(
+                    new LawParameter(
+                            from.getText(),
+                            from.getText(),
+                            from.getUnit(),
+                            from.getDouble(),
+                            from.getDouble(),
+                            from.getDouble()));
         }
         return parameters;
     }
