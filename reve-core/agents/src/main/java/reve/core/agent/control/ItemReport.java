@@ -94,6 +94,8 @@ final class ItemReport {
             case Shape.Sphere sphere -> "sphere";
             case Shape.Box box -> "box";
             case Shape.Plane plane -> "plane";
+            case Shape.Capsule capsule -> "capsule";
+            case Shape.Cylinder cylinder -> "cylinder";
             case Mesh mesh -> mesh.file().map(file -> "mesh " + file).orElse("mesh");
         };
     }
