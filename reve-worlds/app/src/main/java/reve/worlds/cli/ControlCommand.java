@@ -279,8 +279,11 @@ public final class ControlCommand implements Callable<Integer> {
             out.println(command + ": frame " + result.frame().orElseThrow());
         } else {
             // A refused law as text has several lines; other control characters are escaped.
-            String reason = "reve: " + result.code().orElse("refused") + ": "
-                    + result.reason().orElse("");
+            String reason =
+                    "reve: "
+                            + result.code().orElse("refused")
+                            + ": "
+                            + result.reason().orElse("");
             reason.lines().forEach(spec.commandLine().getErr()::println);
         }
         out.flush();

@@ -107,7 +107,7 @@ class LawTextNativeTest {
         try (Simulation simulation = new Simulation(world(INLINE), Pacing.FAST)) {
             simulation.loop().run(30);
             WorldFile.save(saved, simulation.descriptionNow());
-            simulation.loop().run(60);
+            simulation.loop().run(30);
             expected = speed(simulation);
         }
         assertThat(Files.readString(saved)).contains("law push \"A constant force.\"");
