@@ -74,8 +74,8 @@ inline Quaternion TurnAboutOwnAxis(const Quaternion& q, const Vector& momentum, 
   return q * RotationBy(turn);
 }
 
-/** Returns the rotation of a free body after `dt` as a product of exact rotations: about the angular
- *  momentum, as a sphere of the middle moment rotates, and about the two other axes by the
+/** Returns the rotation of a free body after `dt` as a product of exact rotations: about the
+ * angular momentum, as a sphere of the middle moment rotates, and about the two other axes by the
  *  differences. With two equal moments one of these is zero, and the product is exact. */
 inline Quaternion Drift(Quaternion q, const Vector& momentum, const std::array<double, 3>& moments,
                         double dt) {

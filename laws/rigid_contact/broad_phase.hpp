@@ -24,9 +24,7 @@ struct Bounds {
 /** Two boxes that overlap, the smaller index first. */
 struct Pair {
   uint32_t a, b;
-  friend bool operator<(const Pair& x, const Pair& y) {
-    return x.a != y.a ? x.a < y.a : x.b < y.b;
-  }
+  friend bool operator<(const Pair& x, const Pair& y) { return x.a != y.a ? x.a < y.a : x.b < y.b; }
 };
 
 /** Finder of overlapping boxes, of which at least one is movable, in the order of their indices. */
@@ -47,8 +45,8 @@ class BroadPhase {
       for (size_t j = i + 1; j < order_.size() && order_[j].low <= order_[i].high; ++j) {
         const Bounds& other = boxes[order_[j].box];
         if ((box.movable || other.movable) && box.Overlaps(other)) {
-          pairs_.push_back({std::min(order_[i].box, order_[j].box),
-                            std::max(order_[i].box, order_[j].box)});
+          pairs_.push_back(
+              {std::min(order_[i].box, order_[j].box), std::max(order_[i].box, order_[j].box)});
         }
       }
     }
@@ -64,7 +62,8 @@ class BroadPhase {
 
   static double Along(const Vector& v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 
-  /** Returns the axis along which the boxes are spread most, measured by their number per length. */
+  /** Returns the axis along which the boxes are spread most, measured by their number per length.
+   */
   static int WidestAxis(const std::vector<Bounds>& boxes) {
     Vector sum, squares;
     double count = 0;
@@ -77,8 +76,8 @@ class BroadPhase {
     }
     if (count == 0) return 0;
     const Vector mean = sum * (1 / count);
-    const Vector variance = squares * (1 / count) -
-                            Vector{mean.x * mean.x, mean.y * mean.y, mean.z * mean.z};
+    const Vector variance =
+        squares * (1 / count) - Vector{mean.x * mean.x, mean.y * mean.y, mean.z * mean.z};
     if (variance.x >= variance.y && variance.x >= variance.z) return 0;
     return variance.y >= variance.z ? 1 : 2;
   }

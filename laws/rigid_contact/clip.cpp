@@ -71,8 +71,7 @@ void Choose(const Points& found, int count, const Vector& normal, Manifold& mani
 /** Returns the normal of a face, of length 1, or 0 if it has none. */
 Vector NormalOf(const Face& face) {
   if (face.count < 3) return {};
-  const Vector normal =
-      Cross(face.corners[1] - face.corners[0], face.corners[2] - face.corners[0]);
+  const Vector normal = Cross(face.corners[1] - face.corners[0], face.corners[2] - face.corners[0]);
   const double length = Length(normal);
   return length > 0 ? normal * (1 / length) : Vector{};
 }
@@ -132,11 +131,9 @@ void ClipFaces(const Meeting& meeting, Manifold& manifold) {
   // Corners of the incident face carry the radius of their shape. A small preference keeps the
   // reference from alternating between two parallel faces.
   if (flat_a >= flat_b - 1e-3) {
-    AddClipped({a, normal_a, b, meeting.b.radius, meeting.a.radius, meeting.margin},
-               manifold);
+    AddClipped({a, normal_a, b, meeting.b.radius, meeting.a.radius, meeting.margin}, manifold);
   } else {
-    AddClipped({b, normal_b, a, meeting.a.radius, meeting.b.radius, meeting.margin},
-               manifold);
+    AddClipped({b, normal_b, a, meeting.a.radius, meeting.b.radius, meeting.margin}, manifold);
   }
 }
 

@@ -15,14 +15,15 @@ struct Corner {
   Vector w, a, b;
 };
 
-/** At most four corners and the weights of the point of their hull that is closest to the origin. */
+/** At most four corners and the weights of the point of their hull that is closest to the origin.
+ */
 struct Simplex {
   std::array<Corner, 4> corners;
   std::array<double, 4> weights{};
   int count = 0;
 
   Vector Closest() const { return Mean(&Corner::w); }
-  Vector Mean(Vector Corner::*point) const {
+  Vector Mean(Vector Corner::* point) const {
     Vector sum;
     for (int i = 0; i < count; ++i) sum += corners[i].*point * weights[i];
     return sum;

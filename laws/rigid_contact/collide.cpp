@@ -197,8 +197,7 @@ Manifold CollideConvex(const Shape& a, const Shape& b, double margin) {
   Manifold manifold;
   if (closest.distance > radii + margin) return manifold;
   const bool apart = closest.distance > 0;
-  manifold.normal =
-      apart ? (closest.b - closest.a) * (1 / closest.distance) : LeastOverlap(a, b);
+  manifold.normal = apart ? (closest.b - closest.a) * (1 / closest.distance) : LeastOverlap(a, b);
   const Meeting meeting{a, b, manifold.normal, margin};
   ClipFaces(meeting, manifold);
   if (manifold.count > 0) return manifold;

@@ -48,7 +48,7 @@ class Colours {
   uint32_t first(uint32_t colour) const { return first_[colour]; }
 
  private:
-  std::vector<uint64_t> used_;   // (bodies) colours that move the body, as bits
+  std::vector<uint64_t> used_;    // (bodies) colours that move the body, as bits
   std::vector<uint32_t> colour_;  // (contacts)
   std::vector<uint32_t> first_;   // (kMost + 1)
   std::vector<uint32_t> order_;   // (contacts)

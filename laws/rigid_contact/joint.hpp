@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstdint>
 #include <utility>
-#include <vector>
 
 #include "shape.hpp"
 #include "solver.hpp"
@@ -24,8 +23,8 @@ enum class JointType : int32_t {
   kDistance = 5,
 };
 
-/** Returns the angle [rad] whose tangent is y / x, from -pi to pi. Functions of libm have other bits
- *  on other machines. */
+/** Returns the angle [rad] whose tangent is y / x, from -pi to pi. Functions of libm have other
+ * bits on other machines. */
 inline double AngleOf(double y, double x) {
   constexpr double kPi = 3.14159265358979323846;
   const double high = std::max(std::abs(x), std::abs(y));
@@ -111,35 +110,14 @@ class Block {
   int count_ = 0;
 };
 
-/** Sets of bodies that joints connect. */
-class Assemblies {
- public:
-  void Reset(uint64_t bodies) {
-    parent_.resize(bodies);
-    for (uint32_t i = 0; i < bodies; ++i) parent_[i] = i;
-  }
-  /** Returns the body that stands for the set of a body. */
-  uint32_t Find(uint32_t body) {
-    while (parent_[body] != body) body = parent_[body] = parent_[parent_[body]];
-    return body;
-  }
-  void Join(uint32_t a, uint32_t b) {
-    const uint32_t first = Find(a), second = Find(b);
-    parent_[std::max(first, second)] = std::min(first, second);
-  }
-
- private:
-  std::vector<uint32_t> parent_;  // (bodies)
-};
-
 /** What the columns of a joint say. */
 struct JointSettings {
   JointType type = JointType::kNone;
-  Vector anchor_a, anchor_b;  // in the frames of the bodies [m]
-  Vector axis;                // in the frame of the first body, of length 1
-  Quaternion rest;            // of the second body in the frame of the first
-  double angle_low = 0, angle_high = 0;    // no limits if they are equal [rad]
-  double travel_low = 0, travel_high = 0;  // no limits if they are equal, but for a distance [m]
+  Vector anchor_a, anchor_b;                 // in the frames of the bodies [m]
+  Vector axis;                               // in the frame of the first body, of length 1
+  Quaternion rest;                           // of the second body in the frame of the first
+  double angle_low = 0, angle_high = 0;      // no limits if they are equal [rad]
+  double travel_low = 0, travel_high = 0;    // no limits if they are equal, but for a distance [m]
   double motor_speed = 0, motor_torque = 0;  // [rad/s], [N m]
   double drive_speed = 0, drive_force = 0;   // [m/s], [N]
 };
@@ -167,8 +145,8 @@ class Joint {
     const double sign = turned.w < 0 ? -1 : 1;
     turned_ = turned.v * (2 * sign);
     if (settings.type == JointType::kHinge) {
-      const Vector of_b = pose_b.rotation.Normalised().Rotate(
-          settings.rest.Inverse().Rotate(settings.axis));
+      const Vector of_b =
+          pose_b.rotation.Normalised().Rotate(settings.rest.Inverse().Rotate(settings.axis));
       turned_ = Cross(axis_, of_b);
     }
     angle_ = 2 * AngleOf(Dot(turned.v, axis_) * sign, turned.w * sign);
@@ -190,10 +168,15 @@ class Joint {
     about_mass_ = Inverse(Dot(turning(axis_), axis_));
   }
 
-  /** Sets the impulses to begin with, those of the last step. */
-  void Start(const Vector& impulse, const Vector& turn) {
-    linear_.Start(impulse);
-    angular_.Start(turn);
+  /** Sets the impulses to begin with, those of the last step [N s], [N m s]. */
+  void StartWith(const Vector& impulse, const Vector& turn) {
+    start_ = impulse;
+    start_turn_ = turn;
+  }
+  /** Takes the part of these impulses that the joint can exert. Called after Refresh. */
+  void Start() {
+    linear_.Start(start_);
+    angular_.Start(start_turn_);
   }
   /** Applies the impulses to begin with. */
   void ApplyStart(Motion<Real>& motion_a, Motion<Real>& motion_b) const {
@@ -247,9 +230,7 @@ class Joint {
   }
 
   /** Returns the impulse of the step on the second body, at its anchor [N s]. */
-  Vector Impulse() const {
-    return linear_.Impulse() + Along() * (drive_ + low_push_ + high_push_);
-  }
+  Vector Impulse() const { return linear_.Impulse() + Along() * (drive_ + low_push_ + high_push_); }
   /** Returns the angular impulse of the step on the second body [N m s]. */
   Vector Turn() const { return angular_.Impulse() + axis_ * (motor_ + low_turn_ + high_turn_); }
   double angle() const { return angle_; }
@@ -348,11 +329,14 @@ class Joint {
     }
   }
 
-  /** Changes the impulses of two limits so that the value does not pass them. Returns the changes. */
+  /** Changes the impulses of two limits so that the value does not pass them. Returns the changes.
+   */
   static std::pair<double, double> Limited(double value, double low, double high, double rate,
                                            double mass, double h, bool push, double& low_impulse,
                                            double& high_impulse) {
-    const auto allowed = [&](double gap) { return gap > 0 ? gap / h : push ? kUndone * gap / h : 0; };
+    const auto allowed = [&](double gap) {
+      return gap > 0 ? gap / h : push ? kUndone * gap / h : 0;
+    };
     const double to_low = std::max(0.0, low_impulse - mass * (rate + allowed(value - low)));
     const double change = to_low - low_impulse;
     low_impulse = to_low;
@@ -364,6 +348,7 @@ class Joint {
   }
 
   Block linear_, angular_;
+  Vector start_, start_turn_;
   Vector arm_a_, arm_b_, apart_, turned_, axis_;
   double angle_ = 0, travel_ = 0, along_mass_ = 0, about_mass_ = 0;
   double motor_ = 0, drive_ = 0, low_push_ = 0, high_push_ = 0, low_turn_ = 0, high_turn_ = 0;

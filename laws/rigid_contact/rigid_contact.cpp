@@ -6,10 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "body.hpp"
 #include "broad_phase.hpp"
 #include "colours.hpp"
 #include "contact_memory.hpp"
-#include "joint.hpp"
+#include "joint_solver.hpp"
 #include "manifold.hpp"
 #include "solver.hpp"
 #include "vesper/law.hpp"
@@ -28,10 +29,6 @@ constexpr double kSlop = 0.02;
 // Contacts yield like springs of this many oscillations per step, damped by this multiple of the
 // critical damping.
 constexpr double kOscillations = 0.5, kDamping = 10;
-// Sweeps over the joints, forwards and backwards, in each half of a substep.
-constexpr size_t kSweeps = 4;
-// Rotation after which the inertia of a body in the world is computed again [rad].
-constexpr double kTurned = 0.02;
 // Distance within which a point of contact is one of the last step, as part of the thickness.
 constexpr double kNear = 0.2;
 
@@ -48,17 +45,17 @@ struct RigidContact {
                      256};
   Parameter friction{"friction", "Friction of bodies without one of their own.", units::one, 0.5, 0,
                      100};
-  Parameter restitution{"restitution", "Restitution of bodies without one of their own.",
-                        units::one, 0, 0, 1};
-  Parameter restitution_speed{"restitutionSpeed",       "Speed below which nothing bounces.",
-                              units::metre_per_second, 0.5,
-                              0,                        1e6};
-  Parameter push_speed{"pushSpeed",
-                       "Greatest speed at which overlaps are undone.",
-                       units::metre_per_second,
-                       3,
-                       0,
-                       1e6};
+  Parameter restitution{
+      "restitution", "Restitution of bodies without one of their own.", units::one, 0, 0, 1};
+  Parameter restitution_speed{"restitutionSpeed",
+                              "Speed below which nothing bounces.",
+                              units::metre_per_second,
+                              0.5,
+                              0,
+                              1e6};
+  Parameter push_speed{
+      "pushSpeed", "Greatest speed at which overlaps are undone.", units::metre_per_second, 3, 0,
+      1e6};
 
   Read<Real> mass{"mass", "body", units::kilogram};
   Read<Vector3> force{"externalForce", "body", units::newton};
@@ -110,10 +107,10 @@ struct RigidContact {
     return std::tie(mass, force, torque, inertia, velocity, position, spin, orientation,
                     acceleration, shape, size, carrier, own_friction, own_restitution,
                     scenery_position, scenery_orientation, scenery_shape, scenery_size,
-                    scenery_carrier, joined, joint_type, anchor, axis, angle_limits,
-                    travel_limits, motor_speed, motor_torque, drive_speed, drive_force,
-                    breaking_force, other_anchor, other_turn, joint_force, joint_torque,
-                    joint_angle, joint_travel, broken, partners, places, impulses);
+                    scenery_carrier, joined, joint_type, anchor, axis, angle_limits, travel_limits,
+                    motor_speed, motor_torque, drive_speed, drive_force, breaking_force,
+                    other_anchor, other_turn, joint_force, joint_torque, joint_angle, joint_travel,
+                    broken, partners, places, impulses);
   }
 
   void Advance(const Step& step) {
@@ -121,7 +118,7 @@ struct RigidContact {
     const auto dt = static_cast<Real>(step.dt);
     const SolverStep<Real> solver = SolverFor(dt, count);
     Gather(step);
-    GatherJoints();
+    GatherJoints(step.dt);
     FindContacts(step);
     Solve(step, solver);
     Remember();
@@ -146,19 +143,6 @@ struct RigidContact {
   }
 
   static constexpr vesper_unit kImpulseUnit = VESPER_UNIT_INIT(1, 1, -1, 0, 0, 0, 0, 1.0, "N*s");
-
-  /** A body besides its motion. */
-  struct Body {
-    Quaternion rotation;
-    std::array<double, 3> moments;  // [kg m^2]
-    double speed;                   // of its fastest point, about [m/s]
-    bool translates, rotates;
-    bool gyrates;  // its moments differ, so that its spin changes without a torque
-    bool broken;   // has values that are not finite
-    Vector turned;  // since its inertia in the world was computed [rad]
-    bool renewed;   // its inertia in the world was computed in this substep
-    bool jointed;   // its inertia in the world is computed in every substep
-  };
 
   uint64_t rows() const { return mass.size(); }
   bool Movable(uint32_t body) const { return bodies_[body].translates || bodies_[body].rotates; }
@@ -206,7 +190,7 @@ struct RigidContact {
     body.gyrates = moments.x > 0 && moments.y > 0 && moments.z > 0 &&
                    !(moments.x == moments.y && moments.y == moments.z);
     motion.inverse_mass = weight > 0 ? static_cast<Real>(1 / weight) : Real(0);
-    motion.inverse_inertia = InverseInertia(body);
+    motion.inverse_inertia = InverseInertia<Real>(body);
     motion.push = force[i] * motion.inverse_mass;
     motion.moved = motion.turned = {};
     motion.velocity = body.translates ? velocity[i] + motion.push * Real(dt) : Vector3{};
@@ -263,35 +247,18 @@ struct RigidContact {
     bounds = {one.position - reach, one.position + reach, movable};
   }
 
-  static Symmetric<Real> InverseInertia(const Body& body) {
-    const auto inverse = [&](int i) { return body.moments[i] > 0 ? 1 / body.moments[i] : 0; };
-    const double x = inverse(0), y = inverse(1), z = inverse(2);
-    if (x == y && y == z) return {Real(x), Real(x), Real(x), 0, 0, 0};
-    const Axes axes = Axes::Of(body.rotation);
-    const Vector &a = axes.x, &b = axes.y, &c = axes.z;
-    return {Real(x * a.x * a.x + y * b.x * b.x + z * c.x * c.x),
-            Real(x * a.y * a.y + y * b.y * b.y + z * c.y * c.y),
-            Real(x * a.z * a.z + y * b.z * b.z + z * c.z * c.z),
-            Real(x * a.x * a.y + y * b.x * b.y + z * c.x * c.y),
-            Real(x * a.x * a.z + y * b.x * b.z + z * c.x * c.z),
-            Real(x * a.y * a.z + y * b.y * b.z + z * c.y * c.z)};
-  }
-
   // --- joints
 
-  void GatherJoints() {
-    joints_.clear();
-    joint_rows_.clear();
-    joined_pairs_.clear();
-    assemblies_.Reset(joined.present() ? rows() : 0);
+  void GatherJoints(double dt) {
+    joints_.Reset(joined.present() ? rows() : 0);
     const bool complete = joined.present() && joint_type.present() && anchor.present() &&
                           axis.present() && other_anchor.present() && other_turn.present();
     if (!complete) return;
-    for (uint64_t i = 0; i < joined.size(); ++i) GatherJoint(i);
-    std::sort(joined_pairs_.begin(), joined_pairs_.end());
+    for (uint64_t i = 0; i < joined.size(); ++i) GatherJoint(i, dt);
+    joints_.Sort();
   }
 
-  void GatherJoint(uint64_t i) {
+  void GatherJoint(uint64_t i, double dt) {
     const auto type = static_cast<JointType>(joint_type[i]);
     const auto [a, b] = joined[i];
     if (type < JointType::kFixed || type > JointType::kDistance || a == b) return;
@@ -303,11 +270,11 @@ struct RigidContact {
     joint.a = BodyOf(a);
     joint.b = BodyOf(b);
     joint.settings = SettingsOf(i, type, PoseOf(a), PoseOf(b));
+    const Vector load = joint_force.present() ? Wide(joint_force[i]) : Vector{};
+    const Vector moment = joint_torque.present() ? Wide(joint_torque[i]) : Vector{};
+    joint.StartWith(load * dt, moment * dt);
     for (const uint32_t body : {a, b}) bodies_[body].jointed = true;
-    if (Movable(a) && Movable(b)) assemblies_.Join(a, b);
-    joints_.push_back(joint);
-    joint_rows_.push_back(i);
-    joined_pairs_.push_back({std::min(a, b), std::max(a, b)});
+    joints_.Add(joint, i);
   }
 
   JointSettings SettingsOf(uint64_t i, JointType type, const Pose& a, const Pose& b) {
@@ -320,7 +287,9 @@ struct RigidContact {
     if (other_turn[i] == std::array<Real, 4>{}) Join(i, type, a, b);
     settings.anchor_b = Wide(other_anchor[i]);
     settings.rest = Quaternion::Load(other_turn[i]).Normalised();
-    const auto number = [&](const auto& column) { return column.present() ? double{column[i]} : 0; };
+    const auto number = [&](const auto& column) {
+      return column.present() ? double{column[i]} : 0;
+    };
     const auto limit = [&](const auto& column, int side) {
       return column.present() ? double{column[i][side]} : 0;
     };
@@ -338,7 +307,8 @@ struct RigidContact {
                        settings.travel_high + settings.motor_speed + settings.motor_torque +
                        settings.drive_speed + settings.drive_force + number(breaking_force);
     if (!std::isfinite(sum)) {
-      throw std::runtime_error("joint row " + std::to_string(i) + " has values that are not finite");
+      throw std::runtime_error("joint row " + std::to_string(i) +
+                               " has values that are not finite");
     }
     return settings;
   }
@@ -357,68 +327,9 @@ struct RigidContact {
     return {Wide(position[body]) + Wide(motions_[body].moved), bodies_[body].rotation};
   }
 
-  bool AreJoined(const Pair& pair) const {
-    return std::binary_search(joined_pairs_.begin(), joined_pairs_.end(), pair);
-  }
-
-  void RefreshJoints() {
-    for (Joint<Real>& joint : joints_) {
-      joint.Refresh(PoseOf(joint.row_a), PoseOf(joint.row_b), MotionOf(joint.a), MotionOf(joint.b));
-    }
-  }
-
-  /** Begins with the impulses of the last step, or with the part of them with which the joined bodies
-   *  have the least kinetic energy. Exact impulses have this property; after an impact, those of the
-   *  last step would add energy that a few sweeps do not take away. */
-  void WarmStartJoints(Real dt) {
-    before_.assign(joints_.size(), 0);
-    work_.assign(rows(), {});
-    for (size_t k = 0; k < joints_.size(); ++k) {
-      const uint64_t i = joint_rows_[k];
-      joints_[k].Start(joint_force.present() ? Wide(joint_force[i]) * double{dt} : Vector{},
-                       joint_torque.present() ? Wide(joint_torque[i]) * double{dt} : Vector{});
-      before_[k] = joints_[k].Work(MotionOf(joints_[k].a), MotionOf(joints_[k].b));
-    }
-    ForEachJoint([](Joint<Real>& joint, auto& a, auto& b) { joint.ApplyStart(a, b); });
-    for (size_t k = 0; k < joints_.size(); ++k) {
-      const double after = joints_[k].Work(MotionOf(joints_[k].a), MotionOf(joints_[k].b));
-      auto& [first, second] = work_[assemblies_.Find(joints_[k].MovableRow())];
-      first += before_[k];
-      second += after - before_[k];
-    }
-    ForEachJoint([&](Joint<Real>& joint, auto& a, auto& b) {
-      const auto& [first, second] = work_[assemblies_.Find(joint.MovableRow())];
-      if (-first < second) joint.Reduce(second > 0 ? std::max(0.0, -first / second) : 0, a, b);
-    });
-  }
-
-  template <class Action>
-  void ForEachJoint(Action&& action) {
-    for (Joint<Real>& joint : joints_) {
-      Motion<Real> still_a, still_b;
-      action(joint, Moving(joint.a, still_a), Moving(joint.b, still_b));
-    }
-  }
-
-  /** Solves the joints several times, forwards and backwards: a sweep in one direction only may excite
-   *  a chain that begins with the impulses of the last step. */
-  void SolveJoints(const SolverStep<Real>& solver, bool push) {
-    const size_t count = joints_.size();
-    for (size_t k = 0; k < 2 * kSweeps * count; ++k) {
-      const size_t in_sweep = k % count;
-      Joint<Real>& joint = joints_[k / count % 2 == 0 ? in_sweep : count - 1 - in_sweep];
-      Motion<Real> still_a, still_b;
-      joint.Solve(Moving(joint.a, still_a), Moving(joint.b, still_b), solver, push);
-    }
-  }
-
-  Motion<Real>& Moving(uint32_t body, Motion<Real>& still) {
-    return body == kImmovable ? still : motions_[body];
-  }
-
   void ScatterJoints(double dt) {
-    for (size_t k = 0; k < joints_.size(); ++k) {
-      const uint64_t i = joint_rows_[k];
+    for (size_t k = 0; k < joints_.count(); ++k) {
+      const uint64_t i = joints_.row(k);
       const Joint<Real>& joint = joints_[k];
       const Vector load = joint.Impulse() * (1 / dt);
       if (joint_force.present()) joint_force[i] = Narrow<Real>(load);
@@ -456,14 +367,14 @@ struct RigidContact {
     step.ParallelFor(pairs.size(), kPairGrain, [&](uint64_t begin, uint64_t end) {
       for (uint64_t i = begin; i < end; ++i) {
         const Pair pair = pairs[i];
-        manifolds_[i] =
-            Collide(shapes_[pair.a], shapes_[pair.b], Margin(pair.a, pair.b, step.dt));
+        manifolds_[i] = Collide(shapes_[pair.a], shapes_[pair.b], Margin(pair.a, pair.b, step.dt));
       }
     });
     touches_.clear();
     contacts_.clear();
     for (size_t i = 0; i < pairs.size(); ++i) {
-      if (manifolds_[i].count > 0 && !AreJoined(pairs[i])) AddContact(pairs[i], manifolds_[i]);
+      if (manifolds_[i].count > 0 && !joints_.AreJoined(pairs[i]))
+        AddContact(pairs[i], manifolds_[i]);
     }
     step.ParallelFor(contacts_.size(), kContactGrain, [&](uint64_t begin, uint64_t end) {
       for (uint64_t i = begin; i < end; ++i) PrepareContact(i);
@@ -474,8 +385,7 @@ struct RigidContact {
   double Margin(uint32_t a, uint32_t b, double dt) const {
     const double thickness = std::min(shapes_[a].Thickness(), shapes_[b].Thickness());
     const double speed = SpeedOf(a) + SpeedOf(b);
-    const bool plane =
-        shapes_[a].code == ShapeCode::kPlane || shapes_[b].code == ShapeCode::kPlane;
+    const bool plane = shapes_[a].code == ShapeCode::kPlane || shapes_[b].code == ShapeCode::kPlane;
     // Beyond half the thickness, a distant contact would hold up bodies that pass each other.
     return kSlop * thickness + (plane ? speed * dt : std::min(speed * dt, 0.5 * thickness));
   }
@@ -494,8 +404,7 @@ struct RigidContact {
     contact.count = manifold.count;
     const double rub_a = FrictionOf(pair.a), rub_b = FrictionOf(pair.b);
     contact.friction = static_cast<Real>(std::sqrt(rub_a * rub_b));
-    contact.restitution =
-        static_cast<Real>(std::max(RestitutionOf(pair.a), RestitutionOf(pair.b)));
+    contact.restitution = static_cast<Real>(std::max(RestitutionOf(pair.a), RestitutionOf(pair.b)));
     for (int i = 0; i < manifold.count; ++i) {
       const ContactPoint& from = manifold.points[i];
       auto& point = contact.points[i];
@@ -529,7 +438,8 @@ struct RigidContact {
     Contact<Real>& contact = contacts_[i];
     const Touch& touch = touches_[i];
     contact.Prepare(MotionOf(contact.a), MotionOf(contact.b));
-    const double reach = kNear * std::min(shapes_[touch.a].Thickness(), shapes_[touch.b].Thickness());
+    const double reach =
+        kNear * std::min(shapes_[touch.a].Thickness(), shapes_[touch.b].Thickness());
     MemoryOf(touch).Recall(contact, touch.partner(), static_cast<Real>(reach));
   }
 
@@ -538,7 +448,8 @@ struct RigidContact {
   void Solve(const Step& step, const SolverStep<Real>& solver) {
     bool bounces = false;
     for (const Contact<Real>& contact : contacts_) bounces = bounces || contact.restitution > 0;
-    RefreshJoints();
+    const auto pose = [&](uint32_t body) { return PoseOf(body); };
+    joints_.Refresh(motions_, pose);
     for (uint32_t k = 0; k < solver.substeps; ++k) {
       if (bounces) {
         step.ParallelFor(contacts_.size(), kContactGrain, [&](uint64_t begin, uint64_t end) {
@@ -551,16 +462,16 @@ struct RigidContact {
       }
       if (k == 0) {
         ForEachContact(step, [](auto& contact, auto& a, auto& b) { contact.WarmStart(a, b); });
-        WarmStartJoints(solver.dt);
+        joints_.WarmStart(motions_);
       }
-      SolveJoints(solver, true);
+      joints_.Solve(motions_, solver, true);
       ForEachContact(step,
                      [&](auto& contact, auto& a, auto& b) { contact.Solve(a, b, solver, true); });
       Drift(step, solver.substep);
-      RefreshJoints();
+      joints_.Refresh(motions_, pose);
       ForEachContact(step,
                      [&](auto& contact, auto& a, auto& b) { contact.Solve(a, b, solver, false); });
-      SolveJoints(solver, false);
+      joints_.Solve(motions_, solver, false);
       if (!bounces) continue;
       ForEachContact(step, [&](auto& contact, auto& a, auto& b) {
         if (contact.restitution > 0) contact.Restitute(a, b, solver);
@@ -612,29 +523,6 @@ struct RigidContact {
   }
   bool IsRenewed(uint32_t body) const { return body != kImmovable && bodies_[body].renewed; }
 
-  static void Turn(Body& body, Motion<Real>& motion, double h) {
-    // Below this angle [rad], a rotation does not change the spin of a body without a torque.
-    constexpr double kStill = 1e-6;
-    const Vector spin = Wide(motion.spin), angle = spin * h;
-    if (!body.gyrates || Dot(angle, angle) < kStill * kStill) {
-      body.rotation = RotationBy(angle * 0.5) * body.rotation;
-    } else {
-      Quaternion q = body.rotation.Normalised();
-      const auto& [x, y, z] = body.moments;
-      const Vector own = q.Inverse().Rotate(spin);
-      const Vector momentum = q.Rotate({own.x * x, own.y * y, own.z * z});
-      q = rigid::Drift(q, momentum, body.moments, h).Normalised();
-      const Vector after = q.Inverse().Rotate(momentum);
-      motion.spin = Narrow<Real>(q.Rotate({after.x / x, after.y / y, after.z / z}));
-      body.rotation = q;
-    }
-    body.turned += angle;
-    body.renewed = body.jointed || Dot(body.turned, body.turned) > kTurned * kTurned;
-    if (!body.renewed) return;
-    body.turned = {};
-    motion.inverse_inertia = InverseInertia(body);
-  }
-
   // --- to the columns
 
   void Remember() {
@@ -674,20 +562,15 @@ struct RigidContact {
   }
 
   const Motion<Real> still_{};
-  std::vector<Body> bodies_;            // (rows)
-  std::vector<Motion<Real>> motions_;   // (rows)
-  std::vector<Shape> shapes_;           // (rows + scenery)
-  std::vector<Bounds> bounds_;          // (rows + scenery)
-  std::vector<Manifold> manifolds_;     // (pairs)
-  std::vector<Touch> touches_;          // (contacts)
+  std::vector<Body> bodies_;             // (rows)
+  std::vector<Motion<Real>> motions_;    // (rows)
+  std::vector<Shape> shapes_;            // (rows + scenery)
+  std::vector<Bounds> bounds_;           // (rows + scenery)
+  std::vector<Manifold> manifolds_;      // (pairs)
+  std::vector<Touch> touches_;           // (contacts)
   std::vector<Contact<Real>> contacts_;  // (contacts)
-  std::vector<uint32_t> used_;          // (rows) slots
-  std::vector<Joint<Real>> joints_;
-  std::vector<uint64_t> joint_rows_;    // (joints) rows of the columns
-  std::vector<Pair> joined_pairs_;      // (joints) in ascending order
-  std::vector<double> before_;          // (joints) [J]
-  std::vector<std::pair<double, double>> work_;  // (rows) [J], of assemblies
-  Assemblies assemblies_;
+  std::vector<uint32_t> used_;           // (rows) slots
+  JointSolver<Real> joints_;
   BroadPhase broad_phase_;
   Colours colours_;
 };

@@ -22,9 +22,10 @@ Quaternion About(Vector axis, double angle) {
 }
 
 TYPED_TEST(RigidContactTest, EveryShapeRestsOnTheGround) {
-  const std::pair<ShapeCode, Vector> shapes[] = {
-      {ShapeCode::kBox, {1, 0.5, 2}}, {ShapeCode::kSphere, {1, 1, 1}},
-      {ShapeCode::kCylinder, {1, 0.5, 1}}, {ShapeCode::kCapsule, {0.5, 2, 0.5}}};
+  const std::pair<ShapeCode, Vector> shapes[] = {{ShapeCode::kBox, {1, 0.5, 2}},
+                                                 {ShapeCode::kSphere, {1, 1, 1}},
+                                                 {ShapeCode::kCylinder, {1, 0.5, 1}},
+                                                 {ShapeCode::kCapsule, {0.5, 2, 0.5}}};
   for (const auto& [code, size] : shapes) {
     for (const bool plane : {false, true}) {
       RigidScene<TypeParam> scene;
@@ -125,8 +126,7 @@ TYPED_TEST(RigidContactTest, RestitutionIsMeasuredBackFromBounces) {
     scene.gravity = {0, TypeParam(-kG), 0};
     scene.AddGround();
     scene.AddBall(0.1, 1, {0, 2.1, 0});
-    PhysicsEngine engine =
-        scene.MakeRigidEngine({{"restitution", e}, {"restitutionSpeed", 0.2}});
+    PhysicsEngine engine = scene.MakeRigidEngine({{"restitution", e}, {"restitutionSpeed", 0.2}});
     double top = 0;
     bool bounced = false;
     for (int i = 0; i < 240 && !(bounced && scene.Velocity(0).y < 0); ++i) {

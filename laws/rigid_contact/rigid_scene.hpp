@@ -14,21 +14,21 @@ struct RigidScene : Scene<Real> {
   using Code = rigid::ShapeCode;
   using Vector = Vec3<double>;
 
-  std::vector<int32_t> shape;                          // (bodies)
-  std::vector<double> size;                            // (bodies x 3) [m]
+  std::vector<int32_t> shape;                            // (bodies)
+  std::vector<double> size;                              // (bodies x 3) [m]
   std::vector<Real> orientation, spin, torque, inertia;  // (bodies x 4), (bodies x 3)
   // joint
-  std::vector<uint32_t> joined;                         // (joints x 2)
-  std::vector<int32_t> joint_type, broken;              // (joints)
-  std::vector<Real> anchor, axis;                       // (joints x 3)
-  std::vector<Real> angle_limits, travel_limits;        // (joints x 2)
-  std::vector<Real> motor_speed, motor_torque;          // (joints)
+  std::vector<uint32_t> joined;                                // (joints x 2)
+  std::vector<int32_t> joint_type, broken;                     // (joints)
+  std::vector<Real> anchor, axis;                              // (joints x 3)
+  std::vector<Real> angle_limits, travel_limits;               // (joints x 2)
+  std::vector<Real> motor_speed, motor_torque;                 // (joints)
   std::vector<Real> drive_speed, drive_force, breaking_force;  // (joints)
   std::vector<Real> other_anchor, other_turn, joint_force, joint_torque;
-  std::vector<Real> joint_angle, joint_travel;          // (joints)
+  std::vector<Real> joint_angle, joint_travel;  // (joints)
   // scenery
-  std::vector<int32_t> scenery_shape;                  // (scenery)
-  std::vector<double> scenery_size;                    // (scenery x 3) [m]
+  std::vector<int32_t> scenery_shape;  // (scenery)
+  std::vector<double> scenery_size;    // (scenery x 3) [m]
   std::vector<Real> scenery_position, scenery_orientation;
 
   uint32_t Add(Code code, Vector extent, double mass, Vector at, Vector moving = {},
@@ -56,7 +56,8 @@ struct RigidScene : Scene<Real> {
   void AddGround() { AddScenery(Code::kBox, {1000, 2, 1000}, {0, -1, 0}); }
 
   /// Joins two bodies at a place of the world; the axis is in the world, too.
-  uint32_t Join(rigid::JointType type, uint32_t a, uint32_t b, Vector at, Vector about = {0, 1, 0}) {
+  uint32_t Join(rigid::JointType type, uint32_t a, uint32_t b, Vector at,
+                Vector about = {0, 1, 0}) {
     joined.insert(joined.end(), {a, b});
     joint_type.push_back(static_cast<int32_t>(type));
     broken.push_back(0);

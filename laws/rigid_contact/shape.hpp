@@ -32,9 +32,7 @@ struct Axes {
   }
   const Vector& operator[](int i) const { return i == 0 ? x : i == 1 ? y : z; }
   Vector ToWorld(const Vector& own) const { return x * own.x + y * own.y + z * own.z; }
-  Vector ToOwn(const Vector& world) const {
-    return {Dot(x, world), Dot(y, world), Dot(z, world)};
-  }
+  Vector ToOwn(const Vector& world) const { return {Dot(x, world), Dot(y, world), Dot(z, world)}; }
 };
 
 inline double Component(const Vector& v, int i) { return i == 0 ? v.x : i == 1 ? v.y : v.z; }
@@ -117,8 +115,8 @@ struct Shape {
 
   /** Returns the distance of the farthest point from the centre [m]. */
   double Bound() const {
-    const double square = code == ShapeCode::kCylinder ? half.x * half.x + half.y * half.y
-                                                       : Dot(half, half);
+    const double square =
+        code == ShapeCode::kCylinder ? half.x * half.x + half.y * half.y : Dot(half, half);
     return std::sqrt(square) + radius;
   }
 
@@ -190,8 +188,8 @@ struct Shape {
     const double r = radius, h = 2 * half.y;
     const double ball = 4 * r / (4 * r + 3 * h);  // fraction of the mass in the two half balls
     const double rod = 1 - ball;
-    const double across = mass * (rod * (r * r / 4 + h * h / 12) +
-                                  ball * (0.4 * r * r + h * h / 4 + 3 * h * r / 8));
+    const double across =
+        mass * (rod * (r * r / 4 + h * h / 12) + ball * (0.4 * r * r + h * h / 4 + 3 * h * r / 8));
     return {across, mass * r * r * (rod / 2 + ball * 0.4), across};
   }
 

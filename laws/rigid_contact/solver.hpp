@@ -28,11 +28,11 @@ constexpr uint32_t kImmovable = UINT32_MAX;
 /** Motion of a body during a step. */
 template <class Real>
 struct Motion {
-  Vec3<Real> velocity, spin;    // [m/s], [rad/s]
-  Vec3<Real> moved, turned;     // since the start of the step [m], [rad]
-  Real inverse_mass{};          // [1/kg]
+  Vec3<Real> velocity, spin;        // [m/s], [rad/s]
+  Vec3<Real> moved, turned;         // since the start of the step [m], [rad]
+  Real inverse_mass{};              // [1/kg]
   Symmetric<Real> inverse_inertia;  // in the world frame [1/(kg m^2)]
-  Vec3<Real> push;              // acceleration by the forces of other laws [m/s^2]
+  Vec3<Real> push;                  // acceleration by the forces of other laws [m/s^2]
 
   void Apply(const Vec3<Real>& impulse, const Vec3<Real>& arm) {
     velocity += impulse * inverse_mass;
@@ -44,12 +44,12 @@ struct Motion {
 /** Constants of the solver for one step. */
 template <class Real>
 struct SolverStep {
-  Real dt, substep;          // [s]
-  Real push_rate;            // part of an overlap that is undone per time [1/s]
-  Real hardness;             // part of a velocity that an overlapping point stops
-  Real yield;                // part of its impulse that an overlapping point loses
-  Real push_speed;           // greatest speed at which overlaps are undone [m/s]
-  Real restitution_speed;    // smallest speed at which bodies bounce [m/s]
+  Real dt, substep;        // [s]
+  Real push_rate;          // part of an overlap that is undone per time [1/s]
+  Real hardness;           // part of a velocity that an overlapping point stops
+  Real yield;              // part of its impulse that an overlapping point loses
+  Real push_speed;         // greatest speed at which overlaps are undone [m/s]
+  Real restitution_speed;  // smallest speed at which bodies bounce [m/s]
   uint32_t substeps;
 };
 
@@ -59,16 +59,16 @@ struct Contact {
   using Vector = Vec3<Real>;
 
   struct Point {
-    Vector arm_a, arm_b;        // from the centres [m]
-    Real separation;            // at the start of the step [m]
-    Real mass;                  // that an impulse along the normal moves [kg]
-    Real across[3];             // inverse of the 2x2 matrix of impulses across the normal
-    Real across_mass;           // least mass that an impulse across the normal moves [kg]
-    Real press;                 // impulse along the normal [N s]
-    Real rub[2];                // impulses across the normal
-    Real approach;              // relative velocity along the normal before a substep [m/s]
-    Real elapsed;               // part of the step before the impact
-    int place;                  // among the points of the last step
+    Vector arm_a, arm_b;  // from the centres [m]
+    Real separation;      // at the start of the step [m]
+    Real mass;            // that an impulse along the normal moves [kg]
+    Real across[3];       // inverse of the 2x2 matrix of impulses across the normal
+    Real across_mass;     // least mass that an impulse across the normal moves [kg]
+    Real press;           // impulse along the normal [N s]
+    Real rub[2];          // impulses across the normal
+    Real approach;        // relative velocity along the normal before a substep [m/s]
+    Real elapsed;         // part of the step before the impact
+    int place;            // among the points of the last step
   };
 
   uint32_t a, b;  // bodies; kImmovable for what does not move
@@ -140,10 +140,9 @@ struct Contact {
 
   /** Returns the present separation of a point, to first order in the motion since the start. */
   Real Separation(const Motion<Real>& body_a, const Motion<Real>& body_b, const Point& p) const {
-    return p.separation +
-           Dot(body_b.moved + Cross(body_b.turned, p.arm_b) - body_a.moved -
-                   Cross(body_a.turned, p.arm_a),
-               normal);
+    return p.separation + Dot(body_b.moved + Cross(body_b.turned, p.arm_b) - body_a.moved -
+                                  Cross(body_a.turned, p.arm_a),
+                              normal);
   }
 
   /** Records the velocities before a substep, for the restitution. */
@@ -192,8 +191,9 @@ struct Contact {
       Point& p = points[i];
       const Real apart = Dot(Relative(body_a, body_b, p), normal);
       const bool soft = push && allowed[i] <= 0;
-      const Real change = soft ? step.hardness * p.mass * (apart + allowed[i]) + step.yield * p.press
-                               : p.mass * (apart + allowed[i]);
+      const Real change = soft
+                              ? step.hardness * p.mass * (apart + allowed[i]) + step.yield * p.press
+                              : p.mass * (apart + allowed[i]);
       Press(body_a, body_b, p, std::max(Real(0), p.press - change));
     }
   }

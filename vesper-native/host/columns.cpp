@@ -32,41 +32,43 @@ int Protection(bool writable) { return writable ? PROT_READ | PROT_WRITE : PROT_
 
 }  // namespace
 
-Mapping::Mapping(int client, uint32_t fd, uint64_t size, bool writable)
-    : size_(size), writable_(writable) {
+Mapping::Mapping(int client, uint32_t fd, uint64_t size, bool writable, uint64_t offset)
+    : size_(size), lead_(offset % PageSize()), writable_(writable) {
   const std::string path = "/proc/" + std::to_string(client) + "/fd/" + std::to_string(fd);
   const int file = open(path.c_str(), O_RDWR | O_CLOEXEC);
   if (file < 0) Fail("opening the client's memory " + path);
-  const size_t reserved = Reserved(size);
+  const size_t reserved = Reserved(lead_ + size);
   void* around =
       mmap(nullptr, reserved, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   void* memory = MAP_FAILED;
   if (around != MAP_FAILED) {
-    memory = mmap(static_cast<std::byte*>(around) + PageSize(), size, Protection(writable),
-                  MAP_SHARED | MAP_FIXED, file, 0);
+    memory = mmap(static_cast<std::byte*>(around) + PageSize(), lead_ + size,
+                  Protection(writable), MAP_SHARED | MAP_FIXED, file,
+                  static_cast<off_t>(offset - lead_));
   }
   const int error = errno;
   close(file);
   errno = error;
   if (memory == MAP_FAILED) Fail("mapping " + std::to_string(size) + " bytes of the client");
   madvise(around, reserved, MADV_DONTFORK);
-  data_ = static_cast<std::byte*>(memory);
+  data_ = static_cast<std::byte*>(memory) + lead_;
 }
 
 Mapping& Mapping::operator=(Mapping&& other) noexcept {
   std::swap(data_, other.data_);
   std::swap(size_, other.size_);
+  std::swap(lead_, other.lead_);
   std::swap(writable_, other.writable_);
   return *this;
 }
 
 Mapping::~Mapping() {
-  if (data_ != nullptr) munmap(data_ - PageSize(), Reserved(size_));
+  if (data_ != nullptr) munmap(data_ - lead_ - PageSize(), Reserved(lead_ + size_));
 }
 
 void Mapping::SetWritable(bool writable) {
   if (data_ == nullptr || writable == writable_) return;
-  if (mprotect(data_, size_, Protection(writable)) != 0) Fail("protecting a column");
+  if (mprotect(data_ - lead_, lead_ + size_, Protection(writable)) != 0) Fail("protecting a column");
   writable_ = writable;
 }
 

@@ -16,8 +16,9 @@ namespace vesper::host {
 class Mapping {
  public:
   Mapping() = default;
-  /// Maps `size` bytes of descriptor `fd` of process `client`. Throws std::runtime_error.
-  Mapping(int client, uint32_t fd, uint64_t size, bool writable);
+  /// Maps `size` bytes from `offset` on of descriptor `fd` of process `client`. Throws
+  /// std::runtime_error.
+  Mapping(int client, uint32_t fd, uint64_t size, bool writable, uint64_t offset = 0);
   Mapping(Mapping&& other) noexcept { *this = std::move(other); }
   Mapping& operator=(Mapping&& other) noexcept;
   ~Mapping();
@@ -30,6 +31,7 @@ class Mapping {
  private:
   std::byte* data_ = nullptr;
   uint64_t size_ = 0;
+  uint64_t lead_ = 0;  ///< bytes of the first page before the data
   bool writable_ = false;
 };
 

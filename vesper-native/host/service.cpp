@@ -176,6 +176,12 @@ void Service::Dispatch(Reader request, Writer& reply) {
       return Check(vesper_engine_set_ledger(engine_.get(), request.Value<uint32_t>(), &error_));
     case Request::kLedger:
       return Ledger(request, reply);
+    case Request::kBindAll:
+      for (auto left = request.Value<uint32_t>(); left > 0; --left) {
+        const bool rebind = request.Value<uint32_t>() != 0;
+        Bind(request, rebind);
+      }
+      return;
   }
   throw std::runtime_error("unknown request " + std::to_string(static_cast<uint32_t>(number)));
 }
@@ -202,17 +208,19 @@ void Service::Create(Reader& request) {
 void Service::Bind(Reader& request, bool rebind) {
   const std::string name = request.Text();
   const auto descriptor = request.Value<uint32_t>();
+  const auto offset = request.Value<uint64_t>();
   const auto size = request.Value<uint64_t>();
   const auto value_count = request.Value<uint64_t>();
   const auto index_descriptor = request.Value<uint32_t>();
+  const auto index_offset = request.Value<uint64_t>();
   const auto index_size = request.Value<uint64_t>();
   const auto object_count = request.Value<uint64_t>();
   Columns::Arrays arrays;
   if (descriptor != kNoDescriptor) {
-    arrays.data = Mapping(client_, descriptor, size, columns_.IsWritable(name));
+    arrays.data = Mapping(client_, descriptor, size, columns_.IsWritable(name), offset);
   }
   if (index_descriptor != kNoDescriptor) {
-    arrays.indices = Mapping(client_, index_descriptor, index_size, false);
+    arrays.indices = Mapping(client_, index_descriptor, index_size, false, index_offset);
   }
   const auto bind =
       rebind ? vesper_provider_rebind_physical_property : vesper_provider_add_physical_property;
@@ -319,7 +327,7 @@ void Service::WriteLaws(vesper_library_id library, Writer& reply) {
     reply.Value(info.parameter_count);
     ForEach(info.parameters, info.parameter_count, [&](const vesper_parameter_desc& parameter) {
       reply.Text(parameter.name);
-      reply.Text(parameter.doc);
+      reply.Text(parameter.doc == nullptr ? "" : parameter.doc);
       reply.Unit(parameter.unit);
       reply.Value(parameter.default_value);
       reply.Value(parameter.minimum);

@@ -35,6 +35,7 @@ enum class Request : uint32_t {
   kLoadState,
   kSetLedger,
   kLedger,
+  kBindAll,
 };
 
 /// One engine and its answers to requests. A reply begins with a status (int32_t). After a failure

@@ -42,8 +42,7 @@ void ExpectSameDeclaration(const vesper_law_desc& f32, const vesper_law_desc& f6
            name + " uses " + Quote(a.name) + " and " + Quote(b.name));
     Expect(a.access == b.access, name + " accesses " + Quote(a.name) + " in another way");
     const bool real = a.scalar_type == VESPER_F32 && b.scalar_type == VESPER_F64;
-    Expect(real || a.scalar_type == b.scalar_type,
-           name + " has another type for " + Quote(a.name));
+    Expect(real || a.scalar_type == b.scalar_type, name + " has another type for " + Quote(a.name));
   }
 }
 

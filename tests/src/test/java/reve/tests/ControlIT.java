@@ -116,7 +116,7 @@ class ControlIT {
         assertThat(events)
                 .filteredOn(event -> event.type().equals("law-loaded"))
                 .extracting(event -> event.fields().get("library"))
-                .containsExactly("fall", "fall");
+                .endsWith("fall", "fall");
         assertThat(events).extracting(Event::type).doesNotContain("fault");
         try (Replay replay = new Replay(Optional.empty(), Pacing.FAST);
                 RunLog.Reader records = RunLog.open(recording.get())) {

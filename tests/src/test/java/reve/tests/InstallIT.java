@@ -82,6 +82,9 @@ class InstallIT {
         namesItselfAsItIsCalled();
         linksOfItsPagesLeadSomewhere();
         refusesToOverwrite();
+        assertThat(Files.readString(installed.resolve("reve.service")))
+                .contains("ExecStart=" + installed + "/bin/reve serve " + installed + "/worlds/")
+                .doesNotContain("@HOME@");
         namesWhatIsMissing();
     }
 

@@ -311,6 +311,52 @@ class RecordingFilesIT {
         assertThat(run.waitFor()).isEqualTo(1);
     }
 
+    /** As `> FILE` and logrotate with copytruncate do. */
+    @Test
+    void aRecordingThatIsCutBeginsAnew() throws Exception {
+        Path log = folder.resolve("run.log");
+        Path audit = folder.resolve("audit.jsonl");
+        Path copy = folder.resolve("copy.log");
+        try (Server server = serve("--record", log.toString(), "--audit", audit.toString())) {
+            join(server);
+            Files.copy(log, copy);
+            Files.write(log, new byte[0]);
+            Files.write(audit, new byte[0]);
+            for (String source : List.of("recording", "audit")) {
+                JsonNode fault =
+                        server.events()
+                                .await(
+                                        "fault",
+                                        any -> any.path("source").asString().equals(source));
+                assertThat(fault.path("message").asString())
+                        .contains(source.equals("audit") ? audit.toString() : log.toString())
+                        .containsPattern(
+                                "was cut to [0-9]+ of [0-9]+ bytes; a new (one|recording) begins"
+                                        + " there");
+            }
+            join(server);
+            server.process().toHandle().destroy();
+            server.events().await("end", any -> true);
+        }
+        replays(copy);
+        replays(log);
+        assertThat(Files.readString(audit)).contains("\"welcome\"");
+        assertThat(folder.resolve("run.log.1")).doesNotExist();
+    }
+
+    @Test
+    void theStoreOfAnotherServerIsNoOlderAuditFile() throws Exception {
+        Path store = folder.resolve("z.1");
+        try (Server server = serve("--store", store.toString())) {
+            join(server);
+            Outcome refused = serveToEnd("--audit", folder.resolve("z"));
+            assertThat(refused.code()).isEqualTo(1);
+            assertThat(refused.err())
+                    .contains(store + " is there already and holds something else than an audit");
+            join(server);
+        }
+    }
+
     @Test
     void anAuditFileThatIsMovedBeginsAnew() throws Exception {
         Path audit = folder.resolve("audit.jsonl");

@@ -3,6 +3,8 @@ package reve.tests;
 
 import static org.assertj.core.api.Assertions.assertThat;
 
+import static java.util.stream.Collectors.joining;
+
 import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
@@ -16,6 +18,7 @@ import reve.tests.Reve.Outcome;
 
 import java.nio.file.Files;
 import java.nio.file.Path;
+import java.util.ArrayList;
 import java.util.List;
 import java.util.Map;
 import java.util.stream.Stream;
@@ -128,7 +131,45 @@ class UsageIT {
         assertThat(outcome.code()).isEqualTo(1);
         assertThat(outcome.err())
                 .hasLineCount(1)
-                .contains("only 40 files", "expected 128 or more", "ulimit -n 4096");
+                .contains("only 40 files", "expected 256 or more", "ulimit -n 4096");
+    }
+
+    @Test
+    void aNameThatTheCharacterSetCannotWriteIsRefusedInWords() throws Exception {
+        List<String> command = new ArrayList<>(List.of("env", "LC_ALL=C"));
+        command.addAll(Reve.command("serve", WORLD, "--store", "\u00e4.db"));
+        Path script =
+                Files.writeString(
+                        folder.resolve("script"),
+                        command.stream().map(each -> "'" + each + "'").collect(joining(" ")));
+        Outcome outcome = Reve.run(List.of("bash", script.toString()));
+        assertThat(outcome.code()).as(outcome.err()).isEqualTo(2);
+        assertThat(outcome.err())
+                .contains("'--store'", "the character set of the system", "LC_ALL=C.UTF-8")
+                .doesNotContain("java.", "Exception");
+    }
+
+    @Test
+    void aNumberHasDigitsOfOneScriptOnly() throws Exception {
+        refused(
+                "'--audit-size': '\uff11' is not an int",
+                "serve",
+                WORLD,
+                "--audit",
+                folder.resolve("a").toString(),
+                "--audit-size",
+                "\uff11");
+        refused("'--port': '99999999999' is not an int", "serve", WORLD, "--port", "99999999999");
+    }
+
+    @Test
+    void aPipeInPlaceOfCertificatesIsRefused() throws Exception {
+        Path pipe = folder.resolve("pipe");
+        assertThat(new ProcessBuilder("mkfifo", pipe.toString()).start().waitFor()).isZero();
+        Outcome outcome =
+                Reve.run("control", "pause", "--port", "1", "--tls-trust", pipe.toString());
+        assertThat(outcome.code()).isEqualTo(1);
+        assertThat(outcome.err()).contains(pipe + " is no file, expected a file of certificates");
     }
 
     /** A law library delays the start by the time that its constructor sleeps. */

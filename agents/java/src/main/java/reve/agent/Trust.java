@@ -35,6 +35,9 @@ public final class Trust {
      * @throws IOException naming the file, if it cannot be read or contains no certificate
      */
     public static SSLContext file(Path file) throws IOException {
+        if (Files.exists(file) && !Files.isRegularFile(file)) { // a pipe would wait for a writer
+            throw new IOException(file + " is no file, expected a file of certificates (PEM)");
+        }
         try (InputStream in = Files.newInputStream(file)) {
             var store = KeyStore.getInstance("PKCS12");
             store.load(null, null);

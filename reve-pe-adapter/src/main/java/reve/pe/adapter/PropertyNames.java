@@ -73,10 +73,7 @@ public final class PropertyNames {
                 continue;
             }
             List<reve.core.world.PropertyDescriptor> found =
-                    find(
-                            world,
-                            table(property.kind()),
-                            columns(property.kind(), property.name()));
+                    find(world, table(property.kind()), columns(property.kind(), property.name()));
             if (!found.isEmpty()) {
                 properties.add(
                         translated(

@@ -5,17 +5,18 @@ import org.jspecify.annotations.Nullable;
 
 import reve.core.world.ColumnArena;
 import reve.pe.posix.SharedMemory;
+import reve.pe.posix.SharedPart;
 
 import java.lang.foreign.MemorySegment;
-import java.util.HashMap;
 import java.util.Map;
+import java.util.TreeMap;
 
 /**
  * Column memory that another process can map: each column has its own file descriptor. Same thread
  * rule as the world's.
  */
 public final class SharedArena implements ColumnArena {
-    private final Map<Long, SharedMemory> byAddress = new HashMap<>();
+    private final TreeMap<Long, SharedMemory> byAddress = new TreeMap<>();
 
     @Override
     public MemorySegment reserve(String name, long bytes) {
@@ -25,12 +26,17 @@ public final class SharedArena implements ColumnArena {
     }
 
     /**
-     * Returns the descriptor of a column, valid in this process.
+     * Returns where another process finds a column, or a part of it.
      *
-     * @param memory from {@link #reserve}, or a part of it with the same start
+     * @param memory from {@link #reserve}, or a part of it
      */
-    public int descriptor(MemorySegment memory) {
-        return find(memory, byAddress.get(memory.address())).descriptor();
+    public SharedPart part(MemorySegment memory) {
+        Map.Entry<Long, SharedMemory> below = byAddress.floorEntry(memory.address());
+        SharedMemory found = below == null ? null : below.getValue();
+        long offset = below == null ? 0 : memory.address() - below.getKey();
+        boolean contains =
+                found != null && offset + memory.byteSize() <= found.segment().byteSize();
+        return new SharedPart(find(memory, contains ? found : null).descriptor(), offset);
     }
 
     @Override

@@ -11,6 +11,7 @@ import reve.pe.PhysicsLaw;
 import reve.pe.PreparedLibrary;
 import reve.pe.Prototype;
 import reve.pe.Status;
+import reve.pe.posix.SharedPart;
 import reve.pe.vesper.LawText;
 import reve.pe.vesper.LibraryFile;
 import reve.pe.vesper.VesperConfig;
@@ -26,7 +27,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.function.Consumer;
-import java.util.function.ToIntFunction;
+import java.util.function.Function;
 
 /**
  * A Vesper engine in a process of its own, the host, which uses the arrays of the provider in
@@ -86,7 +87,7 @@ public final class HostedEngine implements PhysicsEngine {
      * @param frameLimit time that all laws together may take for an advance: processor time, and
      *     time in which they only wait. The first advance may take at least ten seconds, and others
      *     eight times the longest of the last frames
-     * @param descriptors returns the descriptor of shared memory that is lent to the engine, and
+     * @param parts returns where hosts find memory that is lent to the engine, and
      *     throws IllegalArgumentException for other memory
      * @throws PhysicsException if the engine refuses the prototype
      * @throws IllegalStateException if no process can be started
@@ -96,12 +97,12 @@ public final class HostedEngine implements PhysicsEngine {
             Duration frameLimit,
             VesperConfig config,
             Prototype prototype,
-            ToIntFunction<MemorySegment> descriptors) {
+            Function<MemorySegment, SharedPart> parts) {
         this.hosts = hosts;
         this.frameLimit = frameLimit;
         this.config = config;
         this.prototype = prototype;
-        this.provider = new HostedProvider(this, prototype, descriptors);
+        this.provider = new HostedProvider(this, prototype, parts);
         try {
             host();
         } catch (HostLost lost) {
@@ -179,7 +180,7 @@ public final class HostedEngine implements PhysicsEngine {
         library.requireFree();
         Loaded added = new Loaded(nextId, library, parameters);
         try {
-            Calls calls = calls(host(), REQUEST.toNanos(), config.log());
+            Calls calls = connected();
             loadWithReport(calls, added);
             library.taken();
             libraries.put(added.id, added);
@@ -289,6 +290,9 @@ public final class HostedEngine implements PhysicsEngine {
         provider.checkArraysAlive();
         try {
             HostProcess current = host();
+            if (provider.hasPending()) {
+                provider.flush(calls(current, REQUEST.toNanos(), config.log()));
+            }
             provider.flushTouches();
             current.begin(Request.ADVANCE).putDouble(dt).putInt(steps);
             long start = System.nanoTime();
@@ -368,7 +372,7 @@ public final class HostedEngine implements PhysicsEngine {
     public void loadState(byte[] saved) {
         checkOpen();
         try {
-            Calls calls = calls(host(), REQUEST.toNanos(), config.log());
+            Calls calls = connected();
             state.load(saved, List.of(), calls);
             state.keep(calls);
             moves.clear();
@@ -379,7 +383,7 @@ public final class HostedEngine implements PhysicsEngine {
 
     private void keepState() {
         try {
-            state.keep(calls(host(), REQUEST.toNanos(), config.log()));
+            state.keep(connected());
             moves.clear();
         } catch (HostLost lost) {
             throw lost(lost);
@@ -442,17 +446,26 @@ public final class HostedEngine implements PhysicsEngine {
         checkOpen();
         try {
             try {
-                return calls(host(), REQUEST.toNanos(), config.log()).call(request);
+                return connected().call(request);
             } catch (HostLost lost) {
                 if (!lost.running.isEmpty()) {
                     throw lost;
                 }
                 lose();
-                return calls(host(), REQUEST.toNanos(), config.log()).call(request);
+                return connected().call(request);
             }
         } catch (HostLost lost) {
             throw lost(lost);
         }
+    }
+
+    /** Returns a connection to the host, which has the present arrays. */
+    private Calls connected() throws HostLost {
+        Calls calls = calls(host(), REQUEST.toNanos(), config.log());
+        if (provider.hasPending()) {
+            provider.flush(calls);
+        }
+        return calls;
     }
 
     private Calls calls(HostProcess to, long limitNanos, VesperLog log) {
@@ -503,6 +516,7 @@ public final class HostedEngine implements PhysicsEngine {
             throw failed;
         }
         host = fresh;
+        hosts.refill(); // now, because the start would have delayed this host
         return fresh;
     }
 
@@ -517,7 +531,7 @@ public final class HostedEngine implements PhysicsEngine {
     }
 
     /** Forgets the host; the next call starts another one. */
-    private void lose() {
+    void lose() {
         if (host != null) {
             host.close();
             host = null;

@@ -10,21 +10,28 @@ import reve.pe.PropertyDescriptor;
 import reve.pe.Prototype;
 import reve.pe.ScalarType;
 import reve.pe.Status;
+import reve.pe.posix.SharedPart;
 
 import java.lang.foreign.MemorySegment;
 import java.util.HashSet;
 import java.util.LinkedHashMap;
 import java.util.LinkedHashSet;
+import java.util.List;
 import java.util.Map;
+import java.util.Objects;
 import java.util.Set;
-import java.util.function.ToIntFunction;
+import java.util.function.Function;
 
-/** The provider of a hosted engine: the arrays of the client, which each host maps. */
+/**
+ * The provider of a hosted engine: the arrays of the client, which each host maps. A host is told
+ * of all rebound arrays at once, so a refusal of their values comes with the next call of the
+ * engine.
+ */
 final class HostedProvider implements PhysicalPropertyProvider {
     private static final int NO_DESCRIPTOR = -1;
 
     private final HostedEngine engine;
-    private final ToIntFunction<MemorySegment> descriptors;
+    private final Function<MemorySegment, SharedPart> parts;
     private final Map<String, PropertyDescriptor> properties = new LinkedHashMap<>();
     private final Map<String, Arrays> bound = new LinkedHashMap<>();
 
@@ -34,7 +41,11 @@ final class HostedProvider implements PhysicalPropertyProvider {
     /** The properties whose arrays the current host has. */
     private final Set<String> lent = new HashSet<>();
 
+    /** The properties that were rebound since, of which the host is told with the next call. */
+    private final Set<String> pending = new LinkedHashSet<>();
+
     private MemorySegment.Scope[] lifetimes = {};
+    private boolean lifetimesKnown = true;
 
     /** The bound arrays of a property. */
     private record Arrays(
@@ -44,9 +55,9 @@ final class HostedProvider implements PhysicalPropertyProvider {
             long objectCount) {}
 
     HostedProvider(
-            HostedEngine engine, Prototype prototype, ToIntFunction<MemorySegment> descriptors) {
+            HostedEngine engine, Prototype prototype, Function<MemorySegment, SharedPart> parts) {
         this.engine = engine;
-        this.descriptors = descriptors;
+        this.parts = parts;
         prototype.properties().forEach(property -> properties.put(property.name(), property));
     }
 
@@ -83,18 +94,47 @@ final class HostedProvider implements PhysicalPropertyProvider {
                 checkArray(name, "indices", arrays.indices, arrays.objectCount, Integer.BYTES);
             }
         }
-        engine.ask(host -> put(host.begin(requestFor(name, request)), name, arrays));
+        if (request == Request.REBIND && bound.containsKey(name) && arrays.indices == null) {
+            pending.add(name);
+        } else {
+            engine.ask(host -> put(host.begin(request), name, arrays));
+            pending.remove(name);
+            lent.add(name);
+        }
         touched.remove(name);
-        lent.add(name);
         bound.put(name, arrays);
-        collectLifetimes();
+        lifetimesKnown = false;
     }
 
-    /** A new host may lack arrays that its predecessor had, because their memory is closed. */
-    private Request requestFor(String name, Request asked) {
-        return asked == Request.REBIND && bound.containsKey(name) && !lent.contains(name)
-                ? Request.ADD
-                : asked;
+    /** Returns whether the host must be told of arrays. */
+    boolean hasPending() {
+        return !pending.isEmpty();
+    }
+
+    /** Tells the host of all arrays that were rebound, in one request. */
+    void flush(Calls host) throws HostLost {
+        List<String> names =
+                pending.stream()
+                        .filter(name -> !isDead(Objects.requireNonNull(bound.get(name))))
+                        .toList();
+        if (names.isEmpty()) {
+            return;
+        }
+        try {
+            host.call(
+                    to -> {
+                        Mailbox request = to.begin(Request.BIND_ALL).putInt(names.size());
+                        for (String name : names) {
+                            request.putInt(lent.contains(name) ? 1 : 0);
+                            put(request, name, Objects.requireNonNull(bound.get(name)));
+                        }
+                    });
+        } catch (PhysicsException refused) {
+            engine.lose(); // it may have some of the arrays; the next one gets all
+            throw refused;
+        }
+        lent.addAll(names);
+        names.forEach(pending::remove);
     }
 
     private void put(Mailbox to, String name, Arrays arrays) {
@@ -107,9 +147,10 @@ final class HostedProvider implements PhysicalPropertyProvider {
 
     private void put(Mailbox to, @Nullable MemorySegment memory) {
         if (memory == null || memory.byteSize() == 0) {
-            to.putInt(NO_DESCRIPTOR).putLong(0);
+            to.putInt(NO_DESCRIPTOR).putLong(0).putLong(0);
         } else {
-            to.putInt(descriptors.applyAsInt(memory)).putLong(memory.byteSize());
+            SharedPart part = parts.apply(memory);
+            to.putInt(part.descriptor()).putLong(part.offset()).putLong(memory.byteSize());
         }
     }
 
@@ -119,8 +160,9 @@ final class HostedProvider implements PhysicalPropertyProvider {
         engine.ask(host -> host.begin(Request.REMOVE).putText(name));
         touched.remove(name);
         lent.remove(name);
+        pending.remove(name);
         bound.remove(name);
-        collectLifetimes();
+        lifetimesKnown = false;
     }
 
     @Override
@@ -168,17 +210,16 @@ final class HostedProvider implements PhysicalPropertyProvider {
     /** Lends the bound arrays to another host, which has none yet. */
     void bindAll(Calls host) throws HostLost {
         lent.clear();
-        for (Map.Entry<String, Arrays> entry : bound.entrySet()) {
-            if (!isDead(entry.getValue())) {
-                host.call(to -> put(to.begin(Request.ADD), entry.getKey(), entry.getValue()));
-                lent.add(entry.getKey());
-            }
-        }
+        pending.addAll(bound.keySet());
+        flush(host);
         touched.clear();
     }
 
     /** Throws if the client closed memory that the engine still uses. */
     void checkArraysAlive() {
+        if (!lifetimesKnown) {
+            collectLifetimes();
+        }
         for (MemorySegment.Scope lifetime : lifetimes) {
             if (!lifetime.isAlive()) {
                 throw new IllegalStateException(
@@ -207,6 +248,7 @@ final class HostedProvider implements PhysicalPropertyProvider {
             }
         }
         lifetimes = scopes.toArray(MemorySegment.Scope[]::new);
+        lifetimesKnown = true;
     }
 
     /** Returns the row at a place in the column of a property, or -1 if there is none. */

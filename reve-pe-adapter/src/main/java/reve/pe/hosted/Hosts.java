@@ -25,12 +25,12 @@ public final class Hosts implements AutoCloseable {
         this.memoryBytes = memoryBytes;
     }
 
-    /** Returns the warm process, and starts the next one on another thread. */
+    /** Returns the warm process, or a new one. */
     HostProcess take() {
         CompletableFuture<HostProcess> ready;
         synchronized (this) {
             ready = warm;
-            warm = closed ? null : startLater();
+            warm = null;
         }
         if (ready != null) {
             try {
@@ -44,6 +44,13 @@ public final class Hosts implements AutoCloseable {
             }
         }
         return start();
+    }
+
+    /** Starts the next warm process on another thread, unless there is one. */
+    synchronized void refill() {
+        if (warm == null && !closed) {
+            warm = startLater();
+        }
     }
 
     /** Starts a process for one use. */

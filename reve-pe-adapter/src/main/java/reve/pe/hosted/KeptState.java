@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.pe.hosted;
 
-
 import reve.pe.posix.SharedMemory;
 
 import java.lang.foreign.MemorySegment;

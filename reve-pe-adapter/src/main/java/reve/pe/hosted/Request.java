@@ -22,7 +22,8 @@ enum Request {
     SAVE_STATE,
     LOAD_STATE,
     SET_LEDGER,
-    LEDGER;
+    LEDGER,
+    BIND_ALL;
 
     int number() {
         return ordinal() + 1;

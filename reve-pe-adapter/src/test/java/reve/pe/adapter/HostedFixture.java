@@ -51,7 +51,7 @@ final class HostedFixture implements AutoCloseable {
                                     PropertyNames.prototype(
                                             WorldPrototype.standard("si-f64"),
                                             VesperEngine.standardPrototype("si-f64")),
-                                    arena::descriptor);
+                                    arena::part);
                         });
     }
 

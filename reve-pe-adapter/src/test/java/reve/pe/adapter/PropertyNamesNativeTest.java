@@ -24,7 +24,8 @@ class PropertyNamesNativeTest {
     @ValueSource(strings = {"si-f64", "si-f32"})
     void everyStandardPropertyOfTheEngineIsOneOfReveInTypeAndUnit(String name) {
         Prototype engine = VesperEngine.standardPrototype(name);
-        Prototype reve = PropertyNames.prototype(WorldPrototype.standard(name).withJoints(), engine);
+        Prototype reve =
+                PropertyNames.prototype(WorldPrototype.standard(name).withJoints(), engine);
         assertThat(reve)
                 .usingRecursiveComparison()
                 .ignoringFieldsMatchingRegexes(".*doc", ".*symbol")

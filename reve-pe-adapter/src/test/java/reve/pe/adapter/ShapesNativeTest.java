@@ -45,11 +45,7 @@ class ShapesNativeTest {
                         new OffHeapArena(),
                         true,
                         engine -> engine);
-        world.world
-                .find("world")
-                .orElseThrow()
-                .physics()
-                .set("gravity", 0, -9.81, 0);
+        world.world.find("world").orElseThrow().physics().set("gravity", 0, -9.81, 0);
         return world.load("gravity_field");
     }
 

@@ -17,6 +17,7 @@ import reve.pe.Prototype;
 import reve.pe.SpringOrbit;
 import reve.pe.Status;
 import reve.pe.posix.SharedMemory;
+import reve.pe.posix.SharedPart;
 import reve.pe.vesper.VesperConfig;
 
 import java.lang.foreign.Arena;
@@ -40,15 +41,15 @@ class HostedEngineNativeTest extends EngineContract {
         @Override
         public PhysicsEngine engine(VesperConfig config, Prototype prototype) {
             return new HostedEngine(
-                    hosts, Duration.ofSeconds(10), config, prototype, this::descriptor);
+                    hosts, Duration.ofSeconds(10), config, prototype, this::part);
         }
 
-        private int descriptor(MemorySegment segment) {
+        private SharedPart part(MemorySegment segment) {
             SharedMemory memory = memories.get(segment.address());
             if (memory == null) {
                 throw new IllegalArgumentException("memory that is not shared");
             }
-            return memory.descriptor();
+            return new SharedPart(memory.descriptor(), 0);
         }
 
         @Override
@@ -128,8 +129,7 @@ class HostedEngineNativeTest extends EngineContract {
             assertThat(orbit.engine.stepCount()).isEqualTo(40);
             assertThat(orbit.engine.laws())
                     .extracting(PhysicsLaw::calls)
-                    .isEqualTo(
-                            undisturbed.engine.laws().stream().map(PhysicsLaw::calls).toList());
+                    .isEqualTo(undisturbed.engine.laws().stream().map(PhysicsLaw::calls).toList());
         }
     }
 

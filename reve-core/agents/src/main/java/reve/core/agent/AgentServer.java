@@ -8,6 +8,7 @@ import reve.core.agent.auth.TokenFile;
 import reve.core.agent.lockstep.LockStep;
 import reve.core.agent.net.Connections;
 import reve.core.agent.net.Counters;
+import reve.core.agent.net.Descriptors;
 import reve.core.agent.net.EventLoop;
 import reve.core.agent.net.RateLimitedLog;
 import reve.core.agent.port.WorldPort;
@@ -64,14 +65,18 @@ public final class AgentServer implements AutoCloseable {
      * @param ports of worlds with different names, at least one
      * @param problems receives problems of the server's files while it runs
      * @throws BindException naming the address if it is not available
-     * @throws IOException if the audit file cannot be written
+     * @throws IOException if the audit file cannot be written, or the process may open too few
+     *     files
      */
     public static AgentServer start(
             AgentServerConfig config, List<WorldPort> ports, ServerProblems problems)
             throws IOException {
         ServerSocketChannel listening = listen(config.address());
         try {
-            var server = new AgentServer(config, ports, listening, openAudit(config), problems);
+            Descriptors descriptors = Descriptors.ofProcess();
+            var server =
+                    new AgentServer(
+                            config, ports, listening, openAudit(config), descriptors, problems);
             server.loop.start();
             server.connections.start();
             return server;
@@ -92,6 +97,7 @@ public final class AgentServer implements AutoCloseable {
             List<WorldPort> ports,
             ServerSocketChannel listening,
             Optional<AuditLog> audit,
+            Descriptors descriptors,
             ServerProblems problems)
             throws IOException {
         this.audit = audit;
@@ -133,6 +139,7 @@ public final class AgentServer implements AutoCloseable {
                         audit,
                         admission,
                         loop,
+                        descriptors,
                         listening);
     }
 

@@ -26,12 +26,18 @@ final class PhysicalReader {
     private static final Unit METRE = Unit.parse("m");
     private static final Map<String, Set<String>> KEYS_BY_SHAPE =
             Map.of(
-                    "sphere", Set.of("radius"),
-                    "box", Set.of("size"),
-                    "plane", Set.of("size"),
-                    "capsule", new LinkedHashSet<>(List.of("radius", "height")),
-                    "cylinder", new LinkedHashSet<>(List.of("radius", "height")),
-                    "mesh", new LinkedHashSet<>(List.of("vertices", "triangles")));
+                    "sphere",
+                    Set.of("radius"),
+                    "box",
+                    Set.of("size"),
+                    "plane",
+                    Set.of("size"),
+                    "capsule",
+                    new LinkedHashSet<>(List.of("radius", "height")),
+                    "cylinder",
+                    new LinkedHashSet<>(List.of("radius", "height")),
+                    "mesh",
+                    new LinkedHashSet<>(List.of("vertices", "triangles")));
     private static final List<String> SHAPE_KEYS =
             List.of("radius", "height", "size", "vertices", "triangles", "file");
 

@@ -82,8 +82,7 @@ public record MassProperties(
                 rod * (square / 4 + middle * middle / 12)
                         + ball * (0.4 * square + middle * middle / 4 + 3 * middle * radius / 8);
         double along = rod * square / 2 + ball * 0.4 * square;
-        return symmetric(
-                ball + rod, (ball + rod) * density, across * density, along * density);
+        return symmetric(ball + rod, (ball + rod) * density, across * density, along * density);
     }
 
     /** Returns the properties of a solid of revolution about the Y axis. */

@@ -5,6 +5,7 @@ import java.io.Closeable;
 import java.io.IOException;
 import java.nio.channels.FileChannel;
 import java.nio.channels.OverlappingFileLockException;
+import java.nio.file.DirectoryStream;
 import java.nio.file.FileSystemException;
 import java.nio.file.Files;
 import java.nio.file.LinkOption;
@@ -121,21 +122,120 @@ public final class OwnedFile implements Closeable {
     }
 
     /**
+     * Returns what another program did to the file, as the rest of a sentence; empty if the path
+     * leads to the complete file. Any thread.
+     *
+     * @param written number of bytes in the file, unless it is a device
+     */
+    public String trouble(long written) {
+        if (!isInPlace()) {
+            return "was moved or removed";
+        }
+        try {
+            long size = Files.size(path);
+            return size < written && Files.isRegularFile(path)
+                    ? "was cut to " + size + " of " + written + " bytes"
+                    : "";
+        } catch (IOException unknown) {
+            return "";
+        }
+    }
+
+    /**
      * Renames a file to {@code FILE.1}. The numbers of older files increase by one, up to the first
      * free number; if there is none, the oldest is replaced.
      *
      * @param keep maximum number of older files, at least 1
+     * @param kind checks the content of an older file
      * @return the new path of the file
+     * @throws IOException if nothing was renamed, for example because a file with such a name is of
+     *     another kind or in use
      */
-    public static Path rotate(Path file, int keep) throws IOException {
+    public static Path rotate(Path file, int keep, Kind kind) throws IOException {
         int free = 1;
         while (free < keep && Files.exists(older(file, free), LinkOption.NOFOLLOW_LINKS)) {
+            requireOlder(older(file, free), kind);
             free++;
+        }
+        if (Files.exists(older(file, free), LinkOption.NOFOLLOW_LINKS)) {
+            requireOlder(older(file, free), kind);
         }
         for (int i = free; i > 0; i--) {
             Files.move(older(file, i - 1), older(file, i), StandardCopyOption.ATOMIC_MOVE);
         }
         return older(file, 1);
+    }
+
+    /** The kind of file that is rotated. */
+    @FunctionalInterface
+    public interface Kind {
+        /**
+         * @throws IOException naming the file, if its content is of another kind
+         */
+        void require(Path file) throws IOException;
+    }
+
+    /**
+     * Refuses a name whose older files could not be kept: one of them is of another kind or in use,
+     * or its name would be too long.
+     *
+     * @param keep maximum number of older files
+     */
+    public static void requireOlder(Path file, int keep, Kind kind) throws IOException {
+        requireName(file, "." + keep);
+        Path folder = file.toAbsolutePath().getParent();
+        if (!Files.isDirectory(folder)) {
+            return;
+        }
+        String prefix = file.getFileName() + ".";
+        try (DirectoryStream<Path> siblings =
+                Files.newDirectoryStream(
+                        folder, each -> each.getFileName().toString().startsWith(prefix))) {
+            for (Path sibling : siblings) {
+                String digits = sibling.getFileName().toString().substring(prefix.length());
+                if (digits.matches("[1-9][0-9]{0,8}") && Integer.parseInt(digits) <= keep) {
+                    requireOlder(older(file, Integer.parseInt(digits)), kind);
+                }
+            }
+        }
+    }
+
+    /**
+     * Refuses an older file that must not be renamed or replaced. The check of the content comes
+     * first, because the end of a read would release a lock of this process.
+     */
+    private static void requireOlder(Path older, Kind kind) throws IOException {
+        if (!Files.isRegularFile(older)) {
+            throw new IOException(
+                    older + " is there already and is no file; name another file, or remove it");
+        }
+        kind.require(older);
+        try (FileChannel channel = FileChannel.open(older)) {
+            if (channel.tryLock(0, Long.MAX_VALUE, true) == null) {
+                throw new IOException(older + " is in use by another process; name another file");
+            }
+        } catch (OverlappingFileLockException ofThisProcess) {
+            throw new IOException(older + " is in use by this process", ofThisProcess);
+        }
+    }
+
+    /**
+     * Refuses a file whose name is too long for the names of the files beside it.
+     *
+     * @param ending of the longest such name
+     */
+    public static void requireName(Path file, String ending) throws IOException {
+        try {
+            Files.readAttributes(
+                    file.resolveSibling(file.getFileName() + ending), BasicFileAttributes.class);
+        } catch (FileSystemException e) {
+            if ("File name too long".equals(e.getReason())) {
+                throw new IOException(
+                        "its name is too long: the files beside it have names up to NAME"
+                                + ending
+                                + "; take a shorter name");
+            }
+        }
     }
 
     /** Returns the path of an older file; 0 is the file itself. */

@@ -35,8 +35,8 @@ final class Layout {
     }
 
     /**
-     * Returns the version, which increases when rows are added, removed or moved, items are attached
-     * or detached, or column memory is replaced.
+     * Returns the version, which increases when rows are added, removed or moved, items are
+     * attached or detached, or column memory is replaced.
      */
     long version() {
         return version;

@@ -2,7 +2,7 @@
 package reve.core.world;
 
 /** The shape of a body around its origin, in metres along its own axes. Immutable. */
-public sealed interface Shape 
+public sealed interface Shape
         permits Shape.None,
                 Shape.Sphere,
                 Shape.Box,

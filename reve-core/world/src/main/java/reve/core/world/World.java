@@ -345,7 +345,8 @@ public final class World {
 
     /**
      * Returns the layout version, which increases when rows are added, removed or moved, items are
-     * attached or detached, or column memory is replaced. Replaced memory stays readable until the end of the next PHYSICS.
+     * attached or detached, or column memory is replaced. Replaced memory stays readable until the
+     * end of the next PHYSICS.
      */
     public long layoutVersion() {
         return data.layout.version();

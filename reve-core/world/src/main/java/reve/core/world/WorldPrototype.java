@@ -103,7 +103,9 @@ public final class WorldPrototype {
         return new WorldPrototype(name, real, standardPhysics(real), List.of());
     }
 
-    /** Returns a copy with the kind {@code joint}, whose properties a world has only if it uses it. */
+    /**
+     * Returns a copy with the kind {@code joint}, whose properties a world has only if it uses it.
+     */
     public WorldPrototype withJoints() {
         return extendedBy(joints(realType));
     }

@@ -124,6 +124,36 @@ class FrameLoopTest {
     }
 
     @Test
+    void aSpeedChangesTheIntervalsButNotTheTimeOfTheWorld() {
+        FrameLoop loop = loop(new Timing(50, 1), Pacing.REAL_TIME);
+        noteStarts();
+        List<Double> times = new ArrayList<>();
+        bus.subscribe(
+                FramePhase.ACT,
+                "speed",
+                event -> {
+                    times.add(event.timeSeconds());
+                    if (event.frame() == 3) {
+                        loop.setSpeed(0.5);
+                    } else if (event.frame() == 6) {
+                        loop.setSpeed(4);
+                    }
+                });
+        loop.run(9);
+        List<Long> intervals = new ArrayList<>();
+        for (int i = 1; i < starts.size(); i++) {
+            intervals.add((starts.get(i) - starts.get(i - 1)) / 1_000_000);
+        }
+        assertThat(intervals).containsExactly(20L, 20L, 40L, 40L, 40L, 5L, 5L, 5L);
+        for (int i = 0; i < times.size(); i++) {
+            assertThat(times.get(i)).isEqualTo((i + 1) * 0.02);
+        }
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> loop.setSpeed(0))
+                .withMessageContaining("speed is 0.0");
+    }
+
+    @Test
     void realTimeStartsEveryFrameOnTheGridAndNeverDrifts() {
         noteStarts();
         bus.subscribe(FramePhase.PHYSICS, "work", event -> clock.now += 3 * MILLISECOND);

@@ -318,13 +318,13 @@ public final class ControlCommand implements Callable<Integer> {
             out.println(command + ": frame " + result.frame().orElseThrow());
             result.value().ifPresent(value -> out.print(Json.text(value) + System.lineSeparator()));
         } else {
-            spec.commandLine()
-                    .getErr()
-                    .println(
-                            "reve: "
-                                    + result.code().orElse("refused")
-                                    + ": "
-                                    + result.reason().orElse(""));
+            // A refused law as text has several lines; other control characters are escaped.
+            String reason =
+                    "reve: "
+                            + result.code().orElse("refused")
+                            + ": "
+                            + result.reason().orElse("");
+            reason.lines().forEach(spec.commandLine().getErr()::println);
         }
         out.flush();
     }

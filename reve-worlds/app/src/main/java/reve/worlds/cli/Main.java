@@ -18,8 +18,10 @@ import java.io.FileOutputStream;
 import java.io.OutputStream;
 import java.io.PrintWriter;
 import java.nio.file.AccessDeniedException;
+import java.nio.file.InvalidPathException;
 import java.nio.file.Path;
 import java.util.List;
+import java.util.regex.Pattern;
 import java.util.stream.Stream;
 
 /**
@@ -76,6 +78,8 @@ public final class Main {
                     "Commands of the launcher script:",
                     "  doctor     Says which shared libraries of the system are missing.");
 
+    private static final Pattern INTEGER = Pattern.compile("[-+]?[0-9]+");
+
     private Main() {}
 
     /** Runs one command and ends the process with its exit code. */
@@ -100,6 +104,8 @@ public final class Main {
         usage.footer(
                 Stream.concat(launcher.stream(), Stream.of(usage.footer())).toArray(String[]::new));
         line.registerConverter(Path.class, Main::path);
+        line.registerConverter(Integer.class, Main::integer);
+        line.registerConverter(int.class, Main::integer);
         line.setParameterExceptionHandler(Main::explainUsage);
         line.setExecutionExceptionHandler(Main::explain);
         line.setCaseInsensitiveEnumValuesAllowed(true);
@@ -119,7 +125,27 @@ public final class Main {
         if (given.isEmpty()) {
             throw new TypeConversionException("expected a file or a folder, found nothing");
         }
-        return Path.of(given);
+        try {
+            return Path.of(given);
+        } catch (InvalidPathException e) {
+            throw new TypeConversionException(
+                    "the character set of the system cannot write this name (LC_ALL or LANG);"
+                            + " expected UTF-8, for example LC_ALL=C.UTF-8");
+        }
+    }
+
+    /**
+     * Converts an option's text to a number; {@link Integer#valueOf} takes digits of any script.
+     */
+    private static Integer integer(String given) {
+        if (INTEGER.matcher(given).matches()) {
+            try {
+                return Integer.valueOf(given);
+            } catch (NumberFormatException tooLarge) {
+                // The message below reports it.
+            }
+        }
+        throw new TypeConversionException("'" + given + "' is not an int");
     }
 
     /**

@@ -17,6 +17,9 @@ import java.util.stream.Stream;
  * oldest image are removed.
  */
 final class FrameFiles {
+    /** End of the longest name of a file; ten images a second reach it after 30 years. */
+    static final String LONGEST_ENDING = "-frames-9999999999";
+
     private static final SecureRandom IDS = new SecureRandom();
 
     private final Path store;

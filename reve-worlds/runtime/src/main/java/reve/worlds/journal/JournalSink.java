@@ -2,7 +2,6 @@
 package reve.worlds.journal;
 
 import java.io.IOException;
-import java.nio.file.Path;
 import java.util.List;
 import java.util.Optional;
 
@@ -28,8 +27,11 @@ public interface JournalSink extends AutoCloseable {
      */
     void sync() throws IOException;
 
-    /** Returns the sink's file if it was moved or removed, so that readers cannot find new data. */
-    default Optional<Path> missing() {
+    /**
+     * Returns the sink's file and what happened to it, if it was moved, removed or cut, so that
+     * readers cannot use new data.
+     */
+    default Optional<String> missing() {
         return Optional.empty();
     }
 

@@ -7,7 +7,6 @@ import reve.pe.adapter.LawChange;
 import reve.pe.adapter.LawLibrary;
 
 import java.io.IOException;
-import java.nio.file.Path;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
@@ -64,7 +63,7 @@ final class JournalWriter {
     private final AtomicBoolean beginsAnew = new AtomicBoolean();
     private long lookedNanos = System.nanoTime();
 
-    /** Whether the file was moved or removed and is not yet replaced. */
+    /** Whether the file was moved, removed or cut and is not yet replaced. */
     private boolean missing;
 
     /** Whether the recording could not be written and does not yet continue in another file. */
@@ -183,10 +182,10 @@ final class JournalWriter {
             if (begun) {
                 sink.missing()
                         .ifPresent(
-                                file -> {
+                                trouble -> {
                                     problems.accept(
-                                            file
-                                                    + " was moved or removed;"
+                                            trouble
+                                                    + ";"
                                                     + " what was recorded is no longer there");
                                     gap =
                                             gap.or(
@@ -229,7 +228,8 @@ final class JournalWriter {
     }
 
     /**
-     * Begins a new file if the current one was moved or removed, because its data would be lost.
+     * Begins a new file if the current one was moved, removed or cut, because its data would be
+     * lost.
      */
     private void lookAfterFile() {
         long now = System.nanoTime();
@@ -241,8 +241,8 @@ final class JournalWriter {
             beginAfterRefusal();
             return;
         }
-        Optional<Path> file = sink.missing();
-        if (file.isEmpty() && !missing) {
+        Optional<String> trouble = sink.missing();
+        if (trouble.isEmpty() && !missing) {
             return;
         }
         begun = false;
@@ -251,14 +251,14 @@ final class JournalWriter {
             missing = false;
             beginsAnew.set(true);
             problems.accept(
-                    file.map(Path::toString).orElse("the recording")
-                            + " was moved or removed; a new recording begins there,"
+                    trouble.orElse("the recording was missing")
+                            + "; a new recording begins there,"
                             + " which lacks the frames before it");
         } catch (IOException e) {
             if (!missing) {
                 problems.accept(
-                        file.map(Path::toString).orElse("the recording")
-                                + " was moved or removed, and no new recording can begin there: "
+                        trouble.orElse("the recording is missing")
+                                + ", and no new recording can begin there: "
                                 + reason(e)
                                 + "; nothing is recorded until one can");
             }

@@ -41,6 +41,7 @@ public final class Recording implements JournalSink {
         // reads the file; reading it after the lock is taken would release the lock
         requireRecording(file);
         try {
+            OwnedFile.requireName(file, "." + plan.keep());
             OwnedFile found = OwnedFile.open(file);
             if (!Files.isRegularFile(file) || found.channel().size() <= RunLog.EMPTY_BYTES) {
                 return found;
@@ -59,11 +60,8 @@ public final class Recording implements JournalSink {
      * never rename at the same time.
      */
     private Path rotated() throws IOException {
-        for (int i = 1; i <= plan.keep() && Files.exists(OwnedFile.older(file, i)); i++) {
-            requireRecording(OwnedFile.older(file, i));
-        }
         try {
-            return OwnedFile.rotate(file, plan.keep());
+            return OwnedFile.rotate(file, plan.keep(), Recording::requireRecording);
         } catch (IOException e) {
             throw new IOException(
                     "it holds a recording, which could not be moved to "
@@ -128,8 +126,9 @@ public final class Recording implements JournalSink {
     }
 
     @Override
-    public Optional<Path> missing() {
-        return owned.isInPlace() ? Optional.empty() : Optional.of(file);
+    public Optional<String> missing() {
+        String trouble = owned.trouble(writer.written());
+        return trouble.isEmpty() ? Optional.empty() : Optional.of(file + " " + trouble);
     }
 
     @Override
@@ -140,14 +139,35 @@ public final class Recording implements JournalSink {
     @Override
     public String beginAnew() throws IOException {
         if (owned.isInPlace()) {
-            requireRoomForOlder();
+            boolean wasCut = Files.size(file) < writer.written();
+            if (!wasCut) {
+                requireRoomForOlder();
+            }
             owned.close(); // otherwise this process itself holds the lock
+            if (wasCut) {
+                emptyUnlessRecording();
+            }
         }
         OwnedFile fresh = open();
         owned.close();
         owned = fresh;
         writer = writer();
         return file + older.map(part -> ", the recording before it is " + part).orElse("");
+    }
+
+    /**
+     * Empties a file that another program has cut, unless it still begins as a recording. The
+     * records after a lost beginning cannot be replayed.
+     */
+    private void emptyUnlessRecording() throws IOException {
+        try (InputStream held = Files.newInputStream(file)) {
+            if (RunLog.isRecording(held)) {
+                return;
+            }
+        }
+        try (OwnedFile cut = OwnedFile.open(file)) {
+            cut.channel().truncate(0);
+        }
     }
 
     /**

@@ -214,8 +214,8 @@ public final class RunLog {
                 }
                 write(image);
             } catch (IOException e) {
-                takeBack(end, e);
                 written = writtenBefore;
+                takeBack(end, e);
                 libraries.retainAll(before);
                 throw e;
             }
@@ -242,6 +242,11 @@ public final class RunLog {
             long bytes = written;
             String what = place.map(existing -> existing.trouble(bytes)).orElse("");
             return what.isEmpty() ? "" : file + " " + what;
+        }
+
+        /** Returns the minimum size of the file [bytes]. Any thread. */
+        long written() {
+            return written;
         }
 
         boolean isOpen() {

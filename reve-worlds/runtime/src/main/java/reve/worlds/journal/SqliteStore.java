@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.worlds.journal;
 
+import reve.core.disk.OwnedFile;
 import reve.core.image.CorruptException;
 
 import java.io.IOException;
@@ -59,6 +60,11 @@ public final class SqliteStore implements JournalSink {
     public SqliteStore(StoreContents contents, Durability durability) throws IOException {
         contents.requireWhole();
         this.file = contents.file();
+        try {
+            OwnedFile.requireName(file, FrameFiles.LONGEST_ENDING);
+        } catch (IOException e) {
+            throw FileTrouble.of(file, "opened", e);
+        }
         this.durability = durability;
         id = contents.id();
         damagedLibraries = new HashSet<>(contents.damagedLibraries());

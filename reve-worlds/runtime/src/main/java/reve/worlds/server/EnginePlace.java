@@ -26,6 +26,6 @@ public interface EnginePlace {
     /** Returns a process for each engine: a law that crashes costs one repeated frame. */
     static EnginePlace hosted(Hosts hosts, Duration frameLimit) {
         return (config, prototype, arena) ->
-                new HostedEngine(hosts, frameLimit, config, prototype, arena::descriptor);
+                new HostedEngine(hosts, frameLimit, config, prototype, arena::part);
     }
 }

@@ -109,6 +109,20 @@ class SqliteStoreTest {
         assertThat(folder).isEmptyDirectory();
     }
 
+    @Test
+    void aNameThatLeavesNoRoomForTheNumbersOfFilesIsRefused() throws Exception {
+        for (int length : new int[] {238, 246, 255, 300}) {
+            Path named = folder.resolve("a".repeat(length));
+            assertThatThrownBy(() -> open(named))
+                    .isInstanceOf(IOException.class)
+                    .hasMessageContainingAll(
+                            named + " could not be opened: its name is too long",
+                            "NAME-frames-9999999999; take a shorter name");
+        }
+        assertThat(folder).isEmptyDirectory();
+        open(folder.resolve("a".repeat(237))).close();
+    }
+
     /** The files that a process leaves that was killed while it created the store. */
     @Test
     void aDatabaseWithoutContentIsAnEmptyStore() throws Exception {

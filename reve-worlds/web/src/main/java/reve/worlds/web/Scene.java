@@ -36,7 +36,6 @@ import java.util.TreeMap;
 final class Scene {
 
     private static final ValueLayout.OfDouble DOUBLE = ValueLayout.JAVA_DOUBLE;
-    private static final ValueLayout.OfFloat FLOAT = ValueLayout.JAVA_FLOAT;
     private static final ValueLayout.OfInt INT = ValueLayout.JAVA_INT;
     private static final ValueLayout.OfLong LONG = ValueLayout.JAVA_LONG;
 
@@ -62,10 +61,17 @@ final class Scene {
     /** The slot of each body's row. */
     private int[] slotOfRow = {};
 
+    /** Number of times that the slots of rows were found. */
+    private int mapping;
+
     private long[] ids = {};
     private @Nullable PMap<ItemId, ItemSymbols> symbols;
     private long symbolsNanos;
     private boolean stale = true;
+
+    /** Optional columns of the last read. */
+    private int optional;
+
     private int version;
     private long frame = -1;
     private double time;
@@ -82,10 +88,28 @@ final class Scene {
         /** Newest version in which a value changed. */
         private int newest;
 
+        /** Slots of the rows in the last read, see {@link Scene#mapping}. */
+        private int mapping;
+
+        /** Bytes of the snapshot's column in the last read. */
+        private byte[] seen = {};
+
         Column(int components) {
             this.components = components;
             this.values = new float[FIRST_SLOTS * components];
             this.changed = new int[FIRST_SLOTS];
+        }
+
+        boolean isSame(MemorySegment segment) {
+            return segment.byteSize() == seen.length
+                    && segment.mismatch(MemorySegment.ofArray(seen)) < 0;
+        }
+
+        void keep(MemorySegment segment) {
+            if (seen.length != segment.byteSize()) {
+                seen = new byte[(int) segment.byteSize()];
+            }
+            MemorySegment.ofArray(seen).copyFrom(segment);
         }
     }
 
@@ -163,13 +187,19 @@ final class Scene {
         stale = true;
     }
 
+    /** Returns whether the last read included these optional columns. */
+    boolean hasRead(int wanted) {
+        return (wanted & ~optional) == 0;
+    }
+
     /**
      * Reads a snapshot.
      *
+     * @param wanted optional columns to read
      * @return false if it was overwritten meanwhile; the scene is then invalid until another read
      */
-    boolean read(WorldSnapshot snapshot) {
-        if (snapshot.frame() == frame && !stale) {
+    boolean read(WorldSnapshot snapshot, int wanted) {
+        if (snapshot.frame() == frame && !stale && hasRead(wanted)) {
             return true;
         }
         version++;
@@ -184,7 +214,9 @@ final class Scene {
                 readStructure(snapshot, bodies);
             }
             for (SceneColumns column : SceneColumns.values()) {
-                readColumn(column, bodies);
+                if (column.isWanted(wanted)) {
+                    readColumn(column, bodies);
+                }
             }
         } catch (RuntimeException nonsense) {
             if (!snapshot.lost()) {
@@ -196,6 +228,7 @@ final class Scene {
             return false;
         }
         stale = false;
+        optional = wanted;
         frame = snapshot.frame();
         time = snapshot.timeSeconds();
         return true;
@@ -221,6 +254,7 @@ final class Scene {
     }
 
     private void readStructure(WorldSnapshot snapshot, TableSnapshot bodies) {
+        mapping++;
         symbols = snapshot.symbols();
         boolean[] seen = new boolean[slots + symbols.size()];
         for (ItemSymbols item : symbols.values()) {
@@ -322,11 +356,27 @@ final class Scene {
         ColumnSnapshot source = bodies.column(which.property());
         MemorySegment segment = source.segment();
         Column column = columns[which.ordinal()];
+        if (column.mapping == mapping && column.isSame(segment)) {
+            return;
+        }
         int rows = Math.min(Math.min(source.rowCount(), ids.length), slotOfRow.length);
+        boolean any =
+                switch (source.type()) {
+                    case F64 -> readDoubles(segment, column, rows);
+                    case F32 -> readWords(segment, column, rows);
+                    case I32, U32 -> readWords(segment, column, rows);
+                    case REF -> false;
+                };
+        if (any) {
+            column.newest = version;
+        }
+        column.keep(segment);
+        column.mapping = mapping;
+    }
+
+    private boolean readDoubles(MemorySegment segment, Column column, int rows) {
         int components = column.components;
-        ScalarType type = source.type();
         float[] values = column.values;
-        int[] changed = column.changed;
         boolean any = false;
         for (int row = 0; row < rows; row++) {
             int slot = slotOfRow[row];
@@ -335,13 +385,7 @@ final class Scene {
             }
             boolean differs = false;
             for (int i = 0; i < components; i++) {
-                long at = (long) row * components + i;
-                float value =
-                        switch (type) {
-                            case F64 -> (float) segment.getAtIndex(DOUBLE, at);
-                            case F32 -> segment.getAtIndex(FLOAT, at);
-                            default -> Float.intBitsToFloat(segment.getAtIndex(INT, at));
-                        };
+                float value = (float) segment.getAtIndex(DOUBLE, (long) row * components + i);
                 int place = slot * components + i;
                 if (Float.floatToRawIntBits(value) != Float.floatToRawIntBits(values[place])) {
                     values[place] = value;
@@ -349,13 +393,38 @@ final class Scene {
                 }
             }
             if (differs) {
-                changed[slot] = version;
+                column.changed[slot] = version;
                 any = true;
             }
         }
-        if (any) {
-            column.newest = version;
+        return any;
+    }
+
+    /** Reads numbers of 32 bits, whose bits are kept. */
+    private boolean readWords(MemorySegment segment, Column column, int rows) {
+        int components = column.components;
+        float[] values = column.values;
+        boolean any = false;
+        for (int row = 0; row < rows; row++) {
+            int slot = slotOfRow[row];
+            if (slot < 0) {
+                continue;
+            }
+            boolean differs = false;
+            for (int i = 0; i < components; i++) {
+                int bits = segment.getAtIndex(INT, (long) row * components + i);
+                int place = slot * components + i;
+                if (bits != Float.floatToRawIntBits(values[place])) {
+                    values[place] = Float.intBitsToFloat(bits);
+                    differs = true;
+                }
+            }
+            if (differs) {
+                column.changed[slot] = version;
+                any = true;
+            }
         }
+        return any;
     }
 
     private void addAssets(ItemSymbols item) {

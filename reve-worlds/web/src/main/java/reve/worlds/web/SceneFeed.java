@@ -90,10 +90,12 @@ final class SceneFeed implements AutoCloseable {
     private long serve() {
         boolean waits = false;
         long due = Long.MAX_VALUE;
+        int wanted = 0;
         long now = System.nanoTime();
         for (Watcher watcher : watchers) {
             if (watcher.isWaiting()) {
                 waits = true;
+                wanted |= watcher.wanted();
                 due = Math.min(due, watcher.sentNanos() + MIN_INTERVAL_NANOS - now);
             }
         }
@@ -103,7 +105,8 @@ final class SceneFeed implements AutoCloseable {
         if (due > 0) {
             return due;
         }
-        if (port.loop().frame() != scene.frame() && !read()) {
+        boolean isNew = port.loop().frame() != scene.frame() || !scene.hasRead(wanted);
+        if (isNew && !read(wanted)) {
             return LOOK_NANOS;
         }
         long next = LOOK_NANOS;
@@ -123,16 +126,17 @@ final class SceneFeed implements AutoCloseable {
     /**
      * Reads the newest snapshot.
      *
+     * @param wanted optional columns
      * @return false if each one was overwritten while it was read
      */
-    private boolean read() {
+    private boolean read(int wanted) {
         for (int attempt = 0; attempt < ATTEMPTS; attempt++) {
             Optional<WorldSnapshot> newest = port.snapshots().acquireLatest();
             if (newest.isEmpty()) {
                 return true;
             }
             try (WorldSnapshot snapshot = newest.get()) {
-                if (scene.read(snapshot)) {
+                if (scene.read(snapshot, wanted)) {
                     return true;
                 }
             }

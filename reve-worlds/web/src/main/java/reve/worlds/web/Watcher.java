@@ -88,6 +88,11 @@ final class Watcher {
         return !closed && !sending && request.get() >= 0;
     }
 
+    /** Returns the optional columns that the client has requested. */
+    int wanted() {
+        return Math.max(0, request.get());
+    }
+
     /** Returns the time of the last frame [ns]. */
     long sentNanos() {
         return sentNanos;

@@ -18,6 +18,7 @@ import java.io.IOException;
 import java.nio.ByteBuffer;
 import java.nio.channels.FileChannel;
 import java.nio.charset.StandardCharsets;
+import java.nio.file.AccessDeniedException;
 import java.nio.file.Files;
 import java.nio.file.Path;
 import java.security.MessageDigest;
@@ -89,6 +90,7 @@ public final class AuditLog implements Closeable {
         this.clock = clock;
         this.nanos = nanos;
         try {
+            OwnedFile.requireOlder(file, plan.keep(), AuditLog::requireRecord);
             out = open();
         } catch (IOException e) {
             throw new IOException(
@@ -115,22 +117,31 @@ public final class AuditLog implements Closeable {
      */
     private boolean endsWithLine() throws IOException {
         try (FileChannel in = FileChannel.open(file)) {
-            requireRecord(in, 0); // first: the search for the last line may read the whole file
-            long end = in.size();
-            long next = lineBefore(in, end);
-            if (next > 0) {
-                requireRecord(in, lineBefore(in, next - 1));
-            }
-            return next == end;
+            long next = requireRecord(in, "it");
+            return next == in.size();
         }
     }
 
-    private static void requireRecord(FileChannel in, long start) throws IOException {
-        if (!isRecord(in, start)) {
+    /** Refuses an older file that is no audit record: it must not be renamed or replaced. */
+    private static void requireRecord(Path older) throws IOException {
+        try (FileChannel in = FileChannel.open(older)) {
+            requireRecord(in, older.toString());
+        } catch (AccessDeniedException e) {
+            throw new IOException(older + " cannot be read: permission denied", e);
+        }
+    }
+
+    /** Returns where the last line begins that may be incomplete. */
+    private static long requireRecord(FileChannel in, String name) throws IOException {
+        // The beginning first: the search for the last line may read the whole file.
+        long next = isRecord(in, 0) ? lineBefore(in, in.size()) : -1;
+        if (next < 0 || next > 0 && !isRecord(in, lineBefore(in, next - 1))) {
             throw new IOException(
-                    "it is there already and holds something else than an audit "
+                    name
+                            + " is there already and holds something else than an audit "
                             + "record; name another file, or move it away");
         }
+        return next;
     }
 
     /** Returns where the line begins that contains the byte before {@code place}. */
@@ -211,18 +222,21 @@ public final class AuditLog implements Closeable {
     }
 
     /**
-     * Returns why the record cannot be written or rotated, or that the file is no longer at its
-     * path; empty if there is no problem. If the file was moved or removed, a new one begins at its
-     * path.
+     * Returns why the record cannot be written or rotated, or what another program did to the file;
+     * empty if there is no problem. If the file was moved, removed or cut, a new record begins at
+     * its path.
      */
     public synchronized Optional<String> problem() {
-        if (failure == null && !out.isInPlace()) {
+        String trouble = failure == null ? out.trouble(size) : "";
+        if (!trouble.isEmpty()) {
             beginAnew();
             if (failure == null) {
                 return Optional.of(
                         "the audit record "
                                 + file
-                                + " was moved or removed; a new one"
+                                + " "
+                                + trouble
+                                + "; a new one"
                                 + " begins there, which lacks what was recorded before");
             }
         }
@@ -340,12 +354,15 @@ public final class AuditLog implements Closeable {
     }
 
     /**
-     * Renames each older file to the next number, and removes the oldest. If that fails, the file
-     * grows.
+     * Renames each older file to the next number, and removes the oldest. If that fails, or one of
+     * them is of another kind or in use, the file grows.
      */
     private void rotate() {
+        if (!out.isInPlace()) { // problem() begins a new file
+            return;
+        }
         try {
-            OwnedFile.rotate(file, plan.keep());
+            OwnedFile.rotate(file, plan.keep(), AuditLog::requireRecord);
         } catch (IOException e) {
             rotationFailed(e);
             return;

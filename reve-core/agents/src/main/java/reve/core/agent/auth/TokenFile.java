@@ -204,12 +204,27 @@ public final class TokenFile {
     }
 
     /**
+     * Returns the file that a link leads to: a new file in place of the link would leave the
+     * server's file as it is.
+     */
+    private static Path target(Path file) throws IOException {
+        if (!Files.isSymbolicLink(file)) {
+            return file;
+        }
+        if (!Files.exists(file)) {
+            throw new NoSuchFileException(
+                    file + " is a link to a file that is not there; remove it, or name that file");
+        }
+        return file.toRealPath();
+    }
+
+    /**
      * Changes the file. A lock serializes changes by several programs; readers see the file before
      * or after a change.
      */
     private static void change(Path path, boolean make, UnaryOperator<List<AgentToken>> change)
             throws IOException {
-        Path file = path.toAbsolutePath();
+        Path file = target(path.toAbsolutePath());
         if (Files.exists(file)) {
             version(file); // refuses a folder
         } else if (!Files.isDirectory(file.getParent())) {

@@ -88,6 +88,11 @@ public final class Allowances {
         wantedNanos = nowNanos + Math.max(0, early);
     }
 
+    /** Moves the start of the frame by a time in which the server itself was not running [ns]. */
+    void postpone(long pauseNanos) {
+        wantedNanos += pauseNanos;
+    }
+
     /** Determines whether any other agent can be delayed in this frame. */
     void look(Turn[] turns) {
         othersWait = realTime.get() > 0 || haveSeveralHomes(turns);

@@ -20,6 +20,12 @@ public final class LockStep implements FrameGate {
     private static final Turn[] NOBODY = {};
     private static final long NO_FRAME = -1;
 
+    /**
+     * Maximum time between two checks [ns]. After twice that time, the process was suspended or did
+     * other work, which is not charged to agents.
+     */
+    private static final long CHECK_NANOS = 250_000_000;
+
     private final Runnable wake;
     private final Waiting waiting;
     private final Consumer<AgentInput> news;
@@ -44,6 +50,9 @@ public final class LockStep implements FrameGate {
     private long due = NO_FRAME;
 
     private long dueSinceNanos;
+
+    /** Time of the last check. */
+    private long askedNanos;
 
     /** The wait of the frame loop's thread for agents. */
     public interface Waiting {
@@ -162,7 +171,11 @@ public final class LockStep implements FrameGate {
             due = frame;
             dueSinceNanos = nowNanoseconds;
             allowances.due(nowNanoseconds);
+        } else if (nowNanoseconds - askedNanos > 2 * CHECK_NANOS) {
+            dueSinceNanos += nowNanoseconds - askedNanos;
+            allowances.postpone(nowNanoseconds - askedNanos);
         }
+        askedNanos = nowNanoseconds;
         held = frame; // set before the check: an agent that becomes ready from now on wakes the
         // loop
         boolean somebodyComes = coming.get() > 0;
@@ -190,7 +203,7 @@ public final class LockStep implements FrameGate {
             held = NO_FRAME;
             goOnWithout(all, frame, nowNanoseconds);
         }
-        return wait;
+        return Math.min(wait, CHECK_NANOS);
     }
 
     /**

@@ -6,6 +6,7 @@ import reve.core.agent.protocol.AgentLimits;
 import reve.core.agent.protocol.AgentTimeouts;
 import reve.core.agent.protocol.CloseReason;
 import reve.core.agent.protocol.Encoding;
+import reve.core.disk.Reason;
 
 import java.io.Closeable;
 import java.io.IOException;
@@ -55,7 +56,15 @@ public final class Connections {
     private final Optional<AuditLog> audit;
     private final Door door;
     private final EventLoop loop;
+    private final Descriptors descriptors;
     private final ServerSocketChannel listening;
+
+    /** Maximum number of open connections. */
+    private final int most;
+
+    /** True if accepting failed, and the failure was logged. */
+    private boolean isAcceptFailing;
+
     private final SelectionKey accepting;
     private final Set<Connection> open = new HashSet<>();
     private final PendingConnections<Connection> pending;
@@ -73,6 +82,7 @@ public final class Connections {
      * @param tls creates the TLS engine of each connection; if empty, connections are plain text
      * @param log about clients that have sent hello
      * @param audit records all messages to clients
+     * @param descriptors limit the number of connections
      * @param listening the server socket
      */
     public Connections(
@@ -84,6 +94,7 @@ public final class Connections {
             Optional<AuditLog> audit,
             Door door,
             EventLoop loop,
+            Descriptors descriptors,
             ServerSocketChannel listening)
             throws IOException {
         this.limits = limits;
@@ -94,9 +105,20 @@ public final class Connections {
         this.audit = audit;
         this.door = door;
         this.loop = loop;
+        this.descriptors = descriptors;
         this.listening = listening;
-        int all = limits.maxConnections();
-        this.pending = new PendingConnections<>(all - all / 4);
+        this.most = (int) Math.min(limits.maxConnections(), descriptors.room());
+        this.pending = new PendingConnections<>(most - most / 4);
+        if (most < limits.maxConnections()) {
+            log.warn(
+                    "the process may open "
+                            + descriptors.limit()
+                            + " files, enough for "
+                            + most
+                            + " connections instead of "
+                            + limits.maxConnections()
+                            + "; raise the limit (ulimit -n) for more");
+        }
         this.accepting = loop.register(listening, SelectionKey.OP_ACCEPT, key -> accept());
     }
 
@@ -134,6 +156,7 @@ public final class Connections {
 
     /** Ends connections that exceed time limits. Called periodically. */
     public void checkDeadlines(long nowNanos) {
+        descriptors.count();
         List.copyOf(open).forEach(connection -> connection.checkDeadlines(nowNanos));
     }
 
@@ -156,7 +179,11 @@ public final class Connections {
         readThrottledNanos = now;
         List<Connection> due = throttled;
         throttled = new ArrayList<>();
-        due.forEach(Connection::readAgain);
+        int next = 0;
+        while (next < due.size() && shares.hasLeft(now)) {
+            due.get(next++).readAgain();
+        }
+        throttled.addAll(0, due.subList(next, due.size())); // the next window begins with these
     }
 
     AgentLimits limits() {
@@ -227,6 +254,7 @@ public final class Connections {
         known(connection);
         if (open.remove(connection)) {
             counters.open.decrement();
+            descriptors.give();
         }
     }
 
@@ -237,10 +265,17 @@ public final class Connections {
                 if (accepted == null) {
                     return;
                 }
+                isAcceptFailing = false;
                 admit(accepted);
             }
         } catch (IOException e) { // no free file descriptors; wait until some are closed
-            log.error("accepting a connection failed", e);
+            if (!isAcceptFailing) {
+                strangersLog.warn(
+                        "no connection can be accepted: "
+                                + Reason.of(e)
+                                + "; see the limit of open files (ulimit -n)");
+            }
+            isAcceptFailing = true;
             accepting.interestOps(0);
         }
     }
@@ -268,12 +303,12 @@ public final class Connections {
             InetSocketAddress client,
             Optional<Supplier<SSLEngine>> encryption) {
         counters.connections.increment();
-        if (open.size() >= limits.maxConnections()) {
+        if (open.size() >= most || descriptors.room() <= 0) {
             turnAway(
                     channel,
                     client,
                     encryption.isEmpty(),
-                    CloseReason.serverFull(limits.maxConnections()));
+                    CloseReason.serverFull(open.size()));
             return;
         }
         try {
@@ -293,6 +328,7 @@ public final class Connections {
                             : new TlsWire(channel, client, encryption.get().get());
             var connection = new Connection(this, wire);
             open.add(connection);
+            descriptors.take();
             pending.add(connection.address(), connection);
             counters.open.increment();
         } catch (IOException e) {

@@ -56,11 +56,7 @@ final class ReadShares {
             share.own -= bytes;
             return true;
         }
-        if (nowNanos - windowNanos >= WINDOW_NANOS) {
-            windowNanos = nowNanos;
-            window++;
-            pool = POOL;
-        }
+        begin(nowNanos);
         if (share.window != window) {
             share.window = window;
             share.pooled = 0;
@@ -72,5 +68,20 @@ final class ReadShares {
         share.pooled += bytes;
         pool -= bytes;
         return true;
+    }
+
+    /** Returns whether the pool of this window has something left. */
+    boolean hasLeft(long nowNanos) {
+        begin(nowNanos);
+        return pool > 0;
+    }
+
+    /** Begins a new window if the last one is over. */
+    private void begin(long nowNanos) {
+        if (nowNanos - windowNanos >= WINDOW_NANOS) {
+            windowNanos = nowNanos;
+            window++;
+            pool = POOL;
+        }
     }
 }

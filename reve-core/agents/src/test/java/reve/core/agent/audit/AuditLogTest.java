@@ -126,9 +126,9 @@ class AuditLogTest {
 
     @Test
     void aRecordThatCannotBeRotatedGrowsAndIsReported() throws Exception {
-        Files.createDirectories(folder.resolve("audit.jsonl.1/full"));
-        Files.createDirectories(folder.resolve("audit.jsonl.2/full"));
         try (AuditLog audit = open(new AuditPlan(file, 300, 2, false))) {
+            Files.createDirectories(folder.resolve("audit.jsonl.1/full"));
+            Files.createDirectories(folder.resolve("audit.jsonl.2/full"));
             for (int i = 0; i < 20; i++) {
                 assertThat(told(audit, "m" + i)).isTrue();
             }
@@ -138,6 +138,122 @@ class AuditLogTest {
                     .contains(file.toString(), "cannot be rotated", "it grows beyond 300 bytes");
         }
         assertThat(told(file)).hasSize(20);
+    }
+
+    @ParameterizedTest
+    @ValueSource(ints = {1, 2, 3})
+    void aFileWithTheNameOfAnOlderRecordIsRefusedUnlessItIsOne(int number) throws Exception {
+        Path older = Files.writeString(folder.resolve("audit.jsonl." + number), "notes\n");
+        assertThatThrownBy(() -> open(new AuditPlan(file, 300, 3, false)))
+                .isInstanceOf(IOException.class)
+                .hasMessage(
+                        "the audit record "
+                                + file
+                                + " could not be opened: "
+                                + older
+                                + " is there already and holds something else than an audit"
+                                + " record; name another file, or move it away");
+        assertThat(file).doesNotExist();
+        Files.delete(older);
+        Files.createDirectory(older);
+        assertThatThrownBy(() -> open(new AuditPlan(file, 300, 3, false)))
+                .hasMessageContaining(older + " is there already and is no file");
+        if (number > 1) { // no number that is kept
+            open(new AuditPlan(file, 300, number - 1, false)).close();
+        }
+    }
+
+    @Test
+    void rotationNeverReplacesAFileOfAnotherKind() throws Exception {
+        Path older = folder.resolve("audit.jsonl.2");
+        try (AuditLog audit = open(new AuditPlan(file, 300, 2, false))) {
+            told(audit, "first");
+            Files.writeString(older, "notes\n");
+            for (int i = 0; i < 20; i++) {
+                assertThat(told(audit, "m" + i)).isTrue();
+            }
+            assertThat(audit.problem())
+                    .get()
+                    .asString()
+                    .contains(file + " cannot be rotated: " + older, "it grows beyond 300 bytes");
+            Files.delete(older);
+            for (int i = 0; i < 20; i++) {
+                assertThat(told(audit, "n" + i)).isTrue();
+            }
+            assertThat(audit.problem()).isEmpty();
+        }
+        assertThat(told(older)).isNotEmpty();
+    }
+
+    @Test
+    void rotationNeverReplacesTheRecordOfAnotherProcess() throws Exception {
+        Path older = folder.resolve("audit.jsonl.1");
+        try (AuditLog audit = open(new AuditPlan(file, 300, 1, false))) {
+            Files.createFile(older);
+            Process owner =
+                    new ProcessBuilder(
+                                    "python3",
+                                    "-c",
+                                    """
+                                    import fcntl, sys
+                                    file = open(sys.argv[1], "r+")
+                                    fcntl.lockf(file, fcntl.LOCK_EX)
+                                    print("locked", flush=True)
+                                    sys.stdin.read()
+                                    """,
+                                    older.toString())
+                            .start();
+            try {
+                assertThat(owner.inputReader().readLine()).isEqualTo("locked");
+                assertThatThrownBy(
+                                () ->
+                                        open(
+                                                new AuditPlan(
+                                                        folder.resolve("audit.jsonl"),
+                                                        300,
+                                                        1,
+                                                        false)))
+                        .hasMessageContaining(older + " is in use by another process");
+                for (int i = 0; i < 20; i++) {
+                    assertThat(told(audit, "m" + i)).isTrue();
+                }
+                assertThat(audit.problem())
+                        .get()
+                        .asString()
+                        .contains(older + " is in use by another process");
+            } finally {
+                owner.destroyForcibly().waitFor();
+            }
+        }
+        assertThat(older).isEmptyFile();
+        assertThat(told(file)).hasSize(20);
+    }
+
+    @Test
+    void aNameThatLeavesNoRoomForTheNumbersOfOlderRecordsIsRefused() throws Exception {
+        for (int length : List.of(254, 253, 300)) {
+            Path named = folder.resolve("a".repeat(length));
+            assertThatThrownBy(() -> open(new AuditPlan(named, 300, 10, false)))
+                    .isInstanceOf(IOException.class)
+                    .hasMessageContainingAll("its name is too long", "NAME.10");
+        }
+        open(new AuditPlan(folder.resolve("a".repeat(252)), 300, 10, false)).close();
+    }
+
+    @Test
+    void aFileThatIsCutIsReportedAndGoesOn() throws Exception {
+        try (AuditLog audit = open(AuditPlan.of(file))) {
+            told(audit, "before");
+            long size = Files.size(file);
+            Files.write(file, new byte[0]);
+            assertThat(audit.problem())
+                    .get()
+                    .asString()
+                    .contains(file + " was cut to 0 of " + size + " bytes; a new one begins there");
+            told(audit, "after");
+            assertThat(audit.problem()).isEmpty();
+        }
+        assertThat(told(file)).containsExactly("after");
     }
 
     @Test

@@ -51,6 +51,24 @@ class TokensTest {
     }
 
     @Test
+    void aLinkLeadsToTheFileThatIsChanged() throws IOException {
+        String secret = add("ada");
+        Path servers = file;
+        TokenFile tokens = TokenFile.open(servers, () -> now);
+        file = Files.createSymbolicLink(folder.resolve("link.json"), servers);
+        add("bob");
+        assertThat(TokenFile.revoke(file, "ada")).hasSize(1);
+        assertThat(file).isSymbolicLink();
+        assertThat(tokens.find(secret)).isEmpty();
+        assertThat(tokens.tokens()).extracting(AgentToken::name).containsExactly("bob");
+        Files.delete(servers);
+        assertThatThrownBy(() -> add("eve"))
+                .isInstanceOf(NoSuchFileException.class)
+                .hasMessageContaining(file + " is a link to a file that is not there");
+        assertThat(file).isSymbolicLink();
+    }
+
+    @Test
     void aTokenIsFoundByItsSecretWithAllThatItSays() throws IOException {
         var rights =
                 new Rights(

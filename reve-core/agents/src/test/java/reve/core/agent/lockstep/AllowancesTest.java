@@ -450,6 +450,25 @@ class AllowancesTest {
         assertThat(spent).isEmpty();
     }
 
+    /** The server was suspended for 22 s while it waited. */
+    @Test
+    void aTimeInWhichTheServerDidNotRunIsNotCharged() {
+        allowances.addRealTime(1);
+        join(each(DEADLINE / 2));
+        for (int i = 0; i < 10; i++) {
+            pass(FRAME);
+            long wait = ask();
+            now += Math.min(wait, DEADLINE / 10) + 22 * SECOND;
+            assertThat(ask()).as("its deadline is not over").isPositive();
+            pass(MILLISECOND);
+            hold();
+            frame++;
+            players.forEach(Player::perceive);
+        }
+        assertThat(late).isEmpty();
+        assertThat(spent).isEmpty();
+    }
+
     @Test
     void aPauseIsNoWaiting() {
         allowances.addRealTime(1);

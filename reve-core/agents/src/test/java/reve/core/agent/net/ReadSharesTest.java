@@ -53,7 +53,7 @@ class ReadSharesTest {
             waiting.add(i);
         }
         for (long now = 0; now < 2_000 * MILLISECOND; now += ReadShares.WINDOW_NANOS) {
-            for (int count = waiting.size(); count > 0; count--) {
+            for (int count = waiting.size(); count > 0 && shares.hasLeft(now); count--) {
                 int next = waiting.poll();
                 while (shares.take(flood[next], LONG_LINE, now)) {
                     taken[next]++;

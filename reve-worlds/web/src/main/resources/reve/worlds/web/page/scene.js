@@ -2,7 +2,7 @@
 // Draws a View: bodies as instances, springs as lines, surfaces as triangles, and what helps to see them.
 import * as THREE from "three";
 import { OrbitControls } from "./three/OrbitControls.js";
-import { MESH_SHAPE, NONE, PLANE, SPHERE } from "./view.js";
+import { CAPSULE, CYLINDER, MESH_SHAPE, NONE, PLANE, SPHERE } from "./view.js";
 
 const LABELS = 48;
 const TRAIL_POINTS = 240;
@@ -222,6 +222,12 @@ export class Scene {
     switch (item.shape) {
       case SPHERE:
         geometry = detailed ? new THREE.SphereGeometry(0.5, 40, 24) : new THREE.SphereGeometry(0.5, 14, 9);
+        break;
+      case CAPSULE: // its caps are round if it is twice as high as wide
+        geometry = new THREE.CapsuleGeometry(0.5, 1, detailed ? 12 : 4, detailed ? 32 : 12).scale(1, 0.5, 1);
+        break;
+      case CYLINDER:
+        geometry = new THREE.CylinderGeometry(0.5, 0.5, 1, detailed ? 48 : 14);
         break;
       case PLANE:
         geometry = new THREE.PlaneGeometry(1, 1).rotateX(-Math.PI / 2);

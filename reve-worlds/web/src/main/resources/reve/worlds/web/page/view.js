@@ -6,7 +6,7 @@ const HEADER_BYTES = 32;
 export const POSITION = 0, ORIENTATION = 1, SIZE = 2, COLOUR = 3, VELOCITY = 4, FORCE = 5;
 const COMPONENTS = [3, 4, 3, 1, 3, 3];
 const NAMES = ["position", "orientation", "size", "colour", "velocity", "force"];
-export const NONE = 0, SPHERE = 1, BOX = 2, PLANE = 3, MESH_SHAPE = 4;
+export const NONE = 0, SPHERE = 1, BOX = 2, PLANE = 3, MESH_SHAPE = 4, CAPSULE = 5, CYLINDER = 6;
 
 const text = new TextDecoder();
 

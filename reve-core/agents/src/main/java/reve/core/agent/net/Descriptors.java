@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.agent.net;
+
+import com.sun.management.UnixOperatingSystemMXBean;
+
+import java.io.IOException;
+import java.lang.management.ManagementFactory;
+import java.util.function.LongSupplier;
+
+/**
+ * File descriptors of the process that connections may take. A reserve remains for stores,
+ * recordings, the audit record and laws, so that clients cannot stop them. The event loop's thread.
+ */
+public final class Descriptors {
+
+    /** Descriptors that no connection takes. */
+    static final int RESERVE = 64;
+
+    private final LongSupplier limit;
+    private final LongSupplier open;
+
+    /** Number of further connections, from the last count on. */
+    private long room;
+
+    /**
+     * @param limit returns the limit of the process
+     * @param open returns the number of its open descriptors
+     */
+    Descriptors(LongSupplier limit, LongSupplier open) {
+        this.limit = limit;
+        this.open = open;
+        count();
+    }
+
+    /**
+     * Returns the descriptors of this process.
+     *
+     * @throws IOException if its limit leaves none for connections
+     */
+    public static Descriptors ofProcess() throws IOException {
+        var system = (UnixOperatingSystemMXBean) ManagementFactory.getOperatingSystemMXBean();
+        var descriptors =
+                new Descriptors(
+                        system::getMaxFileDescriptorCount, system::getOpenFileDescriptorCount);
+        if (descriptors.room < 1) {
+            throw new IOException(
+                    "no connection could be accepted: the process may open "
+                            + descriptors.limit()
+                            + " files, "
+                            + system.getOpenFileDescriptorCount()
+                            + " are open, and "
+                            + RESERVE
+                            + " are reserved for stores and records; raise the limit:"
+                            + " ulimit -n 4096");
+        }
+        return descriptors;
+    }
+
+    /** Returns the limit of the process. */
+    long limit() {
+        return limit.getAsLong();
+    }
+
+    /** Returns the number of further connections. */
+    long room() {
+        return room;
+    }
+
+    /** Counts the open descriptors, because other parts of the process also open files. */
+    void count() {
+        try {
+            room = limit.getAsLong() - open.getAsLong() - RESERVE;
+        } catch (InternalError none) { // counting takes a descriptor
+            room = 0;
+        }
+    }
+
+    /** Records that a connection was accepted. */
+    void take() {
+        room--;
+    }
+
+    /** Records that a connection has ended. */
+    void give() {
+        room++;
+    }
+}

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.agent.net;
+
+import static org.assertj.core.api.Assertions.assertThat;
+
+import org.junit.jupiter.api.Test;
+
+/** How many file descriptors are left for connections. */
+class DescriptorsTest {
+    private long open = 100;
+
+    @Test
+    void aReserveIsKeptFromConnections() {
+        var descriptors = new Descriptors(() -> 200, () -> open);
+        assertThat(descriptors.room()).isEqualTo(200 - 100 - Descriptors.RESERVE);
+        descriptors.take();
+        descriptors.take();
+        descriptors.give();
+        assertThat(descriptors.room()).isEqualTo(200 - 101 - Descriptors.RESERVE);
+    }
+
+    @Test
+    void whatOtherPartsOfTheProcessOpenIsCounted() {
+        var descriptors = new Descriptors(() -> 200, () -> open);
+        open = 170;
+        descriptors.count();
+        assertThat(descriptors.room()).isNegative();
+    }
+
+    @Test
+    void aCountForWhichNoDescriptorIsLeftLeavesNoRoom() {
+        var descriptors =
+                new Descriptors(
+                        () -> 200,
+                        () -> {
+                            if (open > 199) {
+                                throw new InternalError("errno: 24");
+                            }
+                            return open;
+                        });
+        open = 200;
+        descriptors.count();
+        assertThat(descriptors.room()).isZero();
+    }
+}
