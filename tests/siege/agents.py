@@ -282,6 +282,33 @@ def long_lines(port, me):
             client.close()
 
 
+def nested_lines(port, me):
+    """Fifty clients that send lines of 59,000 brackets, as fast as the server reads them."""
+    line = ('{"t":"pong","x":[' + ",".join(["[" * 29 + "]" * 29] * 1000) + "]}\n").encode()
+    clients = selectors.DefaultSelector()
+    names = (f"mallory-{me}-{n}" for n in range(10**9))
+
+    def join():
+        client = Client(port, next(names))
+        client.socket.setblocking(False)
+        clients.register(client.socket, selectors.EVENT_WRITE, [client, line])
+
+    for _ in range(50):
+        join()
+    while True:
+        for key, _ in clients.select(1):
+            client, rest = key.data
+            try:
+                sent = client.socket.send(rest)
+                key.data[1] = rest[sent:] or line
+            except BlockingIOError:
+                pass
+            except OSError:
+                clients.unregister(client.socket)
+                client.close()
+                join()
+
+
 # ---- what they send ----
 
 WORDS = ["x" * 1000, "\u202e\x1b[31m" * 200, "\U0001f986" * 250]
@@ -350,6 +377,7 @@ ATTACKS = {
     ),
     "mute": ([mute] * 2, "1,600 connections that never say hello"),
     "lines": ([long_lines] * 2, "lines of 65,000 characters"),
+    "nested": ([nested_lines] * 2, "100 clients that send lines of 59,000 brackets"),
 }
 
 

@@ -21,7 +21,7 @@ import java.lang.foreign.SymbolLookup;
 class ArchitectureTest {
     private static final String[] NATIVE_PACKAGES = {"reve.pe.vesper", "reve.pe.posix"};
 
-    /** What lies where the engine interface lies: this project without its tests. */
+    /** The classes of this project without its tests. */
     private final JavaClasses classes =
             new ClassFileImporter()
                     .importUrl(

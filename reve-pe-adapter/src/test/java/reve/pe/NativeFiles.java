@@ -4,7 +4,7 @@ package reve.pe;
 import java.nio.file.Path;
 import java.util.List;
 
-/** Where the native build put what the tests load. */
+/** The places of the native files that the tests load. */
 public final class NativeFiles {
     private static final Path FOLDER = Path.of(System.getProperty("reve.native.path"));
 

@@ -27,12 +27,12 @@ public final class SpringOrbit {
     /** Step [s]. */
     public static final double DT = 1.0 / 240;
 
-    /** Steps in the 5 s that the invariants are stated for. */
+    /** Steps in the 5 s for which the invariants hold. */
     public static final int STEPS = 1200;
 
     private SpringOrbit() {}
 
-    /** What is known of a state without integrating it. */
+    /** Quantities of a state that need no integration. */
     public record Invariants(
             double[] momentum, double energyAroundCentre, double distance, double turnedDegrees) {}
 

@@ -24,7 +24,8 @@ import java.util.List;
 import java.util.Random;
 
 /**
- * Rubbish in the laws folder and on the port of a running server: one message each, nothing else.
+ * Invalid files in the laws folder and invalid data on the port of a running server: one message
+ * each, and no other effect.
  */
 @Tag("slow")
 class BrokenInputIT {
@@ -95,7 +96,7 @@ class BrokenInputIT {
                 .asString();
     }
 
-    /** Each line is answered with an error or a bye that has a code, and others can still join. */
+    /** Each line is answered with an error or a bye with a code, and others can still join. */
     private static void sendGarbage(int port) throws IOException {
         long seed = System.nanoTime();
         System.out.println("garbage seed " + seed);

@@ -20,7 +20,7 @@ import java.nio.file.Path;
 import java.time.Duration;
 import java.util.Map;
 
-/** What an agent sees through the camera of its body, drawn by the real renderer. */
+/** Pictures of a body's camera, drawn by the real renderer. */
 @Tag("slow")
 class CameraIT {
     private static final int SIDE = 101;
@@ -104,7 +104,7 @@ class CameraIT {
         }
     }
 
-    /** What the robot sees in the world as it began. */
+    /** The robot's picture of the world in its first frame. */
     private Image atTheBeginning(Encoding encoding) throws Exception {
         try (Server server = serve();
                 AgentClient ada = join(server, encoding);

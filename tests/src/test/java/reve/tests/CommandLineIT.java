@@ -21,7 +21,7 @@ import java.util.HashSet;
 import java.util.List;
 import java.util.Set;
 
-/** The commands as a stranger meets them: output, messages, exit codes. */
+/** The commands as a new user meets them: output, messages, exit codes. */
 @Tag("slow")
 class CommandLineIT {
     private static final String SPRING_ORBIT = Project.WORLDS.resolve("spring-orbit").toString();
@@ -276,7 +276,7 @@ class CommandLineIT {
         }
     }
 
-    /** Whether some pixel has the hue of a colour, in any light. */
+    /** Returns whether a pixel has the hue of a colour, in any light. */
     private static boolean hasPixelLike(java.awt.image.BufferedImage image, int rgb) {
         float hue = hue(rgb)[0];
         for (int y = 0; y < image.getHeight(); y++) {

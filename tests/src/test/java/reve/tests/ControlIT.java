@@ -40,7 +40,7 @@ import java.util.Optional;
 import java.util.concurrent.CompletableFuture;
 import java.util.concurrent.CompletionException;
 
-/** What the role control does to a world with a real engine, over the protocol. */
+/** Commands of the role control on a world with a real engine, over the protocol. */
 @Tag("slow")
 class ControlIT {
     private static final Path WORLD = Project.WORLDS.resolve("spring-orbit");
@@ -55,7 +55,7 @@ class ControlIT {
 
     private record Event(String type, Map<String, Object> fields) {}
 
-    /** What an operator does. */
+    /** An action of an operator. */
     private interface Script {
         void run(AgentClient boss) throws Exception;
     }
@@ -192,7 +192,7 @@ class ControlIT {
         try (Replay replay = new Replay(Optional.empty(), Pacing.FAST);
                 RunLog.Reader records = RunLog.open(recording.get())) {
             while (records.hasNext() && replay.take(records.next())) {
-                // each record is made as it is read
+                // the list stays open for further records
             }
             assertThat(replay.divergence()).isEmpty();
             try (Simulation again = replay.release()) {
@@ -453,7 +453,7 @@ class ControlIT {
                 });
     }
 
-    /** Goes to and fro, with an agent that comes after what is gone back to. */
+    /** Rewinds several times, with an agent that joins after the restored frame. */
     private void wander(AgentClient boss) throws Exception {
         after(boss, 7);
         accepted(boss, "snapshot", Map.of("image", "early"));
@@ -540,7 +540,7 @@ class ControlIT {
         return result.frame().orElseThrow();
     }
 
-    /** Has a command done that takes a frame, in a world that is paused. */
+    /** Executes a command that takes a frame, in a paused world. */
     private static long whileItRuns(AgentClient boss, String command, Map<String, ?> fields) {
         accepted(boss, "run", Map.of());
         long frame = accepted(boss, command, fields);
@@ -548,7 +548,7 @@ class ControlIT {
         return frame;
     }
 
-    /** What is perceived of the last of so many frames that a world is let make. */
+    /** Returns the perception of the last of that many frames. */
     private static Perception after(AgentClient boss, int frames) {
         return until(boss, accepted(boss, "step", Map.of("frames", frames)));
     }
@@ -561,7 +561,7 @@ class ControlIT {
         return seen;
     }
 
-    /** Of the red ball in a later frame of a paused world [m]. */
+    /** Position of the red ball in a later frame of a paused world [m]. */
     private static double heightAt(AgentClient boss, long frame) {
         long now = accepted(boss, "pause", Map.of());
         return after(boss, (int) (frame - now))

@@ -13,8 +13,7 @@ import java.util.concurrent.ConcurrentHashMap;
 import java.util.concurrent.atomic.AtomicInteger;
 
 /**
- * A way to a server of this machine that breaks: every connection after some bytes, or all of them
- * at once.
+ * A relay to a local server that breaks each connection after a number of bytes, or all at once.
  */
 final class Cutter implements AutoCloseable {
     private final ServerSocket listening =
@@ -27,8 +26,7 @@ final class Cutter implements AutoCloseable {
     private volatile boolean passing = true;
 
     /**
-     * @param mostBytes after which a connection is cut, 0 for never; how many exactly is up to
-     *     chance
+     * @param mostBytes after which a connection is cut, 0 for never; the exact number is random
      */
     Cutter(int server, long seed, int mostBytes) throws IOException {
         this.server = server;
@@ -46,12 +44,12 @@ final class Cutter implements AutoCloseable {
         return cuts.get();
     }
 
-    /** Cuts all connections that there are. */
+    /** Cuts all present connections. */
     void cut() {
         open.forEach(Cutter::close);
     }
 
-    /** Cuts all connections, and lets nobody through from now on. */
+    /** Cuts all connections, and accepts no more. */
     void block() {
         passing = false;
         cut();
@@ -99,7 +97,7 @@ final class Cutter implements AutoCloseable {
                 }
             }
         } catch (IOException cut) {
-            // That is what it is for.
+            // an expected failure: the relay cuts connections
         } finally {
             open.remove(from);
             open.remove(to);
@@ -115,7 +113,7 @@ final class Cutter implements AutoCloseable {
         try {
             socket.close();
         } catch (IOException e) {
-            // It is closed, whatever it says.
+            // it is closed in any case
         }
     }
 

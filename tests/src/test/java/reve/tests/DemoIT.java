@@ -16,7 +16,7 @@ import java.nio.file.Path;
 
 import javax.imageio.ImageIO;
 
-/** {@code ./reve demo}: three processes, a law that comes and goes, two pictures. */
+/** {@code ./reve demo}: three processes, a law that is loaded and unloaded, two pictures. */
 class DemoIT {
     @TempDir private Path folder;
 

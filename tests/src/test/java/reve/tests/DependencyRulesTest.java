@@ -18,9 +18,9 @@ import java.util.HashMap;
 import java.util.Map;
 import java.util.regex.Pattern;
 
-/** The arrows of ARCHITECTURE.md, held by the class files and jars. */
+/** The dependencies of ARCHITECTURE.md, checked in class files and jars. */
 class DependencyRulesTest {
-    /** All classes of the project but tests. */
+    /** All classes of the project except tests. */
     static final JavaClasses CLASSES =
             new ClassFileImporter()
                     .withImportOption(new ImportOption.DoNotIncludeTests())

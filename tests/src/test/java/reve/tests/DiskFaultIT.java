@@ -144,6 +144,38 @@ class DiskFaultIT {
     }
 
     @Test
+    void aWorldThatDoesNotFitOnTheDiskIsNotSavedAndTheMessageNamesTheFile() throws Exception {
+        Path world = folder.resolve("many.yaml");
+        Files.writeString(
+                world,
+                """
+                reve: 1
+                name: many
+                laws: [newton_motion]
+                items:
+                  - name: ball-{i}
+                    repeat: {i: 30000}
+                    physical: {shape: sphere, radius: 0.1, location: ["{i}", 0, 0]}
+                    physics: {mass: 1}
+                """);
+        Path saved = folder.resolve("saved.yaml");
+        Outcome outcome =
+                Reve.run(
+                        limited(
+                                Reve.command(
+                                        "run",
+                                        world.toString(),
+                                        "--seconds",
+                                        "0",
+                                        "--save",
+                                        saved.toString())));
+        assertThat(outcome.code()).as(outcome.err()).isEqualTo(1);
+        assertThat(outcome.err()).contains("reve: " + saved + ": File too large");
+        assertThat(saved).doesNotExist();
+        assertThat(folder.resolve("saved.yaml.part")).doesNotExist();
+    }
+
+    @Test
     void aRecordingGoesOnInAnotherFileWhenThereIsRoomAgain() throws Exception {
         Path recording = folder.resolve("run.log");
         Path part = folder.resolve("run.log.1");
@@ -401,7 +433,7 @@ class DiskFaultIT {
         return new Server(process, new Server.Events(process.inputReader(), errors));
     }
 
-    /** What a server says that goes on with the store. */
+    /** Returns the report of a server that resumes from the store. */
     private JsonNode resumed() throws IOException {
         try (Server server =
                 Server.start(

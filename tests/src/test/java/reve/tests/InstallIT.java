@@ -86,9 +86,9 @@ class InstallIT {
     }
 
     /**
-     * Nothing that the server has opened or was started with lies in the checkout.
+     * The server opens and starts no file of the checkout.
      *
-     * @return the hash of the state that it ended in
+     * @return the hash of its last state
      */
     private String serve(String world) throws Exception {
         Path errors = folder.resolve("server.err");
@@ -194,7 +194,7 @@ class InstallIT {
         return Reve.run(command(arguments));
     }
 
-    /** The installed command as its user: no tools but two, a home of one's own. */
+    /** The installed command for its user: only two tools, and a separate home. */
     private List<String> command(String... arguments) throws IOException {
         List<String> command = new ArrayList<>();
         if ((int) Files.getAttribute(folder, "unix:uid") == 0) {

@@ -56,7 +56,7 @@ class InterruptIT {
                         .start();
         BufferedReader errors = run.errorReader();
         String line = errors.readLine();
-        while (!line.startsWith("frame ")) { // the first progress line says that the loop runs
+        while (!line.startsWith("frame ")) { // the first progress line shows that the loop runs
             line = errors.readLine();
         }
         assertThat(new ProcessBuilder("kill", "-INT", Long.toString(run.pid())).start().waitFor())

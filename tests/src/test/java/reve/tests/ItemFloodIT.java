@@ -32,7 +32,7 @@ import java.util.concurrent.atomic.AtomicLong;
 class ItemFloodIT {
     private static final String WORLD = Project.WORLDS.resolve("workshop").toString();
 
-    /** Frames in which both are watched when the quota is full. */
+    /** Frames in which both agents are watched when the quota is full. */
     private static final int FRAMES = 120;
 
     private static final int EVERY = 4;
@@ -93,7 +93,7 @@ class ItemFloodIT {
         try (Replay replay = new Replay(Optional.empty(), Pacing.FAST);
                 RunLog.Reader records = RunLog.open(log)) {
             while (records.hasNext() && replay.take(records.next())) {
-                // each record is made as it is read
+                // the list stays open for further records
             }
             assertThat(replay.divergence()).isEmpty();
             try (Simulation again = replay.release()) {
@@ -103,7 +103,7 @@ class ItemFloodIT {
         }
     }
 
-    /** An agent that strikes the hot iron, two sparks a time, as often as the server takes it. */
+    /** An agent that strikes the hot iron, two sparks at a time, as often as the server permits. */
     private static final class Flood implements AutoCloseable {
         private static final int IN_FLIGHT = 60;
 
@@ -134,7 +134,7 @@ class ItemFloodIT {
             assertThat(refusal).as("of %d strikes", id.get()).isNotEmpty();
         }
 
-        /** As many at once as may wait for their result. */
+        /** As many acts at once as may wait for their results. */
         void strike() throws IOException {
             var acts = new StringBuilder();
             for (int i = 0; i < IN_FLIGHT; i++) {

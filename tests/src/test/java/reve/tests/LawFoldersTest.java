@@ -13,7 +13,9 @@ import java.util.List;
 import java.util.regex.Pattern;
 import java.util.stream.Stream;
 
-/** The arrows of ARCHITECTURE.md below the engine: one folder is one law, which uses the SDK. */
+/**
+ * The dependencies of ARCHITECTURE.md below the engine: one folder is one law, which uses the SDK.
+ */
 class LawFoldersTest {
     private static final Path LAWS = Project.ROOT.resolve("laws");
     private static final Path SUPPORT = Project.ROOT.resolve("law-support");
@@ -46,7 +48,7 @@ class LawFoldersTest {
         }
     }
 
-    /** What libraries are made of: not the tests and their scenes. */
+    /** The sources of libraries, without tests and their scenes. */
     private static Stream<Path> sources(Path folder) {
         try (Stream<Path> files = Files.walk(folder)) {
             return files

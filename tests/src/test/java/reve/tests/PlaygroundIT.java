@@ -13,7 +13,7 @@ import tools.jackson.databind.json.JsonMapper;
 import java.nio.file.Path;
 
 /**
- * {@code worlds/playground}: a Python agent rolls its body against toys, which nothing but a law of
+ * {@code worlds/playground}: a Python agent rolls its body against toys, which only a law of
  * contact moves.
  */
 @Tag("slow")

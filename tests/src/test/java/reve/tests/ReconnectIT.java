@@ -40,7 +40,7 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.stream.LongStream;
 
-/** The Java client over connections that break, with a real server behind. */
+/** The Java client over connections that break, with a real server. */
 @Tag("slow")
 class ReconnectIT {
     private static final Duration GRACE = Duration.ofSeconds(30);

@@ -19,7 +19,7 @@ import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.List;
 
-/** Files that servers and runs write for long: restarts, second servers, and moved files. */
+/** Files of long-running servers and runs: restarts, second servers, and moved files. */
 @Tag("slow")
 class RecordingFilesIT {
     private static final String WORLD = Project.WORLDS.resolve("spring-orbit").toString();
@@ -50,7 +50,7 @@ class RecordingFilesIT {
         assertThat(outcome.out()).as(outcome.err()).contains("identical: ");
     }
 
-    /** Something that happens in the world, after which a recording holds more than its image. */
+    /** A change of the world, after which a recording holds more than its image. */
     private static void join(Server server) throws Exception {
         try (AgentClient ada =
                 AgentClient.connect("127.0.0.1", Integer.parseInt(server.port()), Join.as("ada"))) {

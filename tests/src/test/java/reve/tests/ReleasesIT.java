@@ -143,7 +143,7 @@ class ReleasesIT {
     }
 
     private void transientFilesBuildNothing() throws Exception {
-        Files.writeString(source, Files.readString(source)); // as a checkout and back does
+        Files.writeString(source, Files.readString(source)); // as a change of branch and back does
         Files.writeString(checkout.resolve("reve-core/world/.A.java.swp"), "x");
         Files.writeString(checkout.resolve("reve-core/world/A.java~"), "x");
         Files.createDirectory(checkout.resolve("agents/python/reve.egg-info"));

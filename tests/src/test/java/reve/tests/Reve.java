@@ -13,11 +13,15 @@ import java.util.regex.Pattern;
 final class Reve {
     private static final long PATIENCE_SECONDS = 120;
 
-    /** What it says while a slow machine keeps it waiting, which is no matter of what it does. */
+    /** The launcher's message while a slow machine lets the user wait; irrelevant to the result. */
     private static final Pattern PATIENCE =
             Pattern.compile("^reading .* \\.\\.\\.\\R", Pattern.MULTILINE);
 
-    /** What a finished command left. @param err without what asks for patience */
+    /**
+     * The result of a finished command.
+     *
+     * @param err without the launcher's message about waiting
+     */
     record Outcome(int code, String out, String err) {}
 
     private Reve() {}
@@ -27,7 +31,7 @@ final class Reve {
         return run(command(arguments));
     }
 
-    /** The same by the shell script of that name, which does some things by itself. */
+    /** The same by the shell script of that name, which handles some commands itself. */
     static Outcome launch(String... arguments) throws IOException, InterruptedException {
         List<String> command = new ArrayList<>(List.of(Project.ROOT.resolve("reve").toString()));
         command.addAll(List.of(arguments));
@@ -62,8 +66,8 @@ final class Reve {
     }
 
     /**
-     * The command line for a process of one's own. It heeds SIGINT even where the tests were
-     * started so as to ignore it, as a shell does with what it starts in the background.
+     * Returns the command line for a separate process. The process reacts to SIGINT even if the
+     * tests ignore it, as programs do that a shell starts in the background.
      */
     static List<String> command(String... arguments) {
         List<String> command =
@@ -76,7 +80,7 @@ final class Reve {
         return command;
     }
 
-    /** The command line for a process that has its libraries and laws in another folder. */
+    /** Returns the command line for a process whose libraries and laws are in another folder. */
     static List<String> commandIn(Path natives, String... arguments) {
         List<String> command =
                 new ArrayList<>(

@@ -40,7 +40,7 @@ import java.util.Random;
 import java.util.TreeMap;
 import java.util.stream.Stream;
 
-/** A world that was saved to a world file goes on as if nothing had been. */
+/** A world that was saved to a world file continues unchanged. */
 @Tag("slow")
 class SavedWorldIT {
     private static final int FRAMES = 30;
@@ -82,7 +82,7 @@ class SavedWorldIT {
             first.loop().run(FRAMES);
             WorldFile.save(saved, first.descriptionNow());
             try (Simulation second = load(saved)) {
-                second.loop().run(0); // derives what is not in the file
+                second.loop().run(0); // computes the values that are not in the file
                 assertThat(state(second)).isEqualTo(state(first));
                 assertThat(WorldWriter.write(second.descriptionNow()))
                         .isEqualTo(Files.readString(saved));
@@ -90,7 +90,7 @@ class SavedWorldIT {
         }
     }
 
-    /** The hash is over the steps done, too. */
+    /** The hash includes the number of steps, too. */
     @Test
     void goesOnAtItsTime() throws Exception {
         Path saved = folder.resolve("saved.yaml");
@@ -126,8 +126,8 @@ class SavedWorldIT {
     private static int forces;
 
     /**
-     * A random world, to which random things happen while it runs. What is saved of it at any frame
-     * goes on as it does, to the bit, with what rules say and with forces that actions began.
+     * A random world with random changes while it runs. The saved world of any frame continues
+     * equally, to the bit, with the results of rules and with forces that actions began.
      */
     @RepeatedTest(5)
     void aRandomWorldGoesOnToTheBitFromAnyFrame() throws Exception {
@@ -174,7 +174,7 @@ class SavedWorldIT {
         }
     }
 
-    /** One random world may have none; that five have none means that they are not random. */
+    /** One random world may have none; if five have none, they are not random. */
     @AfterAll
     static void forcesStillActedInSomeSavedWorld() {
         assertThat(repetitions == 0 ? 1 : forces).as("forces that still acted").isPositive();
@@ -222,7 +222,7 @@ class SavedWorldIT {
         return text.toString();
     }
 
-    /** One thing that an actor or an operator may do to a world between two frames. */
+    /** One act of an actor or an operator between two frames. */
     private static void happen(World world, Random random) throws ActionRefused {
         List<Item> bodies =
                 world.items().stream().filter(item -> item.kind().equals("body")).toList();
@@ -277,7 +277,7 @@ class SavedWorldIT {
         return symbols;
     }
 
-    /** Every number of every row that laws see, by bits, and what references refer to. */
+    /** Returns the bits of every number in rows that laws use, and the targets of references. */
     private static List<Object> state(Simulation simulation) {
         World world = simulation.world();
         List<Object> state = new ArrayList<>();

@@ -25,7 +25,7 @@ import java.util.ArrayList;
 import java.util.List;
 import java.util.stream.Stream;
 
-/** Does what docs/security.md says, block by block, and what it says not to. */
+/** Follows docs/security.md, block by block, and tries what the page forbids. */
 @Tag("slow")
 class SecurityIT {
     private final Path folder;
@@ -185,7 +185,9 @@ class SecurityIT {
         assertThat(next).doesNotExist();
     }
 
-    /** A name of an image that prints a false event and commands the terminal, where it can. */
+    /**
+     * A name of an image that prints a false event and controls the terminal, if it is not escaped.
+     */
     @Test
     void namesOfImagesForgeNoEventsNoLogLinesAndNoAnswers() throws Exception {
         String name = "x\n\u001b[2Jfault source=world message=gone";
@@ -252,7 +254,7 @@ class SecurityIT {
         return Files.readString(folder.resolve(file)).strip();
     }
 
-    /** What was written, but for the tokens' own files. */
+    /** Returns all written text except the token files. */
     private List<Path> files() throws IOException {
         try (Stream<Path> files = Files.walk(folder)) {
             return files.filter(Files::isRegularFile)

@@ -18,7 +18,7 @@ import java.util.function.Predicate;
 record Server(Process process, Events events) implements AutoCloseable {
     private static final long PATIENCE_SECONDS = 60;
 
-    /** What the server says, kept, so that the order of asking does not matter. */
+    /** The server's events, which are kept, so that the order of requests does not matter. */
     static final class Events {
         private final JsonMapper mapper = new JsonMapper();
         private final List<JsonNode> seen = new ArrayList<>();
@@ -30,7 +30,7 @@ record Server(Process process, Events events) implements AutoCloseable {
             this.errors = errors;
         }
 
-        /** The first event of this kind that is as wanted, already seen or still to come. */
+        /** Returns the first event of this kind that meets the condition, past or future. */
         JsonNode await(String event, Predicate<JsonNode> wanted) throws IOException {
             for (int i = 0; ; i++) {
                 if (i == seen.size()) {
@@ -53,21 +53,24 @@ record Server(Process process, Events events) implements AutoCloseable {
             }
         }
 
-        /** All events of a server that has ended or is about to, as far as it came to tell them. */
+        /**
+         * Returns all events of a server that has ended or is about to end, as far as it wrote
+         * them.
+         */
         List<JsonNode> untilEnd() throws IOException {
             try {
                 for (String line = output.readLine(); line != null; line = output.readLine()) {
                     seen.add(mapper.readTree(line));
                 }
             } catch (JacksonException cut) {
-                // it was killed in the middle of a line
+                // the server was killed in the middle of a line
             }
             return List.copyOf(seen);
         }
     }
 
     /**
-     * @param folder keeps what the server writes to standard error
+     * @param folder contains the server's standard error
      */
     static Server start(Path folder, String... arguments) throws IOException {
         Path errors = folder.resolve("server.err");
@@ -76,12 +79,12 @@ record Server(Process process, Events events) implements AutoCloseable {
         return new Server(process, new Events(process.inputReader(), errors));
     }
 
-    /** The port that agents find it at. */
+    /** Returns the port for agents. */
     String port() throws IOException {
         return events.await("ready", ready -> true).get("agentPort").asString();
     }
 
-    /** Waits for the server to end by itself. */
+    /** Waits until the server ends by itself. */
     int exitCode() throws InterruptedException {
         if (!process.waitFor(PATIENCE_SECONDS, TimeUnit.SECONDS)) {
             throw new AssertionError("the server did not end within " + PATIENCE_SECONDS + " s");

@@ -40,7 +40,7 @@ import java.util.concurrent.CompletableFuture;
 import java.util.concurrent.CountDownLatch;
 import java.util.concurrent.Executor;
 
-/** Worlds in one server: each as if it were alone, whatever becomes of the others. */
+/** Worlds in one server: each behaves as if it were alone, whatever happens to the others. */
 class SeveralWorldsIT {
     private static final int FRAMES = 120;
     private static final Executor THREADS = task -> Thread.ofPlatform().daemon().start(task);
@@ -198,7 +198,7 @@ class SeveralWorldsIT {
         agent.perceiveEvery(1);
         long first = agent.nextPerception().frame();
         for (long frame = first; frame < first + 30; frame = agent.nextPerception().frame()) {
-            // the client's patience ends the test if no more come
+            // the client's time limit ends the test if no more arrive
         }
         agent.stopPerceiving();
     }

@@ -10,7 +10,7 @@ import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.List;
 
-/** Runs the commands of a page as its reader does, in a folder of one's own. */
+/** Runs the commands of a page as its reader does, in a separate folder. */
 final class Shell {
     private final Path folder;
     private final List<Path> errors = new ArrayList<>();
@@ -30,12 +30,12 @@ final class Shell {
         return builder.start();
     }
 
-    /** Runs a script to its end, which must be a good one; what it wrote to standard output. */
+    /** Runs a script to its end, which must be successful; returns its standard output. */
     String run(String script) throws IOException, InterruptedException {
         return finish(start(script));
     }
 
-    /** Waits for the good end of a script; what it wrote to standard output. */
+    /** Waits for the successful end of a script; returns its standard output. */
     String finish(Process process) throws IOException, InterruptedException {
         String out = new String(process.getInputStream().readAllBytes(), StandardCharsets.UTF_8);
         int code = process.waitFor();
@@ -49,7 +49,7 @@ final class Shell {
         return new Server(process, new Server.Events(process.inputReader(), errors.getLast()));
     }
 
-    /** Everything that was written to standard error so far. */
+    /** Returns all standard error so far. */
     String messages() throws IOException {
         StringBuilder all = new StringBuilder();
         for (Path file : errors) {

@@ -21,7 +21,7 @@ import java.nio.file.Path;
 import java.util.List;
 import java.util.Map;
 
-/** Worlds that stand still or run out of memory: what the server says, and how it ends. */
+/** Worlds that stand still or run out of memory: the server's reports and its end. */
 @Timeout(value = 120, threadMode = Timeout.ThreadMode.SEPARATE_THREAD)
 @Tag("slow")
 class StandstillIT {
@@ -72,7 +72,7 @@ class StandstillIT {
                         + options);
     }
 
-    /** Has an agent do something that may never be answered. */
+    /** Sends an act that may never be answered. */
     private static Thread act(String port, String action) {
         return Thread.ofVirtual()
                 .start(
@@ -178,7 +178,7 @@ class StandstillIT {
         assertThat(resumed()).isPositive();
     }
 
-    /** The frame that the store goes on from, in a server that ends well. */
+    /** Returns the frame from which the store resumes, in a server that ends regularly. */
     private long resumed() throws Exception {
         try (Server server = serve("", "--store my.db --seconds 0.1")) {
             long frame = server.events().await("ready", event -> true).path("frame").asLong();

@@ -56,10 +56,10 @@ class StoreIT {
     @TempDir private Path folder;
 
     /**
-     * At random moments, every other one just when a frame was announced: of what agents were told,
-     * one frame at most is lost, and every resumed state is what comes out if the recording of the
-     * killed run is made again from its start. With {@code normal}, a world that is told that the
-     * disk is too slow goes on without it, and may lose more; nothing else excuses that.
+     * Kills at random moments, every other one just after a frame was announced: of the frames that
+     * agents received, at most one is lost, and every resumed state equals the result of repeating
+     * the killed run's recording from its start. With {@code normal}, a world may continue without
+     * a disk that is too slow, and says so; only then may it lose more.
      */
     @ParameterizedTest
     @CsvSource({"full, 1", "normal, 2"})
@@ -121,7 +121,7 @@ class StoreIT {
         System.out.printf("%s: %d kills, %d frames lost at most%n", durability, kills, mostLost);
     }
 
-    /** Also while images wait for the disk, which they often do at this rate. */
+    /** Also while images wait for the disk, which happens often at this rate. */
     @Test
     void aWorldThatIsKilledAfterGoingBackLosesAtMostOneFrame() throws Exception {
         Random random = new Random(SEED);
@@ -322,7 +322,10 @@ class StoreIT {
         assertThat(again.out()).contains(found.path("stateHash").asString());
     }
 
-    /** Flips, cuts, empties or removes one file of a store at a time, and starts a server on it. */
+    /**
+     * Flips bits of, truncates, empties or removes one file of a store at a time, and starts a
+     * server on it.
+     */
     @Test
     void aServerGoesOnAsItWasOrNamesTheDamagedFileAndLeavesItAlone() throws Exception {
         killedStore();
@@ -389,14 +392,14 @@ class StoreIT {
         return contents;
     }
 
-    /** Frame and state hash that a server went on from. */
+    /** Returns the frame and state hash from which a server resumed. */
     private static String resumedAt(Outcome served) {
         Matcher ready = RESUMED.matcher(served.out());
         assertThat(ready.find()).as(served.out()).isTrue();
         return ready.group();
     }
 
-    /** Of a server that was killed after some acts; with one image. */
+    /** A store of a server that was killed after some acts, with one image. */
     private Path killedStore() throws Exception {
         Path store = folder.resolve("my.db");
         try (Server server =
@@ -459,7 +462,9 @@ class StoreIT {
         return python.start();
     }
 
-    /** Pushes and paints until the server is killed; the last frame that anybody was told of. */
+    /**
+     * Pushes and paints until the server is killed; returns the last frame that a client received.
+     */
     private static long actUntilKilled(Server server, JsonNode ready, Random random)
             throws Exception {
         long moment = System.nanoTime() + 50_000_000L + random.nextInt(900) * 1_000_000L;
@@ -477,7 +482,9 @@ class StoreIT {
             while (atAnnouncement && announced.get() == before) {
                 Thread.onSpinWait();
             }
-            server.process().toHandle().destroyForcibly(); // what it said can still be read
+            server.process()
+                    .toHandle()
+                    .destroyForcibly(); // the server's last output can still be read
             server.process().onExit().join();
         } catch (AgentException gone) {
             assertThat(gone).isInstanceOf(DisconnectedException.class);
@@ -487,8 +494,8 @@ class StoreIT {
     }
 
     /**
-     * Goes back and changes laws until the server is killed, a few frames after going back; the
-     * last frame that was perceived.
+     * Rewinds and changes laws until the server is killed, a few frames after a rewind; returns the
+     * last perceived frame.
      */
     private static long goBackUntilKilled(Server server, JsonNode ready, Random random)
             throws Exception {
@@ -506,7 +513,9 @@ class StoreIT {
                 awaitPerceived(perceived, back + random.nextInt(12), watcher);
             }
             awaitPerceived(perceived, back + random.nextInt(4), watcher);
-            server.process().toHandle().destroyForcibly(); // what it said can still be read
+            server.process()
+                    .toHandle()
+                    .destroyForcibly(); // the server's last output can still be read
             server.process().onExit().join();
         }
         watcher.join();
@@ -519,7 +528,7 @@ class StoreIT {
         }
     }
 
-    /** Keeps the newest frame of which there was a perception, until the server is gone. */
+    /** Keeps the newest perceived frame until the server ends. */
     private static void watch(int port, AtomicLong newest) {
         try (AgentClient agent = AgentClient.connect("127.0.0.1", port, "eve")) {
             agent.perceiveEvery(1);
@@ -533,8 +542,8 @@ class StoreIT {
     }
 
     /**
-     * What the recording of a killed run comes to at a frame. It may lack the last ones that the
-     * store has: then what came in there is the store's.
+     * Returns the result of the recording of a killed run at a frame. It may lack the last frames
+     * of the store; their inputs are then taken from the store.
      */
     private static String replayedHash(Path log, long frame, Map<Long, JournalRecord> stored)
             throws IOException {
@@ -555,7 +564,7 @@ class StoreIT {
         }
     }
 
-    /** Frames that the store has, by their numbers. */
+    /** Returns the numbers of the store's frames. */
     private Map<Long, JournalRecord> storedFrames() throws IOException {
         Map<Long, JournalRecord> frames = new HashMap<>();
         try (DirectoryStream<Path> files = Files.newDirectoryStream(folder, "my.db-frames-*")) {

@@ -16,7 +16,7 @@ import java.util.List;
 import java.util.regex.MatchResult;
 import java.util.regex.Pattern;
 
-/** Does what docs/tutorial.md says, block by block, in a folder outside the checkout. */
+/** Follows docs/tutorial.md, block by block, in a folder outside the checkout. */
 @Tag("slow")
 class TutorialIT {
     private static final Pattern THERE_AND_BACK = Pattern.compile("there and back: ([\\d.]+) s");
@@ -80,7 +80,7 @@ class TutorialIT {
                 .noneMatch(line -> line.startsWith("-"));
     }
 
-    /** Serves the world as it is while an agent does its work; what the agent says. */
+    /** Serves the present world while an agent works; returns the agent's output. */
     private String agent(String program, String script) throws Exception {
         try (Server server = shell.serve(page.titled("serve.sh").text())) {
             Files.writeString(
@@ -90,7 +90,7 @@ class TutorialIT {
         }
     }
 
-    /** Adds the lines marked with {@code +} behind the lines around them, and checks the file. */
+    /** Adds the lines marked with {@code +} after their context, and checks the file. */
     private void add(String diff) throws Exception {
         List<String> lines = new ArrayList<>(Files.readAllLines(world()));
         int at = 0;

@@ -20,7 +20,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.stream.Stream;
 
-/** Slips of operators, and what they are told. */
+/** Mistakes of operators, and the messages about them. */
 @Tag("slow")
 class UsageIT {
     private static final String WORLD = Project.WORLDS.resolve("spring-orbit").toString();
@@ -131,7 +131,7 @@ class UsageIT {
                 .contains("only 40 files", "expected 128 or more", "ulimit -n 4096");
     }
 
-    /** A law library holds the start up for as long as its constructor sleeps. */
+    /** A law library delays the start by the time that its constructor sleeps. */
     @Test
     void whatIsStoppedWhileItStartsEndsWell() throws Exception {
         Path mark = folder.resolve("mark");

@@ -23,7 +23,7 @@ import reve.worlds.server.Simulation;
 import java.util.List;
 import java.util.Map;
 
-/** What can be done in worlds/workshop, with the real engine and laws. */
+/** The actions of worlds/workshop, with the real engine and laws. */
 class WorkshopIT {
     private static final double FRAME_SECONDS = 1 / 60.0;
 

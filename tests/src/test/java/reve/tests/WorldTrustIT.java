@@ -29,8 +29,8 @@ import java.util.ArrayList;
 import java.util.List;
 
 /**
- * Native code that comes with a world, a store or a recording. The library is a real one, and
- * leaves a mark when it is opened, be it in the probe process.
+ * Native code that comes with a world, a store or a recording. The library is real, and leaves a
+ * mark when it is opened, even in the probe process.
  */
 @Tag("slow")
 class WorldTrustIT {
@@ -109,7 +109,7 @@ class WorldTrustIT {
         assertThat(mark).as("what the library's constructor writes").doesNotExist();
     }
 
-    /** Runs a command line in this process, which spares a start of the JVM. */
+    /** Runs a command line in this process, without a start of a JVM. */
     private static Outcome reve(String... arguments) {
         PrintStream out = System.out;
         PrintStream err = System.err;
@@ -236,7 +236,10 @@ class WorldTrustIT {
         assertNeverOpened();
     }
 
-    /** By its own name, and by that of a law in it; what ships, and its copies, bear theirs. */
+    /**
+     * By its own name, and by that of a law in it; shipped libraries and their copies keep their
+     * names.
+     */
     @Test
     void aTrustedLibraryMayNotCallItselfLikeAShippedLaw() throws Exception {
         Path library = compile("library.so", "-DEVIL_LIBRARY=\"gravity_field\"");

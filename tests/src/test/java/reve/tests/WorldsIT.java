@@ -25,16 +25,16 @@ import java.util.Map;
 import java.util.stream.Stream;
 
 /**
- * What every sample world with a {@code world.yaml}, and each of its {@code variants}, promises in
- * its {@code expected.json}, or under {@code world} in it where there is a scene that promises
- * something else, from the world file to the state after some seconds. In every world, what is
- * immovable stays where it is and no law fails.
+ * The promises of every sample world with a {@code world.yaml}, and of each of its {@code
+ * variants}, in its {@code expected.json}, or under {@code world} in it if a scene promises
+ * something else: from the world file to the state after some seconds. In every world, immovable
+ * items stay at their places and no law fails.
  */
 @Tag("slow")
 class WorldsIT {
     private static final long MOST_FRAMES_TWICE = 60;
 
-    /** A world file, and what must hold in it. */
+    /** A world file, and the conditions that it must meet. */
     record Sample(Path file, JsonNode expected) {
         Simulation load() throws IOException, WorldFileException {
             WorldDescription description = WorldFile.load(file);
@@ -148,7 +148,7 @@ class WorldsIT {
             assertThat(now.energy()).isLessThanOrEqualTo(before.energy());
         }
         for (JsonNode expected : sample.all("distances")) {
-            // At rest length a spring starts with the rounding of one square root.
+            // At rest length, a spring starts with the rounding of one square root.
             assertThat(Mechanics.norm(line(expected, now)))
                     .isBetween(
                             expected.get("from").asDouble() - 1e-12, expected.get("to").asDouble());

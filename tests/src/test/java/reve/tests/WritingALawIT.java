@@ -18,14 +18,14 @@ import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 
 /**
- * Does what docs/writing-a-law.md says, block by block, in a folder outside the checkout. Only the
- * port is another one, and the server reports as JSON.
+ * Follows docs/writing-a-law.md, block by block, in a folder outside the checkout. Only the port
+ * differs, and the server reports as JSON.
  */
 @Tag("slow")
 class WritingALawIT {
     private static final Pattern SPEED = Pattern.compile("t = +([\\d.]+) s .* at +(-?[\\d.]+) m/s");
 
-    /** c w / m: what the page says red gains per second. */
+    /** c w / m: the gain of speed of red per second that the page states. */
     private static final double ACCELERATION = 100 * 5 / 1000.0;
 
     private final Path folder;

@@ -9,7 +9,7 @@ import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.List;
 
-/** Keeps the world's thread for as long as a file is there. */
+/** Blocks the world's thread while a file exists. */
 public final class Hang implements ActionProvider {
     @Override
     public String name() {

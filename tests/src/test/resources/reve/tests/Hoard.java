@@ -8,7 +8,7 @@ import reve.core.world.ActionCall;
 import java.util.ArrayList;
 import java.util.List;
 
-/** Takes all the memory that there is. */
+/** Allocates all memory. */
 public final class Hoard implements ActionProvider {
     @Override
     public String name() {

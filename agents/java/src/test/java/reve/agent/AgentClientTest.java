@@ -11,7 +11,7 @@ import java.net.InetAddress;
 import java.net.ServerSocket;
 import java.time.Duration;
 
-/** What becomes of a client whose server is none. */
+/** A client that finds no server at its address. */
 class AgentClientTest {
 
     private static final int BACKLOG = 1;

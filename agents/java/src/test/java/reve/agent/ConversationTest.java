@@ -12,7 +12,7 @@ import java.util.Optional;
 import java.util.OptionalInt;
 import java.util.OptionalLong;
 
-/** What a client makes of events that it missed, without a connection. */
+/** How a client processes events that it missed, without a connection. */
 class ConversationTest {
 
     private final Conversation talk =
@@ -91,7 +91,7 @@ class ConversationTest {
         take(said(5), said(5), said(5));
         assertThat(frameSeen()).isEqualTo(4);
         talk.goneOn();
-        take(missed(5, 8), said(9)); // the server has forgotten those, too
+        take(missed(5, 8), said(9)); // the server no longer has those either
         assertThat(frames()).containsExactly(5L, 5L, 5L, 8L, 9L);
     }
 }

@@ -163,7 +163,7 @@ class ProtocolTest {
         }
     }
 
-    /** What this client writes for a message with those values. */
+    /** Returns the message that this client writes for those values. */
     private static ObjectNode said(JsonNode message) {
         long id = message.path("id").asLong(0);
         return switch (message.get("t").stringValue()) {
@@ -250,7 +250,7 @@ class ProtocolTest {
                 : Act.ofBody(action, arguments);
     }
 
-    /** Changed by a field, if the message has it. */
+    /** Returns the value changed by a field, if the message has the field. */
     private static <T> T with(
             T before, JsonNode message, String field, BiFunction<T, JsonNode, T> change) {
         return message.has(field) ? change.apply(before, message.get(field)) : before;
@@ -274,7 +274,9 @@ class ProtocolTest {
         return value.isNumber() ? value.numberValue() : value.stringValue();
     }
 
-    /** What the server must have written for this client to understand that. */
+    /**
+     * Returns the message that the server must have written for this client to read these values.
+     */
     private static JsonNode written(ServerMessage message) {
         ObjectNode json = JSON.createObjectNode();
         switch (message) {
@@ -378,7 +380,7 @@ class ProtocolTest {
         }
     }
 
-    /** An item says what it does not say by default. */
+    /** An item without a field has the field's default. */
     private static JsonNode written(Perception.Item item) {
         ObjectNode json =
                 (ObjectNode)
@@ -456,7 +458,7 @@ class ProtocolTest {
         return json;
     }
 
-    /** A message of the server without what an item says by saying nothing. */
+    /** A message of the server without the fields whose values are defaults. */
     private static JsonNode understood(JsonNode message) {
         for (String list : List.of("items", "entered")) {
             message.path(list)

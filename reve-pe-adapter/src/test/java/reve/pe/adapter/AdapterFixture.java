@@ -57,7 +57,7 @@ final class AdapterFixture implements AutoCloseable {
 
     /**
      * @param validate whether laws run on guarded copies or on the columns themselves
-     * @param engine what the adapter gets instead of the engine itself
+     * @param engine the engine that the adapter uses
      */
     AdapterFixture(
             WorldPrototype prototype,
@@ -155,7 +155,7 @@ final class AdapterFixture implements AutoCloseable {
         return world.find(item).orElseThrow().physics().vector("velocity");
     }
 
-    /** Bits of the numbers that move: position and velocity of an item. */
+    /** Returns the bits of the numbers that move: position and velocity of an item. */
     List<Long> motion(String item) {
         Table bodies = world.table("body");
         int row = bodies.rowOf(world.find(item).orElseThrow().id());

@@ -15,14 +15,14 @@ import java.util.List;
 import java.util.Map;
 
 /**
- * An engine with bugs: while it is broken, it advances and then fails, blaming no law; it cannot
- * prepare files called odd.so; and it can be told to refuse libraries.
+ * An engine with bugs. While it is broken, it advances and then fails without naming a law; it
+ * cannot prepare files called odd.so; and it can be set to refuse libraries.
  */
 final class FailingEngine implements PhysicsEngine {
     private final PhysicsEngine engine;
     boolean broken;
 
-    /** How many libraries will be refused next, each with its number. */
+    /** Number of libraries to refuse next. */
     int refusals;
 
     FailingEngine(PhysicsEngine engine) {

@@ -12,9 +12,10 @@ import reve.core.world.WorldPrototype;
 import java.util.List;
 import java.util.Map;
 
-/** What goes to, and comes back from, a law that keeps positions in memory of its own. */
+/** Data that goes to, and comes back from, a law that keeps positions in its own memory. */
 class KeptCopyNativeTest {
-    private static final int STEPS = 4; // of a frame, in each of which the law moves bodies by 1 m
+    private static final int STEPS =
+            4; // steps of a frame, in each of which the law moves bodies by 1 m
 
     private static AdapterFixture world(boolean validate) {
         return new AdapterFixture(
@@ -65,7 +66,7 @@ class KeptCopyNativeTest {
         return fixture.world.find(item).orElseThrow().physical().location()[0];
     }
 
-    /** How often the law took the positions, and how often it was asked for them. */
+    /** How often the law received the positions, and how often it had to return them. */
     private static double[] transfers(AdapterFixture fixture) {
         return fixture.world.find("a").orElseThrow().physics().vector("acceleration");
     }

@@ -147,7 +147,7 @@ class LawFolderNativeTest {
         lookAndRun(2);
         drop("strong_wind", "wind.so");
         lookAndRun(2);
-        // one frame of the weak wind while the new file settled, one of the strong
+        // one frame of the weak wind while the new file settled, and one of the strong wind
         assertThat(speed()).isCloseTo(GAIN + GAIN + 2 * GAIN, offset(1e-15));
         assertThat(loaded()).containsExactly("newton_motion", "wind");
         assertThat(world.events)

@@ -23,7 +23,7 @@ class PhysicsImageNativeTest {
     private static final int HALF = 100;
     private static final long SEED = 20261121;
 
-    /** Balls that rub: contacts are remembered in SCRATCH, row by row, while rows come and go. */
+    /** Balls with friction: SCRATCH remembers contacts by row, while rows come and go. */
     @Test
     void aRestoredWorldGoesOnWithTheSameHashes() {
         try (AdapterFixture whole = heap();
@@ -88,7 +88,7 @@ class PhysicsImageNativeTest {
             PhysicsImage physics = world.adapter.save();
             world.adapter.laws().unload(0, wind);
             world.adapter.laws().load(0, "writes_nan", Map.of("from_step", 0.0));
-            world.run(1); // and it is in quarantine
+            world.run(1); // and it is quarantined
 
             world.adapter.restore(1, physics);
 
@@ -142,7 +142,7 @@ class PhysicsImageNativeTest {
                 engine -> engine);
     }
 
-    /** Balls that fall on a rough floor beside each other, turning. */
+    /** Balls that fall on a rough floor beside each other and turn. */
     private static AdapterFixture heap() {
         AdapterFixture heap = emptyHeap();
         heap.world.find("world").orElseThrow().physics().set("gravity", 0, -9.81, 0);
@@ -164,7 +164,7 @@ class PhysicsImageNativeTest {
                 .build();
     }
 
-    /** Every tenth frame an item goes, so that another moves into its row, or one comes. */
+    /** Every tenth frame an item leaves, so that another moves into its row, or one is added. */
     private static void stir(AdapterFixture heap, Random random, int frame) {
         if (frame % 20 == 0) {
             heap.world.add(ball("more " + random.nextLong(), random.nextDouble(), 5, 0.5, 0));

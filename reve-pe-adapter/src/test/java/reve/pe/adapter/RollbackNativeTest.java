@@ -38,7 +38,7 @@ class RollbackNativeTest {
         }
     }
 
-    /** A law with an error of its own is to blame, whatever acts and edits changed. */
+    /** The law with an error is blamed, whatever acts and edits changed. */
     @ParameterizedTest
     @ValueSource(strings = {"red", "blue"})
     void aLawThatFailsWithoutASuspectTooLeavesAWorldThatNeverHadIt(String changed) {

@@ -15,7 +15,7 @@ import java.util.HashMap;
 import java.util.List;
 import java.util.Map;
 
-/** A validating engine for the spring orbit, as a Java program without REVE would make it. */
+/** A validating engine for the spring orbit, as a Java program without REVE creates it. */
 final class EngineFixture implements AutoCloseable {
     final Arena arena = Arena.ofShared();
     final List<String> log = new ArrayList<>();

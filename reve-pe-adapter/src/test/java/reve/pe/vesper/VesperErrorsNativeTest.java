@@ -29,7 +29,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Set;
 
-/** Every status that a client can provoke arrives with its number, names and message. */
+/** Every status that a client can cause arrives with its number, names and message. */
 class VesperErrorsNativeTest {
     private final EngineFixture orbit = new EngineFixture().springOrbit();
 
@@ -157,7 +157,7 @@ class VesperErrorsNativeTest {
         assertThat(e).hasMessageContaining("rival_motion").hasMessageContaining("newton_motion");
     }
 
-    /** A sparse file has any size, and would be read whole. */
+    /** A sparse file can have any size, and would be read completely. */
     @Test
     void aLibraryThatIsTooLargeIsNotRead(@TempDir Path folder) throws Exception {
         Path large = folder.resolve("large.so");

@@ -41,16 +41,16 @@ import java.util.concurrent.locks.LockSupport;
 import java.util.stream.Collectors;
 
 /**
- * Many bad clients of every kind at once: each gets a reason and goes, and good agents do all that
- * they came for.
+ * Many faulty clients of every kind at once: the server disconnects each with a reason, and correct
+ * agents complete their work.
  */
 @Tag("slow")
 class AgentAbuseTest {
 
-    /** Of each kind; a thousand for a whole run. */
+    /** Number of clients of each kind; a thousand in a long run. */
     private static final int CLIENTS = Integer.getInteger("reve.abuse.clients", 40);
 
-    /** At the same time, so that there is room for the good ones. */
+    /** Number of faulty clients at the same time, so that places remain for correct ones. */
     private static final int AT_ONCE = 400;
 
     private static final Duration PATIENCE = Duration.ofSeconds(20 + CLIENTS / 5);
@@ -63,14 +63,14 @@ class AgentAbuseTest {
     private static final Duration IDLE = Duration.ofSeconds(2);
     private static final long MAX_HEAP_GROWTH = 64L * 1024 * 1024;
     private static final long FRAME_NANOS = 1_000_000;
-    private static final int MAX_MORE_FILES = 8; // of the virtual machine itself
+    private static final int MAX_MORE_FILES = 8; // an error of the virtual machine itself
 
-    /** Bytes in which a bye is found. */
+    /** The bytes that show a `bye` in a stream. */
     private static final int LAST = 300;
 
     private static final String PINGS = "{\"t\":\"ping\"}\n".repeat(500);
 
-    /** What a bad client does, and the codes with which it may be sent away. */
+    /** The behaviour of a faulty client, and the codes with which the server may disconnect it. */
     private enum Kind {
         SAYS_NOTHING("hello-late") {
             @Override
@@ -162,7 +162,7 @@ class AgentAbuseTest {
                 for (int i = 0; i < 8; i++) {
                     byte[] rubbish = new byte[attacker.random.nextInt(1, 100)];
                     attacker.random.nextBytes(rubbish);
-                    rubbish[0] = (byte) 0xc1; // the one byte that MessagePack never uses
+                    rubbish[0] = (byte) 0xc1; // the only byte that MessagePack never uses
                     attacker.send(
                             ByteBuffer.allocate(4 + rubbish.length)
                                     .putInt(rubbish.length)
@@ -176,7 +176,7 @@ class AgentAbuseTest {
             void behave(Attacker attacker) throws IOException {
                 attacker.say(attacker.hello("") + "{\"t\":\"perceive\",\"every\":1,\"id\":1}\n");
                 while (true) {
-                    attacker.say(PINGS); // until the server has had enough and closes
+                    attacker.say(PINGS); // until the server closes the connection
                 }
             }
         },
@@ -192,7 +192,7 @@ class AgentAbuseTest {
         VANISHES("idle") {
             @Override
             void behave(Attacker attacker) throws IOException {
-                // as if its machine had lost its power: it answers nothing
+                // as after a power failure of its machine: it answers nothing
                 attacker.say(attacker.hello(""));
             }
         },
@@ -224,7 +224,7 @@ class AgentAbuseTest {
         abstract void behave(Attacker attacker) throws IOException;
     }
 
-    /** One bad client. Its own thread. */
+    /** A faulty client. Its own thread. */
     private static final class Attacker {
         private final Kind kind;
         private final String name;
@@ -254,8 +254,8 @@ class AgentAbuseTest {
         }
 
         /**
-         * @return the code with which it was sent away; empty where the connection was reset under
-         *     it
+         * @return the code with which the server disconnected it; empty if the connection was reset
+         *     first
          */
         String attack() {
             try (socket) {
@@ -357,7 +357,7 @@ class AgentAbuseTest {
         }
     }
 
-    /** The protocol's limits, but for how long a bad client may take. */
+    /** The protocol's limits, except the time that a faulty client may take. */
     private static AgentServerConfig config() {
         AgentServerConfig c = AgentRoom.config(HELLO, SOON, IDLE, SOON);
         AgentLimits l = c.limits();
@@ -377,7 +377,11 @@ class AgentAbuseTest {
         return new AgentServerConfig(c.address(), limits, c.timeouts(), c.audit(), c.security());
     }
 
-    /** Agents that act and perceive, one after the other. @return the median time of both [us] */
+    /**
+     * Agents that act and perceive in turn.
+     *
+     * @return the median time of both [us]
+     */
     private static double goodAgents(AgentRoom room, String name) throws Exception {
         List<Future<long[]>> agents = new ArrayList<>();
         for (int i = 0; i < GOOD; i++) {
@@ -397,7 +401,7 @@ class AgentAbuseTest {
         return all[all.length / 2] / 1e3;
     }
 
-    /** Looked at between two frames, which are a millisecond apart at least. */
+    /** Polled between two frames, which are at least a millisecond apart. */
     private static boolean areDone(List<? extends Future<?>> clients) {
         LockSupport.parkNanos(FRAME_NANOS);
         return clients.stream().allMatch(Future::isDone);

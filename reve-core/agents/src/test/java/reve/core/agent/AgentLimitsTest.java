@@ -29,7 +29,9 @@ import java.util.Map;
 import java.util.Random;
 import java.util.function.Function;
 
-/** One bad client harms nobody: it gets a reason and goes, and the others notice nothing. */
+/**
+ * A faulty client affects no other: it is disconnected with a reason, and the others keep working.
+ */
 class AgentLimitsTest {
 
     private static final Duration NEVER = Duration.ofMinutes(5);
@@ -115,7 +117,7 @@ class AgentLimitsTest {
         }
     }
 
-    /** Asks and never reads, until the server has had enough. */
+    /** Requests and never reads, until the server disconnects it. */
     private static void floodUntilCut(AgentRoom room, TestClient greedy) {
         byte[] pings =
                 "{\"t\":\"ping\",\"id\":1}\n".repeat(1000).getBytes(StandardCharsets.US_ASCII);
@@ -246,7 +248,8 @@ class AgentLimitsTest {
                     room.step();
                     drain(client, room);
                 } catch (IOException e) {
-                    // A reset: the server was done with it before it was done sending.
+                    // A reset: the server closed the connection before the client had sent
+                    // everything.
                 }
             }
             room.stepUntil(
@@ -255,7 +258,7 @@ class AgentLimitsTest {
         }
     }
 
-    /** Every line that comes back is a message of the protocol, until the end. */
+    /** Each line of the answer is a message of the protocol, up to the end. */
     private static void drain(TestClient client, AgentRoom room) throws IOException {
         JsonNode message = client.next();
         while (!message.get("t").stringValue().equals("bye")) {

@@ -57,7 +57,7 @@ public final class AgentRoom implements AutoCloseable {
     public final FrameLoop loop;
     public final AgentServer server;
 
-    /** Of the server's files. Any thread. */
+    /** For the server's files. Any thread. */
     public final Queue<String> problems = new ConcurrentLinkedQueue<>();
 
     /** Any thread. */
@@ -142,7 +142,7 @@ public final class AgentRoom implements AutoCloseable {
                 .build();
     }
 
-    /** Limits of milliseconds, for tests that wait until one is reached. */
+    /** Limits of milliseconds, for tests that wait until a limit is reached. */
     public static AgentServerConfig config(
             Duration hello, Duration line, Duration idle, Duration write) {
         var limits = new AgentLimits(1024, 8192, 4096, 10_000_000, 4, 64, 64 * 1024, 8, 16, 8);
@@ -185,13 +185,13 @@ public final class AgentRoom implements AutoCloseable {
         loop.step();
     }
 
-    /** Frames until something that other threads bring about is so. */
+    /** Makes frames until a condition that other threads fulfil holds. */
     public void stepUntil(String what, BooleanSupplier isSo) {
         stepUntil(what, Duration.ofSeconds(20), isSo);
     }
 
     /**
-     * @param patience after which it is taken never to be so
+     * @param patience after which the condition counts as never fulfilled
      */
     public void stepUntil(String what, Duration patience, BooleanSupplier isSo) {
         long deadline = System.nanoTime() + patience.toNanos();
@@ -235,7 +235,7 @@ public final class AgentRoom implements AutoCloseable {
         server.close();
     }
 
-    /** An action that an item's designer got wrong. */
+    /** An action whose designer made a mistake. */
     static Action broken() {
         return new TestAction(
                 "explode",

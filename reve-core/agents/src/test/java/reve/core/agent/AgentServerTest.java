@@ -589,7 +589,7 @@ class AgentServerTest {
         for (int i = 0; i < 2000; i++) {
             room.step();
         }
-        // a slot for a reader that a busy machine makes late is no frame's own
+        // An event that a slow reader receives late on a busy machine belongs to no frame.
         long least = Long.MAX_VALUE;
         for (int batch = 0; batch < 4; batch++) {
             long before = threads.getCurrentThreadAllocatedBytes();
@@ -599,8 +599,7 @@ class AgentServerTest {
             least = Math.min(least, threads.getCurrentThreadAllocatedBytes() - before);
         }
         assertThat(least).as("bytes of 250 frames").isZero();
-        // Frames in a burst may leave the encoder no time on a busy machine; the agents do
-        // perceive.
+        // A busy machine may encode no frame of a burst for the agents.
         room.stepUntil("perceptions", () -> room.server.stats().perceptions() > 20);
         for (TestClient agent : agents) {
             agent.close();

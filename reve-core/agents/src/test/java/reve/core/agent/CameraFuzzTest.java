@@ -30,8 +30,8 @@ import java.util.TreeMap;
 import java.util.TreeSet;
 
 /**
- * Agents look, break off, come back, leave and are rewound at random while pictures are slow or
- * fail.
+ * Agents request pictures, disconnect, reconnect, leave and are rewound at random, while pictures
+ * are slow or fail.
  */
 class CameraFuzzTest {
 
@@ -52,10 +52,10 @@ class CameraFuzzTest {
     private AgentRoom room;
     private int names;
 
-    /** A picture that nobody has drawn yet. */
+    /** A picture that is not drawn yet. */
     private record Order(ItemId body, Cameras.Answer answer) {}
 
-    /** An agent with a camera, as it knows itself. */
+    /** An agent with a camera, with the state that it knows of itself. */
     private final class Looker {
         private final String name = "looker" + names++;
         private final Set<Long> bodies = new HashSet<>();
@@ -78,7 +78,7 @@ class CameraFuzzTest {
             embody();
         }
 
-        /** Each look that is open may have been refused, and too many refusals end a connection. */
+        /** Each open request may have been refused, and too many refusals close a connection. */
         boolean mayBeCut() {
             return errors + open.size() >= AgentRoom.CONFIG.limits().maxErrors() - 1;
         }
@@ -134,7 +134,7 @@ class CameraFuzzTest {
             lastFrame = frame;
         }
 
-        /** Breaks off, comes back as soon as it may, and asks again what was not answered. */
+        /** Disconnects, reconnects as soon as permitted, and repeats unanswered requests. */
         void comeBack() throws IOException {
             client.socket.setSoLinger(true, 0);
             JsonNode answer;
@@ -154,7 +154,7 @@ class CameraFuzzTest {
             } while (answer.path("code").asString("").equals("resumed-too-often"));
             assertThat(answer.get("t").stringValue()).as("%s", answer).isEqualTo("welcome");
             errors = 0;
-            lastFrame = -EVERY; // what it was told meanwhile, it cannot know
+            lastFrame = -EVERY; // the agent cannot know what was sent meanwhile
             for (int id : open) {
                 say(id, "eye");
             }
@@ -231,7 +231,11 @@ class CameraFuzzTest {
         lookers.set(which, new Looker());
     }
 
-    /** One of the pictures, or what comes of it. @return false if nobody waits for one */
+    /**
+     * Returns one of the pictures, or its failure.
+     *
+     * @return false if no agent waits for one
+     */
     private boolean draw() {
         Order order;
         synchronized (orders) {

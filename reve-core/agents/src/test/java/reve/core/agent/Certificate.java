@@ -15,10 +15,7 @@ import java.util.List;
 import javax.net.ssl.SSLContext;
 import javax.net.ssl.TrustManagerFactory;
 
-/**
- * A certificate for this machine that vouches for itself, made by the command that the documents
- * give.
- */
+/** A self-signed certificate for this machine, made by the command of the documents. */
 public record Certificate(Path certificate, Path key) {
 
     static Certificate make(Path folder, String name) throws IOException, InterruptedException {
@@ -26,7 +23,7 @@ public record Certificate(Path certificate, Path key) {
     }
 
     /**
-     * @param kind of key, as openssl has it
+     * @param kind of key, as openssl names it
      */
     static Certificate make(Path folder, String name, String... kind)
             throws IOException, InterruptedException {
@@ -63,7 +60,7 @@ public record Certificate(Path certificate, Path key) {
         return ServerTls.of(certificate, key);
     }
 
-    /** Of a client that trusts it and no other. */
+    /** Returns the trust anchors of a client that trusts only this certificate. */
     SSLContext trusting() throws Exception {
         var store = KeyStore.getInstance("PKCS12");
         store.load(null, null);

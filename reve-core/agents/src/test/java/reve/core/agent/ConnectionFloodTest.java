@@ -29,17 +29,15 @@ import java.util.concurrent.FutureTask;
 import java.util.concurrent.TimeUnit;
 import java.util.concurrent.locks.LockSupport;
 
-/**
- * Thousands of connections a second that say nothing; who is in a world stays, perceives and acts.
- */
+/** Thousands of silent connections a second; agents in the world stay, perceive and act. */
 class ConnectionFloodTest {
 
-    /** Of the flood; sixty for a whole run. */
+    /** Seconds of the flood; sixty in a long run. */
     private static final int SECONDS = Integer.getInteger("reve.abuse.seconds", 2);
 
     private static final int PER_SECOND = 5_000;
 
-    /** Every other connection is left open, until so many are. */
+    /** The flood leaves every other connection open, up to this number. */
     private static final int LEFT_OPEN = 1_000;
 
     private static final int GOOD = 4;
@@ -93,7 +91,11 @@ class ConnectionFloodTest {
         }
     }
 
-    /** Makes frames as the clock goes. @return the last one */
+    /**
+     * Makes frames at the pace of the clock.
+     *
+     * @return the last frame
+     */
     private static long frames(AgentRoom room, int seconds) {
         long next = System.nanoTime();
         for (int i = 0; i < 60 * seconds; i++) {
@@ -105,7 +107,7 @@ class ConnectionFloodTest {
     }
 
     /**
-     * Perceives newer and newer frames, and acts, until the flood is over.
+     * Perceives ever newer frames, and acts, until the flood ends.
      *
      * @return frames and their ages [ns] in turn
      */
@@ -145,7 +147,7 @@ class ConnectionFloodTest {
     }
 
     /**
-     * @return how many connections there were
+     * @return the number of connections
      */
     private int flood(InetSocketAddress server) throws IOException {
         Deque<Socket> open = new ArrayDeque<>();
@@ -170,7 +172,7 @@ class ConnectionFloodTest {
         return count;
     }
 
-    /** A connection that leaves nothing behind in the system when it is closed. */
+    /** A connection that leaves no state in the system when it is closed. */
     private static Socket knock(InetSocketAddress server) throws IOException {
         var socket = new Socket();
         try {

@@ -26,7 +26,7 @@ import java.util.Map;
 import java.util.stream.Collectors;
 import java.util.stream.IntStream;
 
-/** What acts of many steps cost others, over the wire. */
+/** The effect of costly acts on other agents, over the wire. */
 class DearActsTest {
 
     private static final int IN_FLIGHT = 60;
@@ -81,7 +81,7 @@ class DearActsTest {
         client.say("{'t':'act','id':%d,'item':'oracle','action':'%s'}".formatted(id, action));
     }
 
-    /** How many acts were done in each frame, once so many have a result. */
+    /** Returns the number of executed acts in each frame, once that many have results. */
     private Map<Long, Integer> frames(TestClient client, int acts) throws IOException {
         var frames = new HashMap<Long, Integer>();
         for (int i = 0; i < acts; i++) {

@@ -26,7 +26,7 @@ import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.List;
 
-/** MessagePack over a real socket, and the record of what clients were told. */
+/** MessagePack over a real socket, and the audit record. */
 class EncodingTest {
 
     @TempDir private Path folder;
@@ -44,7 +44,7 @@ class EncodingTest {
         room.close();
     }
 
-    /** A client that says hello in JSON and goes on in MessagePack. */
+    /** A client that sends hello in JSON and continues in MessagePack. */
     private final class Packed implements AutoCloseable {
         private final Socket socket;
         private final OutputStream out;

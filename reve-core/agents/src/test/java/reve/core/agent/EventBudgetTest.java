@@ -21,7 +21,9 @@ import java.io.IOException;
 import java.util.List;
 import java.util.Map;
 
-/** How many bytes of events agents' actions may raise in a second of world time, over the wire. */
+/**
+ * The limit of bytes of events that agents' actions raise in a second of world time, over the wire.
+ */
 class EventBudgetTest {
 
     /** Frames of a second in the room. */
@@ -78,14 +80,14 @@ class EventBudgetTest {
         room.close();
     }
 
-    /** The next frame is one of the first of a second. */
+    /** Makes frames until the next one is among the first of a second. */
     private void nextSecond() {
         do {
             room.step();
         } while (room.loop.frame() % SECOND != 0);
     }
 
-    /** Says so many letters; the result. */
+    /** Sends that many letters and returns the result. */
     private JsonNode say(TestClient client, int letters) throws IOException {
         client.say(
                         "{'t':'act','id':%d,'item':'bell','action':'say','arguments':{'words':'%s'}}"
@@ -95,7 +97,7 @@ class EventBudgetTest {
         return client.skipTo("result");
     }
 
-    /** What the bell said last. */
+    /** Returns the last text of the bell. */
     private String rung() {
         return (String) room.item("bell").semantic().get("rung").orElseThrow();
     }

@@ -31,7 +31,8 @@ import java.util.TreeMap;
 import java.util.TreeSet;
 
 /**
- * Of an event hears who perceives an item that it is about, or was shown it last, and nobody else.
+ * A client receives an event if it perceives, or last received, one of the event's items; other
+ * clients do not.
  */
 class EventRoutingTest {
 
@@ -84,9 +85,7 @@ class EventRoutingTest {
         room.close();
     }
 
-    /**
-     * The first one has no sensors and the second one a camera only; the others sense something.
-     */
+    /** The first agent has no sensors, the second only a camera; the others sense some items. */
     private ItemDefinition body(String name, int i) {
         ItemDefinition.Builder body =
                 place(ItemDefinition.named(name))
@@ -125,7 +124,7 @@ class EventRoutingTest {
                 random.nextDouble(-6, 6), random.nextDouble(-6, 6), random.nextDouble(-6, 6));
     }
 
-    /** Some things move, one goes, and something is said of each item. */
+    /** Some items move, one leaves, and each item raises an event. */
     private void ring(long frame) {
         for (Item item : room.world.items()) {
             if (item.kind().equals("world")) {

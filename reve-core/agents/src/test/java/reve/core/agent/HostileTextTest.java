@@ -25,13 +25,10 @@ import java.io.IOException;
 import java.util.List;
 import java.util.Random;
 
-/**
- * Text of clients, whatever is in it, forges no line of a log and hides nothing in what others
- * read.
- */
+/** No text of a client forges a log line or hides part of the output. */
 class HostileTextTest {
 
-    /** A hundred thousand for a whole run. */
+    /** Number of texts; a hundred thousand in a long run. */
     private static final int TEXTS = Integer.getInteger("reve.hostile.texts", 6_400);
 
     private static final int HELLOS = 200;
@@ -74,7 +71,7 @@ class HostileTextTest {
         return JSON.writeValueAsString(text.toString());
     }
 
-    /** The texts that people read hold no character that is not plainly visible. */
+    /** Text for people contains no invisible character. */
     private void requireVisible(JsonNode message) {
         for (String field : List.of("reason", "message", "hint")) {
             message.path(field).asStringOpt().ifPresent(this::requireVisible);

@@ -20,7 +20,7 @@ import java.io.IOException;
 import java.util.List;
 import java.util.Map;
 
-/** How many items agents' actions may have in a world, over the wire. */
+/** The limit of items of agents' actions in a world, over the wire. */
 class ItemQuotaTest {
 
     private static final int ITEMS = 4;
@@ -85,7 +85,7 @@ class ItemQuotaTest {
         room.close();
     }
 
-    /** The code of a refusal; empty for an act that was done. */
+    /** Returns the code of a refusal; empty if the act was executed. */
     private String act(TestClient client, String item, String action, String arguments)
             throws IOException {
         client.say(
@@ -107,7 +107,7 @@ class ItemQuotaTest {
         }
     }
 
-    /** Its oldest leaf that is there. */
+    /** Returns its oldest leaf that exists. */
     private String leaf(String agent) {
         return room.world.items().stream()
                 .filter(item -> item.maker().filter(agent::equals).isPresent())

@@ -25,7 +25,7 @@ import java.util.Random;
 import java.util.concurrent.CopyOnWriteArrayList;
 import java.util.concurrent.locks.LockSupport;
 
-/** Agents that a world waits for, over the wire; the world runs as fast as it may. */
+/** Agents in lock-step, over the wire; the world runs as fast as possible. */
 class LockStepServerTest {
 
     private static final String HELLO =
@@ -51,7 +51,7 @@ class LockStepServerTest {
         }
     }
 
-    /** An agent that has joined before the world runs, and has been told what it perceives. */
+    /** An agent that joined before the world runs, and has its first perception. */
     private TestClient join(String name, String time) throws IOException {
         TestClient client = room.connect().say(HELLO.formatted(name, time)).sync();
         room.step();
@@ -111,7 +111,7 @@ class LockStepServerTest {
                                                 + "'frame':4,'type':'away','fields':{'agent':'ada','body':'ada'}}"));
             }
             while (room.loop.frame() < 1000) {
-                Thread.onSpinWait(); // in 300 s, if each waited for ada
+                Thread.onSpinWait(); // within 300 s, if each waited for ada
             }
             ada.say("{'t':'ready','frame':3}");
             JsonNode back = boss.expect("event");
@@ -121,7 +121,7 @@ class LockStepServerTest {
             long frame = back.get("frame").longValue();
             JsonNode told = ada.skipTo("perception");
             while (told.get("frame").longValue() < frame) {
-                told = ada.skipTo("perception"); // of the rounds while it was away
+                told = ada.skipTo("perception"); // of the rounds while the agent was away
             }
             assertThat(told.get("frame").longValue()).isEqualTo(frame);
             ada.say("{'t':'ready','frame':%d}".formatted(frame));
@@ -129,7 +129,7 @@ class LockStepServerTest {
         }
     }
 
-    /** A room whose agents may keep others waiting for 50 ms. */
+    /** A room whose agents may delay others by 50 ms. */
     private void openImpatient() throws IOException {
         room.close();
         room = new AgentRoom(AgentRoom.CONFIG.withWaiting(Optional.of(Duration.ofMillis(50))));
@@ -349,8 +349,8 @@ class LockStepServerTest {
     }
 
     /**
-     * Counts what a client hears of agents that are late three times and then away: by agent, all
-     * of them under "told", with those that it missed under "".
+     * Counts the events that a client receives about agents that are late three times and then
+     * away: by agent, with all of them under "told", and missed ones under "".
      */
     private static Map<String, Integer> absences(TestClient client, int agents) throws IOException {
         var counts = new HashMap<String, Integer>(Map.of("", 0, "told", 0));
@@ -499,7 +499,7 @@ class LockStepServerTest {
     }
 
     /**
-     * However long each of two agents thinks, the same acts make the same world, frame by frame.
+     * The same acts make the same world, frame by frame, however long each of two agents thinks.
      */
     @Test
     void theSameActsMakeTheSameWorldHoweverLongTheAgentsThink() throws Exception {
@@ -513,9 +513,7 @@ class LockStepServerTest {
         assertThat(second).as("seed %d", seed).isEqualTo(first);
     }
 
-    /**
-     * What two agents make of the duck's velocity, whose rounding tells the order of their acts.
-     */
+    /** The duck's velocity after the acts of two agents; its rounding reveals their order. */
     private List<Long> hashes(long seedOfDelays) throws Exception {
         List<Long> hashes = new CopyOnWriteArrayList<>();
         try (TestClient ada = room.connect();
@@ -530,7 +528,7 @@ class LockStepServerTest {
             play(ada, 1, ~seedOfDelays);
             other.join();
         }
-        // those of now: the world goes on without them
+        // those of the present: the world continues without them
         return hashes.stream().limit(FRAMES).toList();
     }
 

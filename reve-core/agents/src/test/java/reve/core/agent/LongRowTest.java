@@ -33,7 +33,7 @@ import java.util.Optional;
 
 import javax.net.SocketFactory;
 
-/** So many clients that two threads write to them: each is told as if it were the only one. */
+/** With so many clients that two threads write, each client receives the same as a single one. */
 class LongRowTest {
 
     private static final int AGENTS = 180;
@@ -123,7 +123,7 @@ class LongRowTest {
         return new AgentRoom(config, new AgentPolicy(bodies, Optional.empty()), 1024, items);
     }
 
-    /** A frame in which each thing but the last is where nothing was before. */
+    /** A frame in which each item except the last is where no item was before. */
     private static void move(AgentRoom room) {
         long next = room.loop.frame() + 1;
         for (int i = 0; i < THINGS - 1; i++) {
@@ -150,7 +150,7 @@ class LongRowTest {
         return watchers;
     }
 
-    /** Perceives every frame, or every second or third; half of them in MessagePack. */
+    /** Perceives every frame, or every second or third; half of the clients use MessagePack. */
     private static final class Watcher {
 
         private final int number;
@@ -197,7 +197,7 @@ class LongRowTest {
             socket.getOutputStream().write(out.toArray());
         }
 
-        /** Asks for perceptions, and returns when the server has heard that. */
+        /** Requests perceptions, and returns when the server has read the request. */
         void ask() throws IOException {
             while (!type(read()).equals("welcome")) {
                 // The events of others.
@@ -205,11 +205,11 @@ class LongRowTest {
             say(Map.of("t", "perceive", "every", every), encoding);
             say(Map.of("t", "ping"), encoding);
             while (!type(read()).equals("pong")) {
-                // Until now there was nothing to perceive.
+                // So far the world was empty.
             }
         }
 
-        /** Reads what the last frame brought; then it knows where everything is. */
+        /** Reads the perception of the last frame; then the client knows all positions. */
         void perceive(AgentRoom room) throws IOException {
             while (frame + every <= room.loop.frame()) {
                 take(read());

@@ -26,7 +26,7 @@ import java.util.EnumSet;
 import java.util.List;
 import java.util.Optional;
 
-/** Asking a camera for a picture; who draws it is not here. */
+/** Requests for camera pictures; the test replaces the renderer. */
 class LookTest {
 
     private static final Sensor EYE =

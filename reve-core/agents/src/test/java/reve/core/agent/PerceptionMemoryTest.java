@@ -18,16 +18,14 @@ import java.util.ArrayList;
 import java.util.List;
 import java.util.Optional;
 
-/**
- * What the event loop leaves to the collector of garbage, which stops the world when there is much.
- */
+/** Garbage of the event loop: much of it would stop the world for collections. */
 class PerceptionMemoryTest {
 
     private static final int AGENTS = 20;
     private static final int ITEMS = 50;
     private static final int MOVING = 5;
 
-    /** A view of 50 items is 200 of them; it lives until the next one. */
+    /** Bytes of a view of 50 items are 200 of them; a view lives until the next one. */
     private static final long MOST_BYTES = 1536;
 
     @Test
@@ -74,7 +72,7 @@ class PerceptionMemoryTest {
         }
     }
 
-    /** Makes frames, each when everybody has perceived the one before. */
+    /** Makes frames, each when all clients have the perception of the frame before. */
     private static void frames(AgentRoom room, List<TestClient> clients, int count)
             throws IOException {
         for (int frame = 0; frame < count; frame++) {

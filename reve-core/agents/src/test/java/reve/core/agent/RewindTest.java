@@ -20,7 +20,7 @@ import java.util.Optional;
 import java.util.concurrent.ExecutorService;
 import java.util.concurrent.Executors;
 
-/** Going back to what was kept of a world, with the agents that are in it then. */
+/** Rewinds of a world, with the agents that are in it at that time. */
 class RewindTest {
 
     private AgentRoom room;
@@ -89,7 +89,7 @@ class RewindTest {
         try (var _ = new Running(room)) {
             boss.say("{'t':'pause','id':1}").skipTo("result");
             boss.say("{'t':'perceive','id':2,'every':1}").sync();
-            // The frame that was being made when it paused may be perceived, too.
+            // The frame in progress at the pause may be perceived, too.
             long first = boss.say("{'t':'step','id':3}").skipTo("result").get("frame").longValue();
             for (long seen = 0; seen < first; ) {
                 seen = boss.skipTo("perception").get("frame").longValue();
@@ -224,7 +224,7 @@ class RewindTest {
         assertThat(refused.get("reason").stringValue()).contains("three").contains("[one, two]");
     }
 
-    /** A room whose world runs on a thread of its own, until it is closed. */
+    /** A room whose world runs in a thread of its own until it is closed. */
     private record Running(AgentRoom room, ExecutorService thread) implements AutoCloseable {
         Running(AgentRoom room) {
             this(room, Executors.newSingleThreadExecutor());

@@ -44,12 +44,12 @@ import java.util.TreeMap;
 import java.util.TreeSet;
 
 /**
- * Random operations of clients with all kinds of tokens against a small model of their rights:
- * every answer, every perception and every effect is as the model says.
+ * Random operations of clients with all kinds of tokens, compared with a small model of their
+ * rights: every answer, perception and effect must agree.
  */
 class RightsModelTest {
 
-    /** How many; a million for a whole run. */
+    /** Number of operations; a million in a long run. */
     private static final int OPERATIONS = Integer.getInteger("reve.abuse.operations", 20_000);
 
     private static final Parameter IMPULSE =
@@ -159,7 +159,7 @@ class RightsModelTest {
 
     private record Holder(String name, String secret, Rights rights) {}
 
-    /** A client as the model knows it; without a body, it is no agent. */
+    /** A client in the model; without a body it is no agent. */
     private final class Client {
         private final Holder holder;
         private final Role role;
@@ -181,7 +181,7 @@ class RightsModelTest {
                     || Math.abs(body.get().x - thing.x) <= NEAR;
         }
 
-        /** What becomes of an act: a code, or empty if it is done. */
+        /** Returns the result of an act: a code, or empty if it is executed. */
         String verdict(String item, String action, String other) {
             Thing thing = BY_NAME.get(item);
             if (thing == null || !senses(thing)) {
@@ -282,7 +282,7 @@ class RightsModelTest {
         return file;
     }
 
-    /** A random subset that is not empty, or none at all to say that there is no limit. */
+    /** Returns a random subset that is not empty, or empty for no limit. */
     private <T> Optional<Set<T>> some(List<T> all, double share) {
         Set<T> chosen = new HashSet<>();
         all.stream().filter(one -> random.nextDouble() < share).forEach(chosen::add);
@@ -351,8 +351,8 @@ class RightsModelTest {
     }
 
     /**
-     * What becomes of a hello: a code, or empty if it is welcome, and then the model's client has
-     * its body.
+     * Returns the result of a hello: a code, or empty if it is accepted; the model's client then
+     * has its body.
      */
     private String verdict(
             Holder holder,
@@ -398,7 +398,7 @@ class RightsModelTest {
     }
 
     /**
-     * Wrong tokens come from an address of their own, so that their limit does not stop the others.
+     * Wrong tokens come from a separate address, so that their limit does not affect the others.
      */
     private Socket connected(boolean fromElsewhere) throws IOException {
         var socket = new Socket();
@@ -446,7 +446,11 @@ class RightsModelTest {
         }
     }
 
-    /** Says some things. @return what is to be answered to each id */
+    /**
+     * Sends some messages.
+     *
+     * @return the expected answer for each id
+     */
     private Map<Long, String> ask(Client client) throws IOException {
         var expected = new HashMap<Long, String>();
         for (int i = 1 + random.nextInt(20); i > 0; i--) {
@@ -516,7 +520,7 @@ class RightsModelTest {
         return id;
     }
 
-    /** Hears all answers, each of which must be as expected. */
+    /** Reads all answers, which must be as expected. */
     private void listen(Client client, Map<Long, String> expected) throws IOException {
         while (!expected.isEmpty()) {
             JsonNode message = client.connection.next();

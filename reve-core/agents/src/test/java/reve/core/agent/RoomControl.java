@@ -14,7 +14,7 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.function.Consumer;
 
-/** Keeps images of a world without physics, and can do nothing else. */
+/** Keeps images of a world without physics; supports no other command. */
 public record RoomControl(World world, FrameLoop loop, Image beginning) implements WorldControl {
 
     RoomControl(World world, FrameLoop loop) {

@@ -38,7 +38,7 @@ import java.util.Set;
 import java.util.TreeSet;
 import java.util.stream.IntStream;
 
-/** What a body's sensors do not sense is never sent, and cannot be acted on. */
+/** Data that no sensor of a body reaches is never sent, and cannot be acted on. */
 class SensorsTest {
 
     private static final double QUARTER_TURN = Math.sqrt(0.5);
@@ -274,7 +274,7 @@ class SensorsTest {
         }
     }
 
-    /** What one sensor senses now does not bring to light what another has not sensed yet. */
+    /** Data that one sensor senses now does not reveal what another has not sensed yet. */
     @ParameterizedTest
     @CsvSource({"1, 3", "3, 1", "3, 2"})
     void whatASlowSensorShowsIsAsItSensedItThoughAnotherIsFaster(int placesEvery, int symbolsEvery)
@@ -349,7 +349,7 @@ class SensorsTest {
         return frame / 2 % 2 == 0;
     }
 
-    /** Whether what is known in each frame is of the last that was the sensor's turn. */
+    /** Asserts that the known data in each frame is that of the sensor's last turn. */
     private static boolean isSensedEvery(int every, int[] known) {
         return IntStream.range(0, every)
                 .anyMatch(
@@ -417,7 +417,7 @@ class SensorsTest {
     }
 
     /**
-     * The whole of a frame without changing the world: the next frame is as the last, but for its
+     * Returns the complete data of a frame without a change: the next frame is equal except for its
      * number.
      */
     private static JsonNode perceiveSame(AgentRoom room, TestClient ada, JsonNode update)
@@ -649,9 +649,7 @@ class SensorsTest {
         };
     }
 
-    /**
-     * Face by face: the line crosses the box if it goes through one of its six sides on the way.
-     */
+    /** Face by face: the line crosses the box if it passes through one of its six sides. */
     private static boolean crosses(double[] eye, double[] way, Item box) {
         double[] low = box.physical().boundsMin();
         double[] high = box.physical().boundsMax();
@@ -694,7 +692,7 @@ class SensorsTest {
             perceive(room, ada)
                     .get("items")
                     .forEach(item -> names.add(item.get("name").stringValue()));
-            // the body was made last
+            // the body was created last
             names.sort((a, b) -> a.equals("ada") ? -1 : b.equals("ada") ? 1 : 0);
             return names;
         }

@@ -24,7 +24,7 @@ import reve.core.world.WorldPrototype;
 import java.io.IOException;
 import java.util.List;
 
-/** Two worlds behind one port, stepped by hand, each by itself. */
+/** Two worlds behind one port, stepped by hand independently. */
 class SeveralWorldsTest {
 
     private final Pond pond = new Pond("pond");

@@ -79,7 +79,7 @@ public final class TestClient implements AutoCloseable {
         return this;
     }
 
-    /** Returns when the server has taken everything said so far. */
+    /** Returns when the server has processed everything sent so far. */
     public TestClient sync() throws IOException {
         int id = 1_000_000 + syncs++;
         say("{'t':'ping','id':" + id + "}");
@@ -89,7 +89,7 @@ public final class TestClient implements AutoCloseable {
         return this;
     }
 
-    /** Whether something has come that was not read yet. */
+    /** Returns whether unread data has arrived. */
     public boolean hasNews() {
         try {
             return !early.isEmpty() || in.ready();
@@ -98,12 +98,12 @@ public final class TestClient implements AutoCloseable {
         }
     }
 
-    /** The next message, in the order sent. */
+    /** Returns the next message, in the order sent. */
     public JsonNode next() throws IOException {
         return early.isEmpty() ? read() : early.removeFirst();
     }
 
-    /** The next message, which must be of that type. */
+    /** Returns the next message, which must have that type. */
     public JsonNode expect(String type) throws IOException {
         JsonNode message = next();
         assertThat(message.get("t").stringValue()).as("%s", message).isEqualTo(type);
@@ -111,8 +111,8 @@ public final class TestClient implements AutoCloseable {
     }
 
     /**
-     * The next message must be of that type and have that code; then the other fields are told by
-     * the caller.
+     * Returns the next message, which must have that type and code; the caller checks its other
+     * fields.
      */
     public JsonNode expect(String type, String code) throws IOException {
         JsonNode message = expect(type);
@@ -120,7 +120,7 @@ public final class TestClient implements AutoCloseable {
         return message;
     }
 
-    /** The connection ends with that reason, and nothing follows. */
+    /** Asserts that the connection ends with that reason. */
     public JsonNode expectBye(String code) throws IOException {
         JsonNode bye = expect("bye", code);
         assertThat(in.readLine()).as("after the bye").isNull();

@@ -41,7 +41,7 @@ import javax.net.ssl.SSLContext;
 import javax.net.ssl.SSLException;
 import javax.net.ssl.SSLSocket;
 
-/** Private connections. */
+/** Encrypted connections. */
 class TlsTest {
 
     private static final Duration NEVER = Duration.ofMinutes(5);
@@ -266,7 +266,7 @@ class TlsTest {
                 socket.shutdownOutput();
                 socket.getInputStream().readAllBytes();
             } catch (IOException e) {
-                // A reset: the server was done with it first.
+                // A reset: the server closed the connection first.
             }
         }
         room.stepUntil("all are gone", () -> room.server.stats().open() == 0);

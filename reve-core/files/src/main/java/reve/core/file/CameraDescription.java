@@ -9,10 +9,29 @@ import java.util.Arrays;
  * @param eye position of the camera (3) [m]
  * @param target point that it looks at (3) [m], different from the eye
  * @param up direction that is up in the picture (3), not parallel to the line of sight
- * @param verticalFovRadians vertical field of view [rad], above 0 and below pi
+ * @param verticalFovRadians vertical field of view [rad], {@link #NARROWEST_RADIANS} to {@link
+ *     #WIDEST_RADIANS}
  */
 public record CameraDescription(
         double[] eye, double[] target, double[] up, double verticalFovRadians) {
+    /** Narrowest vertical field of view that a picture can have [rad]. */
+    public static final double NARROWEST_RADIANS = Math.toRadians(0.1);
+
+    /** Widest vertical field of view that a picture can have [rad]. */
+    public static final double WIDEST_RADIANS = Math.toRadians(175);
+
+    /** Largest coordinate of a picture, which stores coordinates as 32-bit numbers [m]. */
+    public static final double FARTHEST_METRES = 1e15;
+
+    /**
+     * Smallest distance from eye to target, as a share of their largest coordinate, that 32-bit
+     * numbers still tell apart.
+     */
+    public static final double NEAREST_TARGET = 1e-6;
+
+    /** Smallest sine of the angle between the line of sight and up. */
+    public static final double SMALLEST_TILT = 2e-4;
+
     /** Copies the arrays. */
     public CameraDescription {
         eye = eye.clone();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.file;
 
+import reve.core.disk.Reason;
 import reve.core.mesh.AssetException;
 import reve.core.mesh.Assets;
 import reve.core.mesh.WorldFolder;
@@ -94,6 +95,8 @@ public final class WorldFile {
         try {
             Files.write(part, text);
             Files.move(part, target, StandardCopyOption.ATOMIC_MOVE);
+        } catch (IOException e) {
+            throw Reason.naming(path, e);
         } finally {
             Files.deleteIfExists(part);
         }

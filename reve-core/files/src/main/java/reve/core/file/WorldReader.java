@@ -196,9 +196,19 @@ final class WorldReader {
         for (int axis = 0; axis < 3; axis++) {
             sight[axis] = target.get()[axis] - eye.get()[axis];
         }
-        if (length(sight) == 0) {
+        double farthest = Math.max(largest(eye.get()), largest(target.get()));
+        if (farthest > CameraDescription.FARTHEST_METRES) {
+            problems.add(
+                    node,
+                    "camera: found a coordinate of "
+                            + farthest
+                            + " m, pictures reach "
+                            + CameraDescription.FARTHEST_METRES
+                            + " m");
+        } else if (length(sight) <= CameraDescription.NEAREST_TARGET * farthest) {
             problems.add(node.get("target").orElseThrow(), "target: is where the eye is");
-        } else if (length(cross(sight, up.get())) <= 1e-9 * length(sight) * length(up.get())) {
+        } else if (length(cross(sight, up.get()))
+                <= CameraDescription.SMALLEST_TILT * length(sight) * length(up.get())) {
             problems.add(
                     node.get("up").or(() -> node.get("target")).orElseThrow(),
                     "up: has no direction across the line of sight, expected another `up`");
@@ -215,13 +225,15 @@ final class WorldReader {
                 .number(node, Unit.ONE)
                 .filter(
                         angle -> {
-                            boolean possible = angle > 0 && angle < Math.PI;
+                            boolean possible =
+                                    angle >= CameraDescription.NARROWEST_RADIANS
+                                            && angle <= CameraDescription.WIDEST_RADIANS;
                             if (!possible) {
                                 problems.add(
                                         node,
                                         "fov: "
                                                 + angle
-                                                + " rad is not between 0 and 180 deg; write "
+                                                + " rad is not between 0.1 and 175 deg; write "
                                                 + "degrees as `45 deg`");
                             }
                             return possible;
@@ -230,6 +242,10 @@ final class WorldReader {
 
     private static double length(double[] v) {
         return Math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    }
+
+    private static double largest(double[] v) {
+        return Math.max(Math.abs(v[0]), Math.max(Math.abs(v[1]), Math.abs(v[2])));
     }
 
     private static double[] cross(double[] a, double[] b) {

@@ -36,7 +36,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 
-/** What actions of world files do, and when they refuse. */
+/** Effects and refusals of the actions of world files. */
 class ActionsTest {
     private static final String WORLD =
             """
@@ -127,7 +127,7 @@ class ActionsTest {
                 .perform(found);
     }
 
-    /** The refusal, of which the world must be as before. */
+    /** Asserts the refusal; the world must be unchanged. */
     private ActionRefused refusal(String actor, String item, String action, Map<String, ?> given) {
         String before = state();
         int events = world.events().size();
@@ -273,7 +273,7 @@ class ActionsTest {
         assertThat(refused).hasMessageContaining("tray");
     }
 
-    /** Another agent cannot prevent a creation by a name that it takes in advance. */
+    /** Another agent cannot prevent a creation by taking the name first. */
     @Test
     void createdItemsHaveANameThatIsFree() throws Exception {
         long id = world.lastId() + 2;

@@ -25,7 +25,7 @@ import java.nio.charset.StandardCharsets;
 import java.util.Map;
 import java.util.Optional;
 
-/** What another thread sees of the work of the world's thread. */
+/** What other threads read of the work of the world's thread. */
 @Timeout(20)
 class ActivityTest {
     private static final String FILE =
@@ -61,7 +61,7 @@ class ActivityTest {
         arena.close();
     }
 
-    /** Does the work until another thread has seen that text. */
+    /** Repeats the work until another thread has read that text. */
     private void assertSeen(String text, Runnable work) throws InterruptedException {
         Thread observer =
                 Thread.ofPlatform()

@@ -28,8 +28,8 @@ import java.util.Optional;
 import java.util.Random;
 
 /**
- * Random actions against a model that does the same one by one through the world's own methods, and
- * starts over when one of them throws: an action happens as there, or not at all.
+ * Random actions, compared with a model that applies the effects one by one through the world's
+ * methods and starts over when one throws: an action takes effect completely, or not at all.
  */
 @Tag("slow")
 class ChangesModelTest {
@@ -102,7 +102,7 @@ class ChangesModelTest {
                             .reference("end2", "i3")
                             .build());
         } catch (IllegalArgumentException impossible) {
-            // some worlds have neither
+            // some worlds lack both
         }
         return world;
     }
@@ -171,7 +171,7 @@ class ChangesModelTest {
         }
     }
 
-    /** What the effect means, in the world's own words; throws if it cannot be. */
+    /** Applies the effect by the world's own methods; throws if it is impossible. */
     private static void apply(World model, Effect effect, String[] names) {
         Item item = item(model, effect.of(), names);
         switch (effect) {

@@ -40,7 +40,7 @@ public final class TestActions {
         }
     }
 
-    /** Breaks every rule, one for each way to call it. */
+    /** Breaks every rule, one for each way of calling it. */
     public static final class Broken implements ActionProvider {
         @Override
         public String name() {

@@ -21,9 +21,9 @@ import java.util.stream.Collectors;
 import java.util.stream.IntStream;
 
 /**
- * Short files that could keep a reader busy: what is too long is refused before anything is made of
- * it, and what many items have in common is read once. Work is counted, or the processor time of a
- * large file compared with that of a small one.
+ * Short files that could occupy a reader for long: a file that is too large is refused before
+ * anything is built from it, and content that many items share is read once. The tests count work,
+ * or compare the processor time of a large file with that of a small one.
  */
 @Tag("slow")
 class CostlyWorldsTest {
@@ -43,7 +43,7 @@ class CostlyWorldsTest {
         return IntStream.range(0, count).mapToObj(line).collect(Collectors.joining());
     }
 
-    /** Each declaration is wrong, too, which would be told if it was looked at. */
+    /** Each declaration is also wrong, which a reader of the declarations would report. */
     @ParameterizedTest
     @CsvSource(
             delimiter = '!',
@@ -89,7 +89,7 @@ class CostlyWorldsTest {
                         "w:1002:3: properties: found 1001 in all files, expected at most 1000");
     }
 
-    /** The name's formula is wrong in each repetition, which would be told if it was worked out. */
+    /** The name's formula is also wrong in each repetition, which an evaluation would report. */
     @Test
     void formulasAreCountedBeforeAnyIsWorkedOut() {
         assertThat(
@@ -152,7 +152,7 @@ class CostlyWorldsTest {
                 .hasSize(Problems.MAX_SUGGESTIONS);
     }
 
-    /** Repetitions of an item, and items that are like a prefab, have one list of actions. */
+    /** Repetitions of an item, and items that are like a prefab, share one list of actions. */
     @Test
     void actionsAndSymbolsOfAPrefabAreReadOnce() throws WorldFileException {
         String prefab =
@@ -229,7 +229,7 @@ class CostlyWorldsTest {
                 .endsWith("d48", "d49");
     }
 
-    /** Each family would read 20 million values or more. */
+    /** Each family would have 20 million values or more. */
     @ParameterizedTest
     @CsvSource(
             delimiter = '!',
@@ -304,7 +304,7 @@ class CostlyWorldsTest {
                 .hasSize(10_000);
     }
 
-    /** Before, a mapping that is made anew counted as one value, however much it holds. */
+    /** Formerly, a mapping that is built again counted as one value, whatever its size. */
     @Test
     void whatRepetitionsCopyIsCounted() {
         assertThat(
@@ -319,7 +319,10 @@ class CostlyWorldsTest {
                 .contains("more than 10000000 values");
     }
 
-    /** What an item says itself is its own, and what is like the other in a part only, too. */
+    /**
+     * An item's own values are not shared, and neither are values that resemble the other's in part
+     * only.
+     */
     @Test
     void whatAnItemAddsToAPrefabIsItsOwn() throws WorldFileException {
         List<ItemDefinition> items =
@@ -341,7 +344,7 @@ class CostlyWorldsTest {
                 .containsExactly(1.0, 1.0, 1.0, 2.0);
     }
 
-    /** Before, a million repetitions of 300 actions took 25 times as long as those of 3. */
+    /** Formerly, a million repetitions of 300 actions took 25 times as long as those of 3. */
     @Test
     void actionsOfRepetitionsCostNothing() throws WorldFileException {
         assertThat(nanoseconds(repeated(300))).isLessThan(8 * nanoseconds(repeated(3)));
@@ -355,7 +358,7 @@ class CostlyWorldsTest {
                 + "- {name: 'b{i}', like: p, repeat: 100000}\n";
     }
 
-    /** Eight times the size takes not much more than eight times the time, not sixty-four times. */
+    /** Eight times the size takes little more than eight times the time, not sixty-four times. */
     @ParameterizedTest
     @CsvSource(
             delimiter = '!',
@@ -372,7 +375,10 @@ class CostlyWorldsTest {
         assertThat(growth(() -> nanoseconds(large), () -> nanoseconds(small))).isLessThan(30);
     }
 
-    /** The smallest ratio of five: other work on the machine may disturb one measurement. */
+    /**
+     * Returns the smallest ratio of five, because other work on the machine may disturb a
+     * measurement.
+     */
     private static double growth(Callable<Long> ofLarge, Callable<Long> ofSmall) throws Exception {
         double least = Double.MAX_VALUE;
         for (int attempt = 0; attempt < 5 && least >= 30; attempt++) {
@@ -381,7 +387,10 @@ class CostlyWorldsTest {
         return least;
     }
 
-    /** One value, comment or line of signs, which a scanner could copy for each piece it reads. */
+    /**
+     * One value, comment or line of punctuation, which a scanner could copy for each piece that it
+     * reads.
+     */
     @ParameterizedTest
     @CsvSource(
             delimiter = '!',
@@ -407,7 +416,7 @@ class CostlyWorldsTest {
                 .isLessThan(30);
     }
 
-    /** Each bracket looked at the blanks that its line begins with. */
+    /** For each bracket, the scanner formerly read the indentation of its line again. */
     @Test
     void timeOfAnUnclosedBracketGrowsAsTheFile() {
         String line = START + "doc:\n" + " ".repeat(30_000);
@@ -419,7 +428,7 @@ class CostlyWorldsTest {
         return least(() -> problems(text));
     }
 
-    /** With a number, or with one of 2^16 names that have one hash. */
+    /** With a number, or with one of 2^16 names that have the same hash. */
     private static String piece(String piece, int number) {
         return piece.formatted(
                 number,
@@ -433,7 +442,7 @@ class CostlyWorldsTest {
         return least(() -> problems(text));
     }
 
-    /** Processor time of this thread, the least of three. */
+    /** Returns the processor time of this thread, the least of three. */
     private static long least(Runnable work) {
         var threads = ManagementFactory.getThreadMXBean();
         long least = Long.MAX_VALUE;

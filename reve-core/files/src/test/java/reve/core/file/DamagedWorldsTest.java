@@ -18,19 +18,22 @@ import java.util.Map;
 import java.util.Random;
 
 /**
- * Worlds of the project in which keys and values of all types are where they do not belong: refused
- * with places and reasons, or right and buildable. Some 94 % are refused, and a check that refused
- * more would refuse what is right. The seed is fixed, so that the bound may be near; {@code
+ * Worlds of the project in which keys and values of all types are at wrong places: refused with
+ * places and reasons, or valid and buildable. Some 94 % are refused; a check that refused more
+ * would refuse valid worlds. The seed is fixed, so that the bound may be close; {@code
  * -Dreve.test.seed=N} gives others.
  */
 @Tag("slow")
 class DamagedWorldsTest {
     private static final int MUTANTS = Integer.getInteger("reve.world.mutants", 600);
 
-    /** One mutant of so many is a world: both answers must occur for this test to say anything. */
+    /**
+     * One mutant in that many is a valid world: both answers must occur, or the test proves
+     * nothing.
+     */
     private static final int LEAST_BUILT = 30;
 
-    /** Larger ones would say nothing new, slowly. */
+    /** Larger files would test nothing new, slowly. */
     private static final int MAX_LENGTH = 6000;
 
     @Test

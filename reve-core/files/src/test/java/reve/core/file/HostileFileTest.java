@@ -19,11 +19,11 @@ import java.nio.file.Path;
 import java.time.Duration;
 import java.util.stream.Stream;
 
-/** Files made to hurt get one clear message. */
+/** Each malicious file gets one clear message. */
 class HostileFileTest {
     private static final String START = "reve: 1\nname: w\n";
 
-    /** Far above what a refusal takes, far below what the attacks aim at (minutes, gigabytes). */
+    /** Far more than a refusal takes, and far less than the attacks aim at (minutes, gigabytes). */
     private static final Duration PATIENCE = Duration.ofSeconds(30);
 
     static Stream<Arguments> attacks() {

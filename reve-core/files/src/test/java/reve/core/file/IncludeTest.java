@@ -14,7 +14,7 @@ import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.List;
 
-/** World files of several files. */
+/** Worlds of several files. */
 class IncludeTest {
     private static final String START = "reve: 1\nname: w\n";
 
@@ -246,7 +246,7 @@ class IncludeTest {
                                 + "read from a file has no folder to find it in");
     }
 
-    /** Its lines would be quoted in messages; a file that the user names may be a link. */
+    /** Messages would quote its lines; a file that the user names may be a link. */
     @Test
     void theWorldFileOfAFolderIsInTheFolder(@TempDir Path other) throws Exception {
         Path outside = Files.writeString(other.resolve("w.yaml"), START);

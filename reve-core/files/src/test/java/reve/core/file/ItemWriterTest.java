@@ -23,7 +23,9 @@ import java.util.List;
 import java.util.Optional;
 import java.util.Random;
 
-/** Items survive being written and read. The seed is printed; -Dreve.test.seed=N repeats it. */
+/**
+ * Items that are written and read are equal. The seed is printed; -Dreve.test.seed=N repeats it.
+ */
 class ItemWriterTest {
     private static final int ITEMS = 1000;
     private static final WorldPrototype DOUBLE = WorldPrototype.standard("si-f64");

@@ -24,13 +24,13 @@ import java.util.List;
 import java.util.Map;
 import java.util.Objects;
 
-/** Every malformed world is refused at the right place, shortly, quickly and in plain words. */
+/** Every malformed world is refused at the right place, briefly, quickly and in plain words. */
 class MalformedWorldsTest {
     private static final int MOST_PROBLEMS = 3;
     private static final long MOST_NANOSECONDS = 100_000_000;
     private static final String ITEM = "reve: 1\nname: w\nitems:\n- name: one\n  ";
 
-    /** What stands before and after a snippet. */
+    /** The text before and after a snippet. */
     private static final Map<String, List<String>> CONTEXTS =
             Map.ofEntries(
                     Map.entry("raw", List.of("", "")),
@@ -67,14 +67,14 @@ class MalformedWorldsTest {
                                     "reve: 1\nname: w\nitems:\n- name: b{i}\n  repeat: 3\n  ",
                                     "\n")));
 
-    /** Names of classes and packages, traces, and folders of a build. */
+    /** Names of classes and packages, stack traces, and folders of a build. */
     private static final String INNARDS =
             "(?i)\\b(java|javax|reve|de|com|org|tools|dev)\\.[a-z]+\\.[\\w.]*[A-Z]|\\w+Exception|\\bat"
                     + " [a-z]+\\.|build/|\\.java\\b|\\bnull\\b";
 
     private static List<Malformed> worlds;
 
-    /** A text that is refused, where, and with what in the message. */
+    /** A text that is refused, the place of the problem, and a part of its message. */
     private record Malformed(String row, String text, int line, int column, String message) {}
 
     @BeforeAll
@@ -89,7 +89,8 @@ class MalformedWorldsTest {
                             .map(MalformedWorldsTest::world)
                             .toList();
         }
-        worlds.forEach(world -> refusal(world.text)); // loads what the first refusals need
+        worlds.forEach(
+                world -> refusal(world.text)); // loads the classes that the first refusals need
     }
 
     private static Malformed world(String row) {
@@ -180,7 +181,7 @@ class MalformedWorldsTest {
         assertThat(slow).isEmpty();
     }
 
-    /** Files beside the world, on line 6, at what names them. */
+    /** Files beside the world; the problem is on line 6, where the world names them. */
     @ParameterizedTest(name = "{0}: {1}")
     @CsvSource(
             delimiter = '!',
@@ -228,7 +229,7 @@ class MalformedWorldsTest {
                         });
     }
 
-    /** What is included, and the table that an item is repeated from. */
+    /** An included file, and the table from which an item is repeated. */
     @ParameterizedTest(name = "{0}: {1}")
     @CsvSource(
             delimiter = '!',
@@ -418,7 +419,7 @@ class MalformedWorldsTest {
                                 + "mass 0");
     }
 
-    /** What laws made of a world is no reason to refuse it. */
+    /** Values that laws wrote into a world are no reason to refuse it. */
     @Test
     void aWorldThatRanIsOnlyWarnedOf() throws WorldFileException {
         WorldDescription world =

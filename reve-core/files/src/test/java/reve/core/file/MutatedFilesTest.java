@@ -15,21 +15,21 @@ import java.util.Random;
 import java.util.regex.Pattern;
 
 /**
- * World files of the project with characters, pieces of YAML and bytes where they do not belong:
- * read, or refused in words that tell nothing of the program. The seed is printed; give it back
- * with {@code -Dreve.test.seed=N}, and ask for more with {@code -Dreve.test.mutants=20000}.
+ * World files of the project with characters, pieces of YAML and bytes at wrong places: valid, or
+ * refused in words that reveal nothing about the program. The seed is printed; {@code
+ * -Dreve.test.seed=N} repeats it, and {@code -Dreve.test.mutants=20000} tests more.
  */
 class MutatedFilesTest {
     private static final int MUTANTS = Integer.getInteger("reve.test.mutants", 400);
 
-    /** Larger ones would say nothing new, slowly. */
+    /** Larger files would test nothing new, slowly. */
     private static final int MAX_LENGTH = 4000;
 
     private static final String INNARDS =
             "\\b(java|javax|reve|de|com|org|tools|dev)\\.[a-z]+\\.|\\w+Exception|\\w+Error\\b|\\bat"
                     + " reve\\.|\\bnull\\b|\\[[BCDIJL][@;]|\\$\\$Lambda|Optional\\[|\\w+@[0-9a-f]{6}";
 
-    /** What a message takes from the file. */
+    /** The part of a message that quotes the file. */
     private static final Pattern QUOTED = Pattern.compile("`[^`]*`|\"[^\"]*\"");
 
     private static final List<String> PIECES =
@@ -155,7 +155,7 @@ class MutatedFilesTest {
         assertThat(refused).as("seed %d", seed).isGreaterThan(MUTANTS / 4);
     }
 
-    /** A piece put in, put in place of some characters, or some characters less. */
+    /** Inserts a piece, replaces some characters by it, or removes some. */
     private static String mutated(String text, Random random) {
         int at = random.nextInt(text.length() + 1);
         int end = Math.min(text.length(), at + random.nextInt(8));
@@ -168,7 +168,7 @@ class MutatedFilesTest {
         };
     }
 
-    /** The piece in place of a value, behind a colon. */
+    /** Puts the piece in place of a value, behind a colon. */
     private static String inValue(String text, String piece, Random random) {
         int colon = text.indexOf(": ", random.nextInt(text.length() + 1));
         if (colon < 0) {

@@ -123,7 +123,7 @@ final class RandomItems {
         return TEXTS[random.nextInt(TEXTS.length)];
     }
 
-    /** Any finite number that a column of the prototype's reals holds. */
+    /** Returns any finite number that a real column of the prototype can hold. */
     static double real(Random random, WorldPrototype prototype) {
         double number = number(random);
         return prototype.realType() == ScalarType.F64
@@ -167,7 +167,7 @@ final class RandomItems {
         };
     }
 
-    /** Whether two lists of numbers are the same to the bit. */
+    /** Returns whether two lists of numbers are equal to the bit. */
     static boolean bits(double[] a, double[] b) {
         return Arrays.equals(
                 Arrays.stream(a).mapToLong(Double::doubleToRawLongBits).toArray(),

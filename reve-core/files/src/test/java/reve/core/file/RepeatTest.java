@@ -21,7 +21,7 @@ import java.util.List;
 import java.util.stream.Collectors;
 import java.util.stream.IntStream;
 
-/** Items that are many. */
+/** Repeated items. */
 class RepeatTest {
     private static final String START = "reve: 1\nname: w\n";
 

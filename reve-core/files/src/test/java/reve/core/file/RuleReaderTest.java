@@ -18,7 +18,7 @@ import java.nio.charset.StandardCharsets;
 import java.util.List;
 import java.util.Map;
 
-/** What world files say of symbols: their types, and rules that give them. */
+/** Types of symbols in world files, and rules that set them. */
 class RuleReaderTest {
     private static final String HEAD = "reve: 1\nname: w\n";
 

@@ -18,8 +18,8 @@ import java.util.Map;
 import java.util.Random;
 
 /**
- * What an editor says that has the shipped schema and nothing else, by a validator that shares no
- * code with the one that reads world files: it sees a whole file at once, items included.
+ * The problems that an editor finds with nothing but the shipped schema, by a validator that shares
+ * no code with the reader of world files: it reads a whole file at once, with its items.
  */
 class SchemaAgreementTest {
     private static final int MUTANTS = Integer.getInteger("reve.schema.mutants", 1500);
@@ -65,7 +65,7 @@ class SchemaAgreementTest {
                 .anyMatch(error -> error.startsWith("/prototyp"));
     }
 
-    /** Seed printed; {@code -Dreve.test.seed=N} gives it back. */
+    /** The seed is printed; {@code -Dreve.test.seed=N} repeats it. */
     @Test
     void whatOneRefusesForItsFormTheOtherRefusesToo() throws IOException {
         long seed = Seed.of("mutants of worlds");

@@ -17,7 +17,7 @@ import java.io.IOException;
 import java.io.InputStream;
 import java.nio.charset.StandardCharsets;
 
-/** The schema that is shipped for editors and for {@link SchemaCheck}. */
+/** The schema for editors and for {@link SchemaCheck}. */
 class SchemaTest {
     private static String schema() throws IOException {
         try (InputStream in = WorldFile.class.getResourceAsStream("/reve-world.schema.json")) {

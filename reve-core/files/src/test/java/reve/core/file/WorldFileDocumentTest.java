@@ -25,7 +25,7 @@ import java.util.List;
 import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 
-/** {@code docs/world-file.md} says what is true. */
+/** The statements of {@code docs/world-file.md} are true. */
 class WorldFileDocumentTest {
     private static String page() throws IOException {
         return Files.readString(WorldFileTest.root().resolve("docs/world-file.md"));
@@ -41,7 +41,7 @@ class WorldFileDocumentTest {
         return blocks;
     }
 
-    /** The YAML block that holds a line. */
+    /** Returns the YAML block that contains a line. */
     private static String yaml(String line) throws IOException {
         return blocks("yaml").stream()
                 .filter(block -> block.lines().anyMatch(line::equals))

@@ -19,9 +19,9 @@ import java.util.Random;
 import java.util.TreeMap;
 
 /**
- * Random right files build the world that was meant; random damage is refused in an orderly way or
- * harmless, and what is not refused can be built. The seed is printed; give it back with {@code
- * -Dreve.test.seed=N}.
+ * Random valid files build the intended world; random damage is refused properly or is harmless,
+ * and a file that is not refused can be built. The seed is printed; {@code -Dreve.test.seed=N}
+ * repeats it.
  */
 class WorldFileGeneratedTest {
     private static final int FILES = 200;
@@ -30,7 +30,7 @@ class WorldFileGeneratedTest {
     private final long seed = Seed.of("world files");
     private final Random random = new Random(seed);
 
-    /** A file, and the masses and velocities [SI] that it means by item name. */
+    /** A file, and the masses and velocities [SI] that it states, by item name. */
     private record Generated(
             String text, Map<String, Double> mass, Map<String, double[]> velocity, int springs) {}
 

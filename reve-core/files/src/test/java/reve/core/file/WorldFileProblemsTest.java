@@ -12,7 +12,7 @@ import org.junit.jupiter.params.provider.ValueSource;
 import java.nio.charset.StandardCharsets;
 import java.util.List;
 
-/** What wrong world files are told, and where. */
+/** The messages about faulty world files, and their places. */
 class WorldFileProblemsTest {
     private static WorldFileException refused(String yaml) {
         return catchThrowableOfType(
@@ -26,7 +26,7 @@ class WorldFileProblemsTest {
         return refused.problems().stream().map(Problem::toString).toList();
     }
 
-    /** One line appended to a small right world, so that it stands on line 6. */
+    /** Appends a line to a small valid world, so that it is line 6. */
     @ParameterizedTest(name = "{0}")
     @CsvSource(
             delimiter = '!',
@@ -95,7 +95,7 @@ class WorldFileProblemsTest {
                 .containsExactly("w:6:" + column + ": " + message);
     }
 
-    /** What an item holds beside its name, on line 5. */
+    /** The content of an item besides its name, on line 5. */
     @ParameterizedTest(name = "{0}")
     @CsvSource(
             delimiter = '!',
@@ -265,7 +265,7 @@ class WorldFileProblemsTest {
                                 + "both halves, as in `\\uD83D\\uDE00`");
     }
 
-    /** What the server and the tools that read its events say themselves. */
+    /** The messages of the server, and of the tools that read its events. */
     @ParameterizedTest
     @ValueSource(
             strings = {

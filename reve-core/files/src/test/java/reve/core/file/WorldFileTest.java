@@ -38,7 +38,7 @@ import java.util.Optional;
 
 import javax.imageio.ImageIO;
 
-/** What right world files mean. */
+/** The meaning of valid world files. */
 class WorldFileTest {
     static WorldDescription parse(String yaml) throws WorldFileException {
         return WorldFile.parse("world.yaml", yaml.getBytes(StandardCharsets.UTF_8));

@@ -25,7 +25,7 @@ final class WorldTrees {
     private static final Pattern YAML_BLOCK =
             Pattern.compile("^```yaml[^\n]*\n(.*?)^```", Pattern.MULTILINE | Pattern.DOTALL);
 
-    /** What any value may turn into. */
+    /** The values that damage puts in place of any value. */
     private static final List<Object> OTHERS =
             List.of(
                     0,
@@ -107,7 +107,7 @@ final class WorldTrees {
 
     private WorldTrees() {}
 
-    /** Changes something somewhere: another value, a key less, more, or of another name. */
+    /** Changes a random place: another value, one key less, one more, or another name. */
     @SuppressWarnings("unchecked") // by construction
     static void mutate(Object world, Random random) {
         Object at = world;
@@ -161,7 +161,7 @@ final class WorldTrees {
                 : value instanceof List<?> list ? list.stream() : Stream.of();
     }
 
-    /** One that can be changed. */
+    /** Returns a place that can be changed. */
     static Object copy(Object value) {
         if (value instanceof Map<?, ?> map) {
             var copy = new LinkedHashMap<Object, Object>();
@@ -173,7 +173,7 @@ final class WorldTrees {
                 : value;
     }
 
-    /** World files of the project, and the blocks of its documents that are whole ones. */
+    /** World files of the project, and the blocks of its documents that are whole worlds. */
     static Map<String, Object> worlds() throws IOException {
         Map<String, Object> worlds = new TreeMap<>();
         texts().forEach(
@@ -213,7 +213,9 @@ final class WorldTrees {
         return texts;
     }
 
-    /** World files of the project, and blocks of its documents that are whole ones, as written. */
+    /**
+     * World files of the project, and blocks of its documents that are whole worlds, as written.
+     */
     static List<String> sources() throws IOException {
         return Stream.concat(texts().values().stream(), blocks().values().stream())
                 .filter(text -> text.contains("reve: 1"))

@@ -23,8 +23,8 @@ import java.util.Optional;
 import java.util.Random;
 
 /**
- * Worlds survive being written and read. The seed is printed; -Dreve.test.seed=N repeats it, and
- * -Dreve.test.worlds=N sets how many there are.
+ * Worlds that are written and read are equal. The seed is printed; -Dreve.test.seed=N repeats it,
+ * and -Dreve.test.worlds=N sets their number.
  */
 class WorldWriterTest {
     private static final int WORLDS = Integer.getInteger("reve.test.worlds", 200);
@@ -188,7 +188,7 @@ class WorldWriterTest {
         return RandomItems.real(random, world.prototype());
     }
 
-    /** What happens to a world: rows move, and children are attached. */
+    /** Changes of a world: rows move, and children are attached. */
     private void change(World world) {
         for (Item item : world.items()) {
             if (item.kind().equals(WorldPrototype.BODY) && random.nextInt(4) == 0) {
@@ -202,7 +202,7 @@ class WorldWriterTest {
         world.attach(child.id(), world.find("late 1").orElseThrow().id());
     }
 
-    /** Rows that laws see must be the same, scenery may be in another order. */
+    /** Rows that laws use must be the same; scenery may be in another order. */
     private static void requireSameColumns(World world, World expected, String what) {
         for (Table table : expected.tables()) {
             Table other = world.table(table.kind());
@@ -223,7 +223,7 @@ class WorldWriterTest {
         }
     }
 
-    /** Bits of numbers and names of items. */
+    /** Returns the bits of numbers and the names of items. */
     private static List<Object> values(World world, Column column, int row) {
         List<Object> values = new ArrayList<>();
         for (int i = 0; i < column.components(); i++) {

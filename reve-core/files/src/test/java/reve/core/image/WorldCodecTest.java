@@ -39,7 +39,7 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.Random;
 
-/** Images and changes go through bytes and come out as the same worlds. */
+/** Images and changes that are encoded and decoded are the same worlds. */
 class WorldCodecTest {
 
     private static final WorldPrototype PROTOTYPE =
@@ -117,7 +117,7 @@ class WorldCodecTest {
         }
     }
 
-    /** Columns of zeros have no section, so nothing but the items says how long they may be. */
+    /** Columns of zeros have no section, so only the number of items bounds their length. */
     @Test
     void anImageThatClaimsMoreRowsThanItemsTakesNoMemory() {
         World world = empty();
@@ -213,7 +213,7 @@ class WorldCodecTest {
                 : null;
     }
 
-    /** The last changes of a frame, so that the rows at its end are what was written. */
+    /** Returns the last changes of a frame; at its end the rows contain the written values. */
     private static void editDirectly(World world, Random random) {
         if (random.nextInt(4) == 0 && world.table("body").rowCount() > 0) {
             Column column = world.table("body").column("temperature");

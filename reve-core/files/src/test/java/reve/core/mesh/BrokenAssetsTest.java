@@ -22,7 +22,7 @@ import java.util.Arrays;
 import java.util.Random;
 import java.util.zip.CRC32;
 
-/** Files that are wrong, by accident or on purpose. */
+/** Files that are broken, by accident or on purpose. */
 @Tag("slow")
 class BrokenAssetsTest {
 
@@ -49,7 +49,7 @@ class BrokenAssetsTest {
                 .doesNotContain("\n");
     }
 
-    /** What to write instead of what in a file that is right, and what is then said. */
+    /** Replacements of pieces of a valid file, and the expected messages. */
     @ParameterizedTest
     @CsvSource(
             delimiter = '|',
@@ -95,7 +95,7 @@ class BrokenAssetsTest {
         byte[] file = Gltf.glb(json.replace(right, wrong), gltf.binary());
         try {
             assertRefused("x.glb", file, reason);
-        } catch (AssertionError beside) { // messages about another file name that one
+        } catch (AssertionError beside) { // A message about another file names that file.
             assertThatThrownBy(() -> read("x.glb", file))
                     .isInstanceOf(AssetException.class)
                     .hasMessageContaining(reason);
@@ -233,7 +233,7 @@ class BrokenAssetsTest {
                 .getBytes(StandardCharsets.UTF_8);
     }
 
-    /** Flips bits, swaps digits, cuts, doubles or mixes; most leave the file nearly right. */
+    /** Flips bits, swaps digits, truncates, doubles or mixes; most leave the file almost valid. */
     private static byte[] mutate(byte[] model, byte[][] others, Random random) {
         byte[] mutant = model.clone();
         for (int changes = 1 + random.nextInt(4); changes > 0; changes--) {
@@ -259,7 +259,7 @@ class BrokenAssetsTest {
         return mutant;
     }
 
-    /** JSON with another number is still JSON: that is how damage gets past the parser. */
+    /** JSON with another number is still JSON: that is how damage passes the parser. */
     private static void changeDigit(byte[] bytes, int from, Random random) {
         for (int at = from; at < bytes.length; at++) {
             if (bytes[at] >= '0' && bytes[at] <= '9') {

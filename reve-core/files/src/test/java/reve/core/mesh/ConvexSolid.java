@@ -69,7 +69,7 @@ final class ConvexSolid {
         return new double[] {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
     }
 
-    /** Of its corners only: points within belong to no triangle. */
+    /** Of its corners only: points inside belong to no triangle. */
     Mesh mesh() {
         float[] vertices = new float[3 * points.length];
         for (int i = 0; i < vertices.length; i++) {

@@ -67,7 +67,7 @@ final class Gltf {
         return accessors.size() - 1;
     }
 
-    /** The JSON with what was added and {@code rest}, the members that say what it is for. */
+    /** Returns the JSON with the added parts and {@code rest}, the members that use them. */
     String json(String uri, String rest) {
         return "{\"asset\": {\"version\": \"2.0\"}, \"buffers\": [{\"byteLength\": "
                 + binary.size()
@@ -102,7 +102,7 @@ final class Gltf {
         return file.array();
     }
 
-    /** A .gltf file with its numbers in a data URI. */
+    /** Returns a .gltf file with its numbers in a data URI. */
     String embedded(String rest) {
         return json(
                 "data:application/octet-stream;base64,"
@@ -130,7 +130,7 @@ final class Gltf {
                 + "]}]";
     }
 
-    /** Copies of a text, as a list. */
+    /** Returns copies of a text, as a list. */
     static String list(String text, int count) {
         return String.join(", ", Collections.nCopies(count, text));
     }

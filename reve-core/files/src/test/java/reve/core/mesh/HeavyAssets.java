@@ -30,16 +30,16 @@ import java.util.zip.DeflaterOutputStream;
 import javax.imageio.ImageIO;
 
 /**
- * Assets that are as large, or cost as much to read, as a file of 64 MiB may. The program writes
- * and reads those that it is asked for, and prints for each its name, the milliseconds of processor
- * time that reading took, and what came of it.
+ * Assets that are as large, or as costly to read, as a file of 64 MiB can be. The program writes
+ * and reads the named cases, and prints for each its name, the milliseconds of processor time of
+ * the reading, and the result.
  */
 final class HeavyAssets {
 
     private static final int MIB = 1 << 20;
     private static final String OBJ_TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 
-    /** Writes what a case needs into a folder and returns the assets to read. */
+    /** Writes the files of a case into a folder and returns the assets to read. */
     interface Writer {
         List<String> write(Path folder) throws IOException;
     }
@@ -129,7 +129,7 @@ final class HeavyAssets {
         }
     }
 
-    /** Of all threads of this process, so that it does not matter what else the machine does. */
+    /** Time of all threads of this process, so that other work on the machine does not matter. */
     private static long cpuNanoseconds() {
         return ((OperatingSystemMXBean) ManagementFactory.getOperatingSystemMXBean())
                 .getProcessCpuTime();
@@ -140,7 +140,7 @@ final class HeavyAssets {
         return List.of(name);
     }
 
-    /** A file of 64 MiB: a beginning, a text over and over, an end. */
+    /** A file of 64 MiB: a beginning, a repeated text, an end. */
     private static Writer text(String name, String begin, String again, String end) {
         return folder -> {
             byte[] part =
@@ -157,7 +157,7 @@ final class HeavyAssets {
         };
     }
 
-    /** As many vertices and triangles as a mesh may have, no two corners alike. */
+    /** As many vertices and triangles as a mesh may have, with no two equal corners. */
     private static List<String> fullObj(Path folder) throws IOException {
         int count = 1 << 19;
         try (var out = Files.newBufferedWriter(folder.resolve("x.obj"))) {

@@ -13,7 +13,7 @@ import java.util.ArrayList;
 import java.util.List;
 import java.util.concurrent.TimeUnit;
 
-/** What the heaviest assets cost, in a JVM of 512 MiB. */
+/** The cost of the heaviest assets, in a JVM of 512 MiB. */
 @Tag("slow")
 class HeavyAssetsIT {
 
@@ -31,7 +31,7 @@ class HeavyAssetsIT {
 
     @TempDir private Path folder;
 
-    /** With {@code -Dreve.test.assets.all=true}: all of them. */
+    /** With {@code -Dreve.test.assets.all=true}: all cases. */
     @Test
     void eachIsReadOrRefusedWithinFiveSecondsAndHalfAGibibyte() throws Exception {
         List<String> names = ALL ? List.copyOf(HeavyAssets.names()) : QUICK;

@@ -19,8 +19,8 @@ import java.util.concurrent.atomic.AtomicLong;
 import java.util.zip.CRC32;
 
 /**
- * Files made to do harm: by sizes, nesting, cycles, counts, references to themselves, and ends in
- * the middle. Each is read, or refused in one line that names a file and a reason.
+ * Malicious files: by sizes, nesting, cycles, counts, references to themselves, and early ends.
+ * Each is read, or refused in one line that names a file and a reason.
  */
 class HostileAssetsTest {
 
@@ -28,7 +28,7 @@ class HostileAssetsTest {
 
     @TempDir private Path folder;
 
-    /** By what is wrong, the file and its bytes; the first word of the key is the file's name. */
+    /** The cases by name: the file and its bytes; the first word of the name is the file's name. */
     private static Map<String, byte[]> corpus() throws IOException {
         Map<String, byte[]> corpus = new LinkedHashMap<>();
         addValues(corpus);
@@ -41,7 +41,7 @@ class HostileAssetsTest {
         return corpus;
     }
 
-    /** Each number of a right file as each thing that it must not be. */
+    /** Replaces each number of a valid file by each impossible value. */
     private static void addValues(Map<String, byte[]> corpus) {
         String json = Gltf.triangle().json("", SCENE);
         for (String right :
@@ -86,7 +86,7 @@ class HostileAssetsTest {
         }
     }
 
-    /** Nothing where each list of a right file has its element. */
+    /** Removes the element of each list of a valid file. */
     private static void addNothing(Map<String, byte[]> corpus) throws IOException {
         Gltf gltf = Gltf.triangle();
         gltf.view(AssetsTest.png(1, 1, 0));
@@ -448,7 +448,7 @@ class HostileAssetsTest {
                         "nolink.obj: is the same file as none.obj: there are no triangles in it");
     }
 
-    /** The vertices and triangles that others have taken count, too. */
+    /** Vertices and triangles of other assets count, too. */
     @Test
     void whatAllMeshesOfAWorldTakeIsLimited() throws Exception {
         Files.writeString(folder.resolve("x.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");

@@ -12,14 +12,14 @@ import javax.imageio.ImageWriteParam;
 import javax.imageio.ImageWriter;
 import javax.imageio.stream.MemoryCacheImageOutputStream;
 
-/** Progressive JPEG files of as many scans as a test wants. */
+/** Progressive JPEG files of any number of scans. */
 final class Jpegs {
 
     private static final int SCAN = 0xda;
 
     private Jpegs() {}
 
-    /** A square grey image in the scans that the JDK's encoder makes. */
+    /** A square grey image in the scans that the JDK's encoder writes. */
     static byte[] progressive(int side) throws IOException {
         var image = new BufferedImage(side, side, BufferedImage.TYPE_BYTE_GRAY);
         ImageWriter writer = ImageIO.getImageWritersByFormatName("jpeg").next();

@@ -24,7 +24,9 @@ class MassPropertiesTest {
         3, 7, 1, 7, 5
     };
 
-    /** A box from a corner on; bits 0, 1, 2 of a vertex's number say which end of x, y, z. */
+    /**
+     * A box that begins at a corner; bits 0, 1, 2 of a vertex's number select the end of x, y, z.
+     */
     private static Mesh box(double x, double y, double z, double... size) {
         float[] vertices = new float[24];
         for (int i = 0; i < 8; i++) {
@@ -201,7 +203,10 @@ class MassPropertiesTest {
         return vertices;
     }
 
-    /** An octahedron, each triangle split in four as often as said, its vertices at distance 1. */
+    /**
+     * An octahedron, each triangle divided in four that many times, with its vertices at distance
+     * 1.
+     */
     private static Mesh icosphere(int level) {
         List<double[]> points =
                 new ArrayList<>(

@@ -25,7 +25,7 @@ import java.util.List;
 import java.util.Random;
 import java.util.function.IntSupplier;
 
-/** Expressions that cost as much as their authors could make them cost. */
+/** Expressions that are as costly as their authors could make them. */
 @Timeout(120)
 class HostileExpressionsTest {
     private static final WorldPrototype PROTOTYPE = WorldPrototype.standard("si-f64");
@@ -33,10 +33,10 @@ class HostileExpressionsTest {
     private static final double MAX_MILLISECONDS_TO_COMPILE = 250;
     private static final double MAX_MEBIBYTES = 16;
 
-    /** The compiler of the machine, or its other work, may slow down an attempt. */
+    /** The compiler, or other work on the machine, may slow down an attempt. */
     private static final int ATTEMPTS = 50;
 
-    /** What makes a value larger. */
+    /** Operations that enlarge a value. */
     private static final List<String> GROWTH =
             List.of(
                     ".map(x,[x,x])",
@@ -60,7 +60,7 @@ class HostileExpressionsTest {
                     "[semantic,semantic]",
                     "[physics]");
 
-    /** Conditions that are expensive, or fail where that is made good. */
+    /** Conditions that are costly, or whose failure is caught. */
     private static final List<String> CONDITIONS =
             List.of(
                     "1/0>1||true",
@@ -181,7 +181,7 @@ class HostileExpressionsTest {
         return all;
     }
 
-    /** Something as long as may be. */
+    /** Returns a value of maximum length. */
     private static String any(Random random) {
         IntSupplier choice = () -> random.nextInt(7);
         String text = one(LISTS, random);

@@ -342,7 +342,7 @@ class RulesTest {
         assertThat(all(items, "after")).containsOnly(201.0);
     }
 
-    /** A large world begins complete. */
+    /** A large world is complete in its first frame. */
     @Test
     void firstFrameAndTheFirstAfterARestorationMayTakeMoreSteps() throws Exception {
         List<Item> items = bodies(10);
@@ -393,7 +393,7 @@ class RulesTest {
         assertThat(world.charges().take()).isEmpty();
     }
 
-    /** However many frames pass until the item's turn. */
+    /** The result does not depend on the number of frames until the item's turn. */
     @Test
     void stepsAreChargedAlsoIfTheEvaluationHasToWait() throws Exception {
         List<Item> items = bodies(20);
@@ -408,7 +408,7 @@ class RulesTest {
             charged += world.charges().take().getOrDefault("ann", 0L);
         }
 
-        // What was evaluated before the change is evaluated again.
+        // A result from before the change is computed again.
         assertThat(charged).isBetween(20 * 200L, 20 * 500L);
     }
 
@@ -459,7 +459,7 @@ class RulesTest {
         assertThat(Collections.frequency(all(items, "warm"), "none")).isEqualTo(6);
     }
 
-    /** What is kept must be what a world without memory would give, whatever happened before. */
+    /** Kept results must equal those of a world that keeps none, whatever happened before. */
     @Test
     void keptSymbolsAreThoseOfAWorldWithoutMemory() throws Exception {
         long seed = Seed.of("rules");

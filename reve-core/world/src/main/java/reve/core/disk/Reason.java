@@ -11,6 +11,16 @@ import java.nio.file.Path;
 public final class Reason {
     private Reason() {}
 
+    /**
+     * Returns an exception whose message names the file and the reason, for example a full disk,
+     * whose own exception names no file.
+     */
+    public static FileSystemException naming(Path file, IOException failure) {
+        var named = new FileSystemException(file.toString(), null, of(failure));
+        named.initCause(failure);
+        return named;
+    }
+
     /** Returns the reason, for a message that names the file. */
     public static String of(Exception failure) {
         return switch (failure) {

@@ -18,7 +18,7 @@ import java.util.TreeSet;
  *     otherwise it looks from the body's origin along its own +Z axis, the front of a glTF model
  * @param range maximum distance [m], infinite for no limit
  * @param fieldOfView full angle of the cone that it sees [rad], 2π for all directions; for a camera
- *     the vertical angle of its picture, at most {@link #WIDEST_CAMERA}
+ *     the vertical angle of its picture, {@link #NARROWEST_CAMERA} to {@link #WIDEST_CAMERA}
  * @param lineOfSight true if items behind the bounding box of another item are hidden
  * @param every interval between perceptions [frames]; in between the agent keeps the last
  *     perception
@@ -41,6 +41,9 @@ public record Sensor(
 
     /** Default gap at which boxes count as touching [m]. */
     public static final double TOUCH_RANGE = 0.01;
+
+    /** Minimum vertical angle of a picture [rad]. */
+    public static final double NARROWEST_CAMERA = Math.toRadians(0.1);
 
     /** Maximum vertical angle of a picture [rad]. */
     public static final double WIDEST_CAMERA = Math.toRadians(170);
@@ -111,9 +114,9 @@ public record Sensor(
             throw new IllegalArgumentException(
                     "fieldOfView: " + fieldOfView + " rad is not between 0 and 360 deg");
         }
-        if (camera.isPresent() && fieldOfView > WIDEST_CAMERA) {
+        if (camera.isPresent() && (fieldOfView < NARROWEST_CAMERA || fieldOfView > WIDEST_CAMERA)) {
             throw new IllegalArgumentException(
-                    "fieldOfView: a camera sees 170 deg at most, found "
+                    "fieldOfView: a camera sees 0.1 to 170 deg, found "
                             + Math.toDegrees(fieldOfView)
                             + " deg");
         }

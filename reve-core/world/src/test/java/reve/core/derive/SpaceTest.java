@@ -79,7 +79,7 @@ class SpaceTest {
         assertThat(world.space().inBox(NEAR)).containsExactly(added.id());
     }
 
-    /** Whether somebody asked earlier must not matter. */
+    /** An earlier query must not affect the result. */
     @Test
     void anIndexThatIsBuiltLateFindsTheSame() {
         ball("a", 0, 1);

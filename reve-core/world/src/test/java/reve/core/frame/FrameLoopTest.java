@@ -25,7 +25,7 @@ class FrameLoopTest {
     private final ManualClock clock = new ManualClock();
     private final List<Long> starts = new ArrayList<>();
 
-    /** Time passes only when somebody waits or works. */
+    /** Time passes only in waits and work. */
     private static final class ManualClock implements FrameClock {
         private long now = 123_456_789;
         private long divisor = 1;

@@ -23,7 +23,7 @@ class SteadyFrameTest {
     private static final int WARM_UP = 5000;
     private static final int MEASURED = 1000;
 
-    /** Bounds, snapshot, command queue, bus and profile together, once nothing changes any more. */
+    /** Bounds, snapshot, command queue, bus and profile together, when nothing changes any more. */
     @ParameterizedTest
     @ValueSource(strings = {"si-f64", "si-f32"})
     void allocatesNothing(String prototype) {

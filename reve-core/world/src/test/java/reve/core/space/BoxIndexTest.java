@@ -35,7 +35,7 @@ class BoxIndexTest {
     private Random random = new Random();
     private int rows;
 
-    /** Boxes that move a little between most rounds, with some that are nowhere or far away. */
+    /** Boxes that move a little between most rounds; some are nowhere or far away. */
     @ParameterizedTest
     @CsvSource({"41, 3000", "42, 40", "43, 9", "44, 1", "0, 700"})
     void findsWhatLookingAtEveryBoxFinds(long givenSeed, int most) {
@@ -180,7 +180,7 @@ class BoxIndexTest {
         assertThat(keys()).as("nearest %d, %s", most, when).isEqualTo(nearest(x, y, z, most));
     }
 
-    /** The line, cut off at one face of the box after the other. */
+    /** Clips the line at one face of the box after the other. */
     private boolean meetsLine(int row, double[] from, double[] to) {
         double begin = 0;
         double end = 1;

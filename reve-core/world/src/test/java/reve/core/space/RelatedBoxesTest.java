@@ -14,7 +14,7 @@ import java.util.List;
 import java.util.Random;
 import java.util.stream.IntStream;
 
-/** What the tree finds is compared with what a comparison of all pairs finds. */
+/** The relations that the tree finds equal those of a comparison of all pairs. */
 class RelatedBoxesTest {
     private static final double TOLERANCE = 0.01;
 
@@ -23,7 +23,7 @@ class RelatedBoxesTest {
     private double[] lows = {};
     private double[] highs = {};
 
-    /** Boxes in which each relation occurs, and more of them than are found. */
+    /** Boxes in which each relation occurs, and more often than the limit of results. */
     private enum Scene {
         /** Sizes of a kind, some on a grid, so that faces meet. */
         GRID {
@@ -36,7 +36,7 @@ class RelatedBoxesTest {
                 }
             }
         },
-        /** One in the other, most of them with a common corner or middle. */
+        /** One inside the other, most of them with a common corner or centre. */
         NESTED {
             @Override
             void place(Random random, int i, double[] middle, double[] size) {
@@ -46,7 +46,7 @@ class RelatedBoxesTest {
                 }
             }
         },
-        /** All at nearly one place, in no order. */
+        /** All at almost one place, in no order. */
         CROWD {
             @Override
             void place(Random random, int i, double[] middle, double[] size) {
@@ -56,7 +56,7 @@ class RelatedBoxesTest {
                 }
             }
         },
-        /** Long along one axis each: they cross, and none holds another. */
+        /** Each long along one axis: they cross, and none contains another. */
         RODS {
             @Override
             void place(Random random, int i, double[] middle, double[] size) {
@@ -185,7 +185,7 @@ class RelatedBoxesTest {
         };
     }
 
-    /** Whether one box, grown on all sides, meets the other. */
+    /** Returns whether one box, enlarged on all sides, meets the other. */
     private boolean isWithin(int a, int b, double by) {
         return IntStream.range(0, 3)
                 .allMatch(

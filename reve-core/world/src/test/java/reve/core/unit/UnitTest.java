@@ -17,7 +17,7 @@ import reve.core.Seed;
 import java.util.Locale;
 import java.util.Random;
 
-/** What texts mean as units. Exponents are in the order m kg s A K mol cd. */
+/** Units as texts. Exponents are in the order m kg s A K mol cd. */
 class UnitTest {
     @ParameterizedTest(name = "{0} is {2} * m kg s A K mol cd ^ {1}")
     @CsvSource(

@@ -17,7 +17,7 @@ import java.util.Random;
 /** Random histories of attaching, moving and removing, compared with 4 x 4 matrices. */
 class HierarchyModelTest {
 
-    /** A body as the oracle knows it: an affine matrix (row-major 4 x 4) in its parent's frame. */
+    /** A body in the oracle: an affine matrix (row-major 4 x 4) in its parent's frame. */
     private static final class Node {
         private final Item item;
         private Node parent;
@@ -204,7 +204,7 @@ class HierarchyModelTest {
         return c;
     }
 
-    /** Of a rotation and a translation. */
+    /** The matrix of a rotation and a translation. */
     private static double[] inverse(double[] m) {
         double[] out = new double[16];
         for (int i = 0; i < 3; i++) {

@@ -115,7 +115,7 @@ class SnapshotRingTest {
         return snapshot.table("body").column(property).segment().address();
     }
 
-    /** Whatever is shared: a snapshot that is not lost is as its frame was. */
+    /** A snapshot that is not lost equals its frame, whatever it shares. */
     @ParameterizedTest
     @ValueSource(longs = {61, 0})
     void heldSnapshotsStayAsTheyWere(long givenSeed) {
@@ -264,7 +264,7 @@ class SnapshotRingTest {
         }
     }
 
-    /** Meanwhile this thread may not read the world, so that copying it fails half way. */
+    /** Meanwhile this thread may not read the world, so the copy fails half-way. */
     private void ownedByAnother(Runnable meanwhile) throws InterruptedException {
         Thread other = new Thread(world.guard()::claim);
         other.start();
@@ -273,7 +273,9 @@ class SnapshotRingTest {
         world.guard().claim();
     }
 
-    /** Every row says the frame it was written in; rows come and go, so memory is replaced too. */
+    /**
+     * Every row contains the frame of its last write; rows come and go, so memory is replaced, too.
+     */
     @Test
     void readersOnOtherThreadsSeeWholeFramesOrLoseThem() throws Exception {
         var ring = new SnapshotRing(world, 3);

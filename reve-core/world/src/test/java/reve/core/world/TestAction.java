@@ -13,7 +13,7 @@ public record TestAction(String name, String doc, Deed deed) implements Performa
         void perform(ActionCall call) throws ActionRefused;
     }
 
-    /** One that does nothing. */
+    /** An action that does nothing. */
     public TestAction(String name, String doc) {
         this(name, doc, NOTHING);
     }

@@ -187,7 +187,7 @@ class WorldImageTest {
         }
     }
 
-    /** Every bit that counts: rows in their order, symbols, and the id that comes next. */
+    /** The complete state: rows in their order with their bits, symbols, and the next id. */
     private static Map<String, Object> everything(World world) {
         Map<String, Object> all = new LinkedHashMap<>();
         all.put("symbols", Map.copyOf(world.symbols()));

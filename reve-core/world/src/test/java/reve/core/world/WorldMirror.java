@@ -24,8 +24,8 @@ import java.util.Optional;
 import java.util.TreeMap;
 
 /**
- * A world as a listener knows it who is told of changes and nothing else: plain values, no columns.
- * Only what was written to a column directly is read there, as such changes say.
+ * A copy of a world by a listener that receives changes and nothing else: plain values, no columns.
+ * It reads a column only for direct writes to that column, as their change prescribes.
  */
 final class WorldMirror {
 
@@ -68,7 +68,7 @@ final class WorldMirror {
     }
 
     /**
-     * @param world for what {@link ColumnEdited} says: the numbers are in the column
+     * @param world for {@link ColumnEdited}, whose numbers are in the column
      */
     void follow(List<WorldChange> changes, World world) {
         changes.forEach(this::follow);
@@ -97,7 +97,7 @@ final class WorldMirror {
                 item(detached.item()).pose = place;
             }
             case Edited edited -> edit(item(edited.item()), edited);
-            case ColumnEdited _ -> {} // what all changes together came to is in the column
+            case ColumnEdited _ -> {} // the sum of all changes is in the column
             case Pushed pushed -> throw new AssertionError("nobody pushes here: " + pushed);
             case Restored restored -> throw new AssertionError("nobody goes back: " + restored);
         }
@@ -148,7 +148,7 @@ final class WorldMirror {
         }
     }
 
-    /** Numbers of a definition as a column of that type keeps them. */
+    /** Returns the numbers of a definition in the precision of a column of that type. */
     private List<Double> kept(Mirrored item, String property, double[] said) {
         boolean single = prototype.find(item.kind, property).orElseThrow().type() == ScalarType.F32;
         return Arrays.stream(said)
@@ -156,7 +156,7 @@ final class WorldMirror {
                 .toList();
     }
 
-    /** What an item of its kind has as it enters physics. */
+    /** Returns the values of an item of its kind when it enters physics. */
     private void zero(Mirrored item) {
         for (PropertyDescriptor property : prototype.properties()) {
             if (property.kind().equals(item.kind)) {

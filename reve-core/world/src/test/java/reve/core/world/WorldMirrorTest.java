@@ -25,8 +25,8 @@ import java.util.TreeMap;
 import java.util.stream.Collectors;
 
 /**
- * Random histories, in ACT, between frames and in PUBLISH: whoever follows the changes of each
- * frame, and them alone, has the world. Seeds are printed; 0 stands for a new one.
+ * Random histories, in ACT, between frames and in PUBLISH: the changes of each frame alone
+ * reproduce the world. Seeds are printed; 0 stands for a new one.
  */
 class WorldMirrorTest {
     private static final int FRAMES = 150;
@@ -172,7 +172,7 @@ class WorldMirrorTest {
         }
     }
 
-    /** Some that refer to each other and to what was there, in an order that looks ahead. */
+    /** Items that refer to each other and to present ones, in an order with forward references. */
     private void addTogether(Item other) {
         ItemDefinition cart = body().physics("charge", number()).build();
         ItemDefinition wheel = body().parent(cart.name()).build();

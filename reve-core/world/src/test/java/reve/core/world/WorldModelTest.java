@@ -21,7 +21,7 @@ import java.util.stream.Collectors;
 /** Long random histories of a world, compared with plain hash maps after every step. */
 class WorldModelTest {
 
-    /** What the oracle knows of an item. */
+    /** The state of an item in the oracle. */
     private static final class Expected {
         private final long id;
         private final String kind;
@@ -275,7 +275,7 @@ class WorldModelTest {
                 .collect(Collectors.toSet());
     }
 
-    /** Numbers that both real types hold exactly. */
+    /** Returns numbers that both real types represent exactly. */
     private double[] triple() {
         return random.ints(3, -1000, 1000).mapToDouble(i -> i / 8.0).toArray();
     }

@@ -103,6 +103,7 @@ public final class Main {
         line.setParameterExceptionHandler(Main::explainUsage);
         line.setExecutionExceptionHandler(Main::explain);
         line.setCaseInsensitiveEnumValuesAllowed(true);
+        line.setExpandAtFiles(false); // a world's folder may have a name that begins with @
         if (arguments.length == 0) {
             line.usage(System.err);
             return ExitCode.USAGE;

@@ -32,7 +32,7 @@ class EventPrinterTest {
                     "removed",
                     "left");
 
-    /** The names of the events that are printed. */
+    /** Returns the names of the printed events. */
     private static List<String> printed(Printed printed) {
         var out = new StringWriter();
         try (var printer =

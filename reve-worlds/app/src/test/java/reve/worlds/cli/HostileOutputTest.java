@@ -25,7 +25,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Random;
 
-/** Foreign text in what people read: events, results, log lines. */
+/** Foreign text in output for people: events, results, log lines. */
 class HostileOutputTest {
     private static final int TEXTS = 100_000;
     private static final int LOGGED = 10_000;
@@ -87,7 +87,7 @@ class HostileOutputTest {
     }
 
     /**
-     * @return the lines, each of which shows all that it holds
+     * @return the lines, in each of which all content is visible
      */
     private static List<String> lines(String output) {
         assertThat(output).endsWith("\n");

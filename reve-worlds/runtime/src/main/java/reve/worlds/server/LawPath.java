@@ -244,13 +244,20 @@ public record LawPath(
         SortedSet<String> names = new TreeSet<>();
         Stream.concat(
                         operatorsPlaces().keySet().stream(),
-                        world.map(own -> own.resolve(WORLDS_OWN)).stream())
+                        world
+                                .map(own -> own.resolve(WORLDS_OWN))
+                                .filter(own -> Files.isDirectory(own, LinkOption.NOFOLLOW_LINKS))
+                                .stream())
                 .forEach(place -> names.addAll(namesIn(place)));
         String near = Suggestion.of(wrong, names);
         return near.isEmpty() ? "; known are " + String.join(", ", names) : near;
     }
 
+    /** Lists the laws of a folder. Opening a pipe of that name would wait for a writer. */
     private static List<String> namesIn(Path folder) {
+        if (!Files.isDirectory(folder)) {
+            return List.of();
+        }
         try (Stream<Path> files = Files.list(folder)) {
             return files.map(file -> file.getFileName().toString())
                     .filter(file -> file.startsWith(PREFIX) && file.endsWith(SUFFIX))

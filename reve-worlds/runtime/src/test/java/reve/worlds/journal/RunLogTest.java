@@ -27,7 +27,7 @@ class RunLogTest {
 
     @TempDir private Path folder;
 
-    /** Its holes have no place on the disk: anyone can make one of any size. */
+    /** Holes take no space on the disk, so a file of any size is easy to make. */
     @Test
     void aSparseFileWithAWrongSumTakesNoMemory() throws IOException {
         for (int length : List.of(256 * MEBIBYTE, RunLog.MAX_BYTES + 1, Integer.MAX_VALUE - 15)) {

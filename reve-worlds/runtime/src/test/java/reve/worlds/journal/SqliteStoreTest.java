@@ -109,7 +109,7 @@ class SqliteStoreTest {
         assertThat(folder).isEmptyDirectory();
     }
 
-    /** As a process leaves it that was killed while it created the store. */
+    /** The files that a process leaves that was killed while it created the store. */
     @Test
     void aDatabaseWithoutContentIsAnEmptyStore() throws Exception {
         update("PRAGMA journal_mode = WAL");
@@ -121,7 +121,7 @@ class SqliteStoreTest {
         assertThat(query("PRAGMA user_version")).isEqualTo("" + StoreDatabase.VERSION);
     }
 
-    /** SQLite undoes a write by itself when there is no room for it. */
+    /** SQLite reverts a write itself when there is no room for it. */
     @Test
     void imagesAreWrittenAgainWhenThereIsRoomAgain() throws Exception {
         try (SqliteStore store = open(file)) {
@@ -147,7 +147,7 @@ class SqliteStoreTest {
         }
     }
 
-    /** As a regular end writes it: it holds what was edited after the last frame. */
+    /** As after a regular end: the image contains the edits after the last frame. */
     @Test
     void aDamagedLastImageIsRefusedAlthoughAllFramesAreThere() throws Exception {
         fill();
@@ -158,7 +158,7 @@ class SqliteStoreTest {
         refused("the last image, of frame 24, cannot be used");
     }
 
-    /** Every byte in turn: what was kept is there, or the store says what is lost. */
+    /** For each byte: the kept data is present, or the store names the loss. */
     @Test
     void aFileOfFramesThatIsCutAnywhereIsRefusedByTheFrameThatIsLost() throws IOException {
         fill();
@@ -174,7 +174,7 @@ class SqliteStoreTest {
         assertThat(read()).contains("frame 24");
     }
 
-    /** The manifest is written after the frame: what is torn was never announced. */
+    /** The manifest is written after the frame: it never announces a torn record. */
     @Test
     void anUnfinishedLastRecordIsLostInSilence() throws IOException {
         fill();
@@ -241,7 +241,7 @@ class SqliteStoreTest {
         assertThat(read()).endsWith("frame 24");
     }
 
-    /** Two runs that go on from copies of one store have the same identity, and part. */
+    /** Two runs that continue from copies of one store share an identity, and diverge. */
     @Test
     void aFileOfAnotherCopyOfTheStoreIsRefusedByName() throws IOException {
         fill();
@@ -276,7 +276,7 @@ class SqliteStoreTest {
         assertThat(read()).endsWith("frame 27");
     }
 
-    /** It says less than there was, so it cannot tell whether the newest frames are there. */
+    /** The manifest names less than there was, so the newest frames may be missing. */
     @Test
     void anOlderManifestIsRefusedAsAMissingOneIs() throws Exception {
         fill();
@@ -360,7 +360,7 @@ class SqliteStoreTest {
                 .contains("my.db-frames-5 ends at frame 23 of 24", "started again");
     }
 
-    /** As version 2 wrote them: no identity, no manifest, no links. */
+    /** As version 2 wrote them: without identity, manifest and links. */
     @Test
     void anOldStoreIsReadAsBeforeAndGetsAnIdentityWhenItIsWritten() throws Exception {
         fill();
@@ -404,7 +404,7 @@ class SqliteStoreTest {
         assertThat(read()).containsExactly("image 61", "frame 62");
     }
 
-    /** While a server runs: a line about each file, once, and the next image makes up for it. */
+    /** While a server runs: one message for each file, and the next image repairs the loss. */
     @Test
     void filesThatAreRemovedReplacedOrCutAreToldAndMadeUpForByTheNextImage() throws Exception {
         interface Act {
@@ -434,7 +434,7 @@ class SqliteStoreTest {
                     store.write(new JournalRecord.Frame(26, new byte[20]));
                     assertThat(store.troubles()).isEmpty();
                     act.getValue().on(path);
-                    if (name.startsWith("-frames")) { // a cut file must not get a hole
+                    if (name.startsWith("-frames")) { // a truncated file must not get a hole
                         store.write(new JournalRecord.Frame(27, new byte[20]));
                     }
                     assertThat(store.troubles())
@@ -470,7 +470,7 @@ class SqliteStoreTest {
         refused("my.db holds no image that can be read");
     }
 
-    /** Found, told, or without any effect: never other records in silence. */
+    /** Found, reported, or without effect: never other records without a report. */
     @Test
     void noFlippedBitChangesWhatIsReadInSilence() throws IOException {
         fill();
@@ -492,7 +492,7 @@ class SqliteStoreTest {
         }
     }
 
-    /** Read whole, told, or refused by name. */
+    /** Read completely, reported, or refused by name. */
     @Test
     void aStoreThatIsCutIsNeverReadAsAnotherInSilence() throws IOException {
         fill();
@@ -523,7 +523,7 @@ class SqliteStoreTest {
         assertThat(query("SELECT count(*) FROM diary")).isEqualTo("0");
     }
 
-    /** Endless views, and what else runs SQL or was not made by this program. */
+    /** Endless views, other objects that run SQL, and objects that this program does not create. */
     @Test
     void aDatabaseWithAnotherSchemaIsRefusedBeforeItIsRead() throws Exception {
         fill();
@@ -577,7 +577,7 @@ class SqliteStoreTest {
         }
     }
 
-    /** A sparse one may have any size: it must not be read. */
+    /** A sparse file can have any size: it must not be read. */
     @Test
     void aManifestOfAnotherSizeIsRefusedWithoutBeingRead() throws IOException {
         fill();
@@ -628,7 +628,7 @@ class SqliteStoreTest {
                 .withMessageContaining(message);
     }
 
-    /** What a whole store comes back to, and what it tells. */
+    /** The state that a whole store restores, and its reports. */
     private List<String> read() throws IOException {
         return describe(records());
     }
@@ -676,7 +676,7 @@ class SqliteStoreTest {
         }
     }
 
-    /** As a world that was started again: an image of the next frame, and two more. */
+    /** As of a world that was restarted: an image of the next frame, and two more. */
     private static void goOn(Path file) throws IOException {
         try (SqliteStore store = open(file)) {
             byte[] other = new byte[100];
@@ -706,7 +706,7 @@ class SqliteStoreTest {
                 .toList();
     }
 
-    /** Libraries are checked by their SHA-256 when they are loaded. */
+    /** The SHA-256 of libraries is checked when they are loaded. */
     private static List<String> contents(List<JournalRecord> records) {
         return records.stream()
                 .filter(record -> !(record instanceof JournalRecord.Library))

@@ -69,7 +69,7 @@ class RendererIT {
         return scene;
     }
 
-    /** A folder with a shell script in place of the program. */
+    /** A folder with a shell script in place of the renderer. */
     private Path script(String body) throws IOException {
         Path script = folder.resolve("vesper-render");
         Files.writeString(script, "#!/bin/sh\n" + body + "\n");

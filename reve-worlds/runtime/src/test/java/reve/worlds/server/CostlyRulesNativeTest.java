@@ -35,7 +35,7 @@ class CostlyRulesNativeTest {
                       [0,1,2,3,4,5,6,7,8].all(c,physics.mass>=0.0)))', cheap: 'physics.mass'}
                     """);
 
-    /** 45,000,000 steps once, and none as long as nothing changes. */
+    /** 45,000,000 steps once, and none while nothing changes. */
     private static final String MANY =
             world(
                     """

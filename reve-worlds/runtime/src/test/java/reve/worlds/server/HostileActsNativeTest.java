@@ -33,12 +33,12 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 
-/** No value that an action lets an agent choose takes a law away from the others. */
+/** No value that an agent may choose for an action takes a law from the others. */
 class HostileActsNativeTest {
     private static final int FRAMES = 60;
     private static final int WHEN = 2;
 
-    /** Numbers of an item that actions set to their argument, with their units. */
+    /** Properties of an item that actions set to their argument, with their units. */
     private static final Map<String, String> SCALARS =
             Map.of(
                     "mass",
@@ -71,7 +71,7 @@ class HostileActsNativeTest {
 
     @TempDir private Path folder;
 
-    /** A law's bodies; before and behind them one that is called evil for each action. */
+    /** Bodies of a law; before and behind them one body named evil for each action. */
     private static WorldDescription world(String laws, String... evil) throws WorldFileException {
         var text =
                 new StringBuilder(
@@ -153,7 +153,7 @@ class HostileActsNativeTest {
                 .perform(action);
     }
 
-    /** What happened in a run in which agents act with a value in one frame. */
+    /** The result of a run in which agents act with a value in one frame. */
     private static List<WorldEvent> run(Simulation simulation, double value, String... actions) {
         var faults = new ArrayList<WorldEvent>();
         simulation
@@ -277,7 +277,7 @@ class HostileActsNativeTest {
         try (Replay replay = new Replay(Optional.empty(), Pacing.FAST);
                 RunLog.Reader records = RunLog.open(log)) {
             while (records.hasNext() && replay.take(records.next())) {
-                // each record is made as it is read
+                // the list stays open for further records
             }
             assertThat(replay.divergence()).isEmpty();
             try (Simulation again = replay.release()) {

@@ -16,7 +16,7 @@ import reve.pe.PhysicsException;
 
 import java.nio.charset.StandardCharsets;
 
-/** Laws and parameters that are wrong are named where the world file says them. */
+/** Problems of laws and parameters are reported at their places in the world file. */
 class LawParametersNativeTest {
     private static WorldDescription world(String laws) throws WorldFileException {
         return WorldFile.parse(

@@ -37,7 +37,7 @@ import java.util.concurrent.CompletableFuture;
 import java.util.concurrent.TimeUnit;
 import java.util.concurrent.atomic.AtomicInteger;
 
-/** What deadlines decide, in a recording. */
+/** The decisions of deadlines, in a recording. */
 class LockStepNativeTest {
     private static final Path WORLD =
             Path.of(System.getProperty("reve.root"), "worlds", "spring-orbit", "world.yaml");
@@ -186,7 +186,7 @@ class LockStepNativeTest {
         try (Replay replay = new Replay(Optional.empty(), Pacing.FAST);
                 RunLog.Reader records = RunLog.open(log)) {
             while (records.hasNext() && replay.take(records.next())) {
-                // each record is made as it is read
+                // the list stays open for further records
             }
             assertThat(replay.divergence()).isEmpty();
             try (Simulation again = replay.release()) {
@@ -231,7 +231,7 @@ class LockStepNativeTest {
             }
         }
 
-        /** The next message of that type. */
+        /** Returns the next message of that type. */
         String await(String type) {
             try {
                 String line = in.readLine();

@@ -48,7 +48,7 @@ import java.util.concurrent.CountDownLatch;
 import java.util.function.UnaryOperator;
 import java.util.regex.Matcher;
 
-/** A run that is interfered with in every way, recorded and made again. */
+/** A run with every kind of intervention, recorded and repeated. */
 @Tag("slow")
 class ReplayNativeTest {
     private static final Path WORLD =
@@ -136,7 +136,7 @@ class ReplayNativeTest {
         }
     }
 
-    /** With right checksums, as another program can write them. */
+    /** With valid checksums, as another program can write them. */
     @Test
     void aFrameThatCannotBeReadIsNamedWithWhatWasExpected() throws IOException {
         record(
@@ -268,7 +268,7 @@ class ReplayNativeTest {
         }
     }
 
-    /** A flipped length may make a record reach past the end, which looks like a cut. */
+    /** A flipped length may make a record reach past the end, which looks like a truncation. */
     private boolean found(int bit) throws IOException {
         try (RunLog.Reader records = RunLog.open(log)) {
             records.forEachRemaining(record -> {});
@@ -278,7 +278,7 @@ class ReplayNativeTest {
         }
     }
 
-    /** A process that ends after any record has lost what came after it, and nothing before. */
+    /** A process that ends after any record loses what followed, and nothing before. */
     @Test
     void whateverRecordIsTheLastTheWorldIsAsItWasAtItsLastFrame() throws IOException {
         List<Long> hashes = new ArrayList<>();
@@ -335,7 +335,7 @@ class ReplayNativeTest {
         }
     }
 
-    /** As for want of memory; wherever it comes from, it costs what a refusing disk does. */
+    /** As without memory; wherever the error occurs, it costs the same as a disk that refuses. */
     @ParameterizedTest
     @ValueSource(strings = {"frame", "place", "image"})
     void anErrorWhileItWritesCostsTheJournalUpToTheNextImage(String where) throws Exception {
@@ -375,7 +375,7 @@ class ReplayNativeTest {
                                     problems.add(problem);
                                     looked.countDown();
                                 })) {
-            looked.await(); // the world stands still meanwhile
+            looked.await(); // the world waits meanwhile
             assertThat(problems).containsExactly("my.db was removed");
             problems.clear();
             simulation.loop().run(50);
@@ -391,7 +391,7 @@ class ReplayNativeTest {
                 .containsExactly(0L, 20L, 40L, 50L);
     }
 
-    /** Tells of a file once, and begins anew with its third image. */
+    /** Reports a file once, and starts again with its third image. */
     private static JournalSink losingItsFile(List<List<JournalRecord>> kept) {
         return new ListSink(kept) {
             private int images;
@@ -439,7 +439,7 @@ class ReplayNativeTest {
         }
     }
 
-    /** Throws an Error when asked for the second frame, place or image. */
+    /** Throws an Error for the second frame, place or image. */
     private static JournalSink breakingAtSecond(String where, List<List<JournalRecord>> kept) {
         return new ListSink(kept) {
             private final Map<String, Integer> asked = new ConcurrentHashMap<>();
@@ -470,7 +470,7 @@ class ReplayNativeTest {
         };
     }
 
-    /** The world goes on, and what is left out is made up for by an image. */
+    /** The world continues, and an image replaces the missing frames. */
     @Test
     void aDiskThatHangsIsToldAndCostsNoMoreThanTheFramesThatFindNoRoom() throws Exception {
         List<List<JournalRecord>> kept = new ArrayList<>();
@@ -535,7 +535,7 @@ class ReplayNativeTest {
         };
     }
 
-    /** Keeps records in memory; images and what follows them are lists of their own. */
+    /** Keeps records in memory; images and the records after them are lists of their own. */
     private static class ListSink implements JournalSink {
         private final List<List<JournalRecord>> kept;
 
@@ -561,7 +561,7 @@ class ReplayNativeTest {
 
         @Override
         public void sync() {
-            // nothing outlives this process anyway
+            // nothing outlives this process
         }
 
         @Override
@@ -601,13 +601,15 @@ class ReplayNativeTest {
         Replay replay = new Replay(Optional.empty(), Pacing.FAST);
         try (RunLog.Reader records = RunLog.open(file)) {
             while (records.hasNext() && replay.take(records.next())) {
-                // each record is made as it is read
+                // the list stays open for further records
             }
         }
         return replay;
     }
 
-    /** Sets, pushes, adds, removes, attaches, renames, and loads and unloads a law, at random. */
+    /**
+     * Sets, pushes, adds, removes, attaches and renames, and loads and unloads a law, at random.
+     */
     private void interfere(Simulation simulation, int frame) {
         Random random = new Random(SEED + frame);
         var world = simulation.world();
@@ -652,7 +654,7 @@ class ReplayNativeTest {
         }
     }
 
-    /** Copies the recording with one text of its inputs exchanged, and right checksums. */
+    /** Copies the recording with one text of its inputs replaced, and valid checksums. */
     private void forge(Path to, String text, String other) throws IOException {
         try (RunLog.Reader records = RunLog.open(log);
                 JournalSink sink = new Recording(RecordingPlan.of(to))) {

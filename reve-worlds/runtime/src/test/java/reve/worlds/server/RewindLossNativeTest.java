@@ -36,7 +36,7 @@ import java.util.concurrent.locks.ReentrantReadWriteLock;
 import java.util.function.BooleanSupplier;
 import java.util.stream.Stream;
 
-/** A world goes back while a slow disk still writes two images of earlier frames. */
+/** A world rewinds while a slow disk still writes two images of earlier frames. */
 @Tag("slow")
 class RewindLossNativeTest {
     private static final Path WORLD =
@@ -45,7 +45,7 @@ class RewindLossNativeTest {
     private static final String NAME = "my.db";
     private static final int IMAGE_FRAMES = 3;
 
-    /** The frame that the world goes back in; the images of frames 3 and 6 still wait then. */
+    /** The frame of the rewind; the images of frames 3 and 6 still wait then. */
     private static final long BACK = 8;
 
     private static final long END = 16;
@@ -53,7 +53,7 @@ class RewindLossNativeTest {
     @TempDir private Path folder;
     private final Queue<String> problems = new ConcurrentLinkedQueue<>();
 
-    /** What a kill leaves when a frame has just been published, by frame. */
+    /** The files that a kill leaves just after a frame was published, by frame. */
     private final Map<Long, Path> copies = new LinkedHashMap<>();
 
     private WorldDescription description;
@@ -87,7 +87,7 @@ class RewindLossNativeTest {
         assertThat(problems).isEmpty();
     }
 
-    /** The world waits once, goes on, and the next image makes up for what was left out. */
+    /** The world waits once and continues, and the next image replaces the missing frames. */
     @Test
     void aDiskThatHangsForLongerIsReportedOnce() throws Exception {
         run(false, () -> published > BACK + 2);
@@ -103,7 +103,7 @@ class RewindLossNativeTest {
     }
 
     /**
-     * Makes all frames; laws change before and after the world goes back.
+     * Makes all frames; laws change before and after the rewind.
      *
      * @param isReleased when images after the first one may be written
      */
@@ -153,7 +153,7 @@ class RewindLossNativeTest {
 
     private void published(FrameEvent frame, SlowStore sink) {
         try {
-            if (frame.frame() > 0) { // before, the store is empty
+            if (frame.frame() > 0) { // before that, the store is empty
                 copies.put(frame.frame(), sink.copy());
             }
         } catch (IOException e) {
@@ -162,12 +162,12 @@ class RewindLossNativeTest {
         published = frame.frame();
     }
 
-    /** A store that writes no image but the first one until it is released. */
+    /** A store that writes only the first image until it is released. */
     private final class SlowStore implements JournalSink {
         private final SqliteStore store;
         private final BooleanSupplier isReleased;
 
-        /** Any number of threads write, or one copies. */
+        /** Any number of threads write, or one thread copies. */
         private final ReadWriteLock files = new ReentrantReadWriteLock();
 
         private boolean begun;

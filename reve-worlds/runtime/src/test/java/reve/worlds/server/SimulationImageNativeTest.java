@@ -23,7 +23,7 @@ import java.util.ArrayList;
 import java.util.List;
 import java.util.Map;
 
-/** Going back and running ahead, with contacts that laws remember. */
+/** Rewinds and previews, with contacts that laws remember. */
 class SimulationImageNativeTest {
     private static final int FRAMES = 60;
 
@@ -108,7 +108,7 @@ class SimulationImageNativeTest {
         }
     }
 
-    /** The image has it from before the edit, and the rule saw the same number last. */
+    /** The image precedes the edit, and the rule read the same number last. */
     @Test
     void whatARuleSaysFollowsFromWhatTheRewoundWorldIs() throws Exception {
         byte[] text =
@@ -186,7 +186,7 @@ class SimulationImageNativeTest {
         return simulation.physics().laws().loaded().stream().map(law -> law.name()).toList();
     }
 
-    /** Of corner c3 in the last snapshot [m]. */
+    /** Height of corner c3 in the last snapshot [m]. */
     private static double height(Simulation simulation) {
         try (WorldSnapshot snapshot = simulation.snapshots().acquireLatest().orElseThrow()) {
             var bodies = snapshot.table("body");

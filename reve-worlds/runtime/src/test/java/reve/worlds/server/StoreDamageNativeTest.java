@@ -37,8 +37,8 @@ import java.util.TreeMap;
 import java.util.stream.Stream;
 
 /**
- * A store of a server that was killed, damaged in every way that files can be: it comes back as it
- * was, or says which file is damaged, and stays as it is until its repair is asked for.
+ * A store of a killed server, damaged in every way in which files can be damaged: it resumes
+ * unchanged, or names the damaged file and stays unchanged until its repair is requested.
  */
 class StoreDamageNativeTest {
     private static final Path WORLD =
@@ -57,10 +57,10 @@ class StoreDamageNativeTest {
     private final Map<String, Integer> counts = new TreeMap<>();
     private WorldDescription description;
 
-    /** What is done to the files of a store, by name; null removes one. */
+    /** The damages of a store's files, by name; null removes a file. */
     private record Damage(String what, List<String> files, Map<String, byte[]> content) {}
 
-    /** How a store came back. */
+    /** The state in which a store resumed. */
     private record Resumed(long frame, long hash, List<String> problems) {}
 
     @Test
@@ -70,7 +70,7 @@ class StoreDamageNativeTest {
         older = killedAfter(90, "one", older);
         Map<String, byte[]> whole = killedAfter(135, "one", older);
         Map<String, byte[]> other = killedAfter(135, "two", Map.of());
-        killedAfter(135, "one", Map.of()); // the hashes of this run are those that count
+        killedAfter(135, "one", Map.of()); // the hashes of this run are the reference
         List<Damage> damages = damages(whole, older, other);
         assertThat(damages).hasSizeGreaterThan(100);
         Collections.shuffle(damages, new Random(SEED));
@@ -147,7 +147,7 @@ class StoreDamageNativeTest {
         assertThat(StoreCheck.of(store, laws).isWhole()).isTrue();
     }
 
-    /** Links to nothing and folders are no files, but are moved away like them. */
+    /** Dangling links and folders are no files, but are moved away like files. */
     @Test
     void whatStandsInPlaceOfAFileIsNamedAndSetAside() throws Exception {
         description = WorldFile.load(WORLD);
@@ -407,9 +407,9 @@ class StoreDamageNativeTest {
     }
 
     /**
-     * Goes on with a store up to a frame and ends without a last image, as if killed.
+     * Continues a store up to a frame and ends without a last image, as if killed.
      *
-     * @param run what the bodies are pushed by
+     * @param run the push of the bodies
      */
     private Map<String, byte[]> killedAfter(long frame, String run, Map<String, byte[]> before)
             throws IOException {
@@ -458,7 +458,7 @@ class StoreDamageNativeTest {
         return sink.left;
     }
 
-    /** What a kill leaves of a store: everything but the image at the end. */
+    /** The files that a kill leaves of a store: everything except the image at the end. */
     private static final class Killed implements JournalSink {
         private final SqliteStore store;
         private final Path place;

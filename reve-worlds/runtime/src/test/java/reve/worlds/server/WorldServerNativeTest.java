@@ -19,7 +19,7 @@ import java.util.Optional;
 import java.util.Queue;
 import java.util.concurrent.ConcurrentLinkedQueue;
 
-/** What a server reports when a world of it fails. */
+/** The reports of a server when one of its worlds fails. */
 class WorldServerNativeTest {
     @TempDir private Path folder;
 
@@ -40,7 +40,9 @@ class WorldServerNativeTest {
                 WorldFile.load(file), frames, persistence, new Pictures(folder, List.of()));
     }
 
-    /** The recording cannot be written and nobody can be told, which is an Error of the journal. */
+    /**
+     * The recording cannot be written and no report is possible, which is an Error of the journal.
+     */
     @Test
     void aWorldWhoseJournalEndsIsReportedAsFailedAndTheOthersGoOn() throws Exception {
         var recording = Optional.of(folder.resolve("run.log"));

@@ -115,14 +115,21 @@ public final class AuditLog implements Closeable {
      */
     private boolean endsWithLine() throws IOException {
         try (FileChannel in = FileChannel.open(file)) {
+            requireRecord(in, 0); // first: the search for the last line may read the whole file
             long end = in.size();
             long next = lineBefore(in, end);
-            if (!isRecord(in, 0) || next > 0 && !isRecord(in, lineBefore(in, next - 1))) {
-                throw new IOException(
-                        "it is there already and holds something else than an audit "
-                                + "record; name another file, or move it away");
+            if (next > 0) {
+                requireRecord(in, lineBefore(in, next - 1));
             }
             return next == end;
+        }
+    }
+
+    private static void requireRecord(FileChannel in, long start) throws IOException {
+        if (!isRecord(in, start)) {
+            throw new IOException(
+                    "it is there already and holds something else than an audit "
+                            + "record; name another file, or move it away");
         }
     }
 

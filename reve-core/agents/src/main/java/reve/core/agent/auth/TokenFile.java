@@ -5,6 +5,8 @@ import org.jspecify.annotations.Nullable;
 import org.slf4j.Logger;
 import org.slf4j.LoggerFactory;
 
+import reve.core.disk.Reason;
+
 import java.io.IOException;
 import java.nio.channels.FileChannel;
 import java.nio.channels.FileLock;
@@ -230,9 +232,13 @@ public final class TokenFile {
                     make && !Files.exists(file) ? Map.of() : read(file, version(file));
             byte[] bytes = TokenFormat.write(change.apply(new ArrayList<>(before.values())));
             Files.deleteIfExists(next);
-            Files.createFile(next, PRIVATE);
-            Files.write(next, bytes, StandardOpenOption.SYNC);
-            Files.move(next, file, StandardCopyOption.ATOMIC_MOVE);
+            try {
+                Files.createFile(next, PRIVATE);
+                Files.write(next, bytes, StandardOpenOption.SYNC);
+                Files.move(next, file, StandardCopyOption.ATOMIC_MOVE);
+            } catch (IOException e) {
+                throw Reason.naming(file, e);
+            }
         }
     }
 }

@@ -36,6 +36,10 @@ final class ConnectionReader {
     private final Wire wire;
     private final SelectionKey key;
     private final MessageFramer messages;
+    private final ReadShares.Share share;
+
+    /** A message that waits for its share of the loop's time. */
+    private @Nullable ByteBuffer waiting;
 
     private int errors;
 
@@ -58,6 +62,7 @@ final class ConnectionReader {
         this.counters = connections.counters();
         this.wire = wire;
         this.key = key;
+        this.share = connections.shares().open(System.nanoTime());
         this.messages =
                 new MessageFramer(
                         limits, timeouts, () -> connection.send(new ServerMessage.Ping()));
@@ -128,17 +133,28 @@ final class ConnectionReader {
                 throttle();
                 return;
             }
-            ByteBuffer next = messages.next();
+            ByteBuffer next = waiting != null ? waiting : messages.next();
             if (next == null) {
                 floodingSinceNanos = messages.hasTakenAll() ? 0 : floodingSinceNanos;
                 return;
             }
+            if (!connections.shares().take(share, next.remaining(), System.nanoTime())) {
+                waiting = waiting != null ? next : copy(next);
+                pause();
+                connections.readLater(connection);
+                return;
+            }
+            waiting = null;
             counters.lines.increment();
             if (client != null) {
                 client.count();
             }
             take(next);
         }
+    }
+
+    private static ByteBuffer copy(ByteBuffer message) {
+        return ByteBuffer.allocate(message.remaining()).put(message).flip();
     }
 
     /**

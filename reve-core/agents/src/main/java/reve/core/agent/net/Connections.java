@@ -37,7 +37,7 @@ public final class Connections {
     private static final int ACCEPTED_PER_TURN = 16;
 
     /** Minimum time between two attempts to read from clients that have used up their quota. */
-    private static final long THROTTLE_NANOS = 10_000_000;
+    private static final long THROTTLE_NANOS = ReadShares.WINDOW_NANOS;
 
     private final AgentLimits limits;
     private final AgentTimeouts timeouts;
@@ -62,7 +62,9 @@ public final class Connections {
     private final Writers writers = new Writers(Runtime.getRuntime().availableProcessors());
     private final SlowReaders<Connection> slowReaders = new SlowReaders<>();
 
-    /** Connections that have used up their quota. */
+    private final ReadShares shares = new ReadShares();
+
+    /** Connections that have used up their quota, or wait for their share of the loop's time. */
     private List<Connection> throttled = new ArrayList<>();
 
     private long readThrottledNanos = System.nanoTime();
@@ -193,6 +195,11 @@ public final class Connections {
     /** Returns the buffers of the event loop's thread. */
     WriteBuffers buffers() {
         return writers.buffers();
+    }
+
+    /** Returns the shares of connections in the loop's time for decoding. */
+    ReadShares shares() {
+        return shares;
     }
 
     /** Returns the connections whose clients read too slowly. */

@@ -6,6 +6,7 @@ import static org.assertj.core.api.Assertions.assertThatThrownBy;
 
 import org.junit.jupiter.api.BeforeEach;
 import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.Timeout;
 import org.junit.jupiter.api.io.TempDir;
 import org.junit.jupiter.params.ParameterizedTest;
 import org.junit.jupiter.params.provider.ValueSource;
@@ -19,9 +20,11 @@ import tools.jackson.databind.JsonNode;
 
 import java.io.IOException;
 import java.nio.ByteBuffer;
+import java.nio.channels.FileChannel;
 import java.nio.charset.StandardCharsets;
 import java.nio.file.Files;
 import java.nio.file.Path;
+import java.nio.file.StandardOpenOption;
 import java.nio.file.attribute.PosixFilePermissions;
 import java.time.Instant;
 import java.util.List;
@@ -29,7 +32,7 @@ import java.util.concurrent.TimeUnit;
 import java.util.stream.IntStream;
 import java.util.stream.Stream;
 
-/** The record of what clients are told, and the disk that it is on. */
+/** The audit record, and failures of its disk. */
 class AuditLogTest {
     private static final Path FULL = Path.of("/dev/full");
 
@@ -74,7 +77,7 @@ class AuditLogTest {
                 .hasMessageContainingAll(folder.toString(), "Is a directory");
     }
 
-    /** Opening a pipe to write would wait for a reader, perhaps for ever. */
+    /** Opening a pipe for writing would wait for a reader. */
     @Test
     void aPipeIsRefused() throws Exception {
         assertThat(new ProcessBuilder("mkfifo", file.toString()).start().waitFor()).isZero();
@@ -147,6 +150,18 @@ class AuditLogTest {
             told(audit, "last");
         }
         assertThat(Files.readAllLines(file)).hasSize(3).first().isEqualTo("{\"at\":\"2030");
+    }
+
+    @Test
+    @Timeout(60)
+    void aTerabyteWithoutALineEndIsRefusedByItsBeginning() throws Exception {
+        try (FileChannel sparse =
+                FileChannel.open(file, StandardOpenOption.CREATE, StandardOpenOption.WRITE)) {
+            sparse.write(ByteBuffer.wrap(new byte[1]), (1L << 40) - 1);
+        }
+        assertThatThrownBy(() -> open(AuditPlan.of(file)))
+                .isInstanceOf(IOException.class)
+                .hasMessageContaining("holds something else than an audit record");
     }
 
     @ParameterizedTest

@@ -30,7 +30,7 @@ import java.util.List;
 import java.util.Optional;
 import java.util.Set;
 
-/** Who comes in with which token, and what it may do then. */
+/** The effect of each token on joining, and on rights afterwards. */
 class RightsTest {
 
     private static final Instant NOW = Instant.parse("2030-01-01T00:00:00Z");
@@ -97,7 +97,7 @@ class RightsTest {
         return new Rights(Set.of(Role.AGENT), worlds, bodies, capabilities, false);
     }
 
-    /** Says hello and waits for the answer. */
+    /** Sends hello and waits for the answer. */
     private TestClient hello(String name, String rest) throws IOException {
         TestClient client =
                 room.connect().say("{'t':'hello','protocol':1,'name':'" + name + "'" + rest + "}");

@@ -109,7 +109,7 @@ class TokensTest {
                 .hasMessageContaining("chmod 600");
     }
 
-    /** Reading a pipe would wait for a writer, perhaps for ever. */
+    /** Reading a pipe would wait for a writer. */
     @Test
     void aPipeIsNoFileOfTokens() throws Exception {
         Path pipe = file.resolveSibling("pipe");

@@ -32,7 +32,7 @@ class EmbodimentTest {
         assertThat(world.find("ghost")).isEmpty();
     }
 
-    /** Designers' items, what hangs from them, and another agent's body. */
+    /** Designers' items, attached items, and another agent's body. */
     @Test
     void whatIsAttachedToABodyStaysWhereItIsWhenTheBodyLeaves() {
         World world = new World("w", WorldPrototype.standard("si-f64"), new OffHeapArena());
@@ -74,7 +74,7 @@ class EmbodimentTest {
         assertThat(events(world)).contains("removed spring");
     }
 
-    /** A spring cannot be without its ends, and nobody can refuse that an agent leaves. */
+    /** A spring needs both ends, and an agent's leave cannot be refused. */
     @Test
     void eachItemThatGoesWithABodyIsNamedInAnEvent() {
         World world = new World("w", WorldPrototype.standard("si-f64"), new OffHeapArena());

@@ -5,7 +5,7 @@ import static org.assertj.core.api.Assertions.assertThat;
 
 import org.junit.jupiter.api.Test;
 
-/** How many steps agents may take in a frame. */
+/** Limits of the steps that agents may take in a frame. */
 class StepBudgetTest {
 
     private static final int DEAR = 20_000;
@@ -13,7 +13,11 @@ class StepBudgetTest {
 
     private final StepBudget budget = new StepBudget();
 
-    /** Acts as often in a frame as it may, at most so often. @return how often */
+    /**
+     * Acts as often in a frame as permitted, at most that often.
+     *
+     * @return number of acts
+     */
     private int acts(String agent, long frame, int steps, int most) {
         int acts = 0;
         while (acts < most && budget.hasLeft(agent, frame)) {

@@ -17,8 +17,8 @@ import java.util.Optional;
 import java.util.Random;
 
 /**
- * How long agents in lock-step keep others waiting, in a world of 60 frames a second whose clock
- * moves from one happening to the next.
+ * The time for which agents in lock-step delay others, in a world of 60 frames a second whose clock
+ * moves from one event to the next.
  */
 class AllowancesTest {
 
@@ -39,12 +39,12 @@ class AllowancesTest {
     private long now = 1;
     private long frame = 1;
 
-    /** How an agent takes its rounds. */
+    /** The pace of an agent's rounds. */
     private interface Thinking {
-        /** Time after which it has done with its next round [ns]; {@link #NEVER} if it has not. */
+        /** Time at which its next round is complete [ns]; {@link #NEVER} if never. */
         long next();
 
-        /** Whether it leaves in place of being ready, and comes again under another name. */
+        /** Whether it leaves instead of being ready, and reconnects under another name. */
         default boolean leaves() {
             return false;
         }
@@ -82,7 +82,10 @@ class AllowancesTest {
             readyNanos = time == NEVER ? NEVER : now + time;
         }
 
-        /** A frame has begun; who is about to leave still is, and who is away thinks on. */
+        /**
+         * Begins a frame; an agent that is about to leave is still present, and one that is away
+         * continues to think.
+         */
         void perceive() {
             if (!thinking.leaves() && turn.isHere() || readyNanos == NEVER) {
                 think();
@@ -126,7 +129,11 @@ class AllowancesTest {
         players.add(new Player(thinking, Optional.of(token), home));
     }
 
-    /** Lets the world go on for that long. @return frames a second */
+    /**
+     * Runs the world for that long.
+     *
+     * @return frames a second
+     */
     private double run(long nanoseconds) {
         long begun = now;
         long first = frame;
@@ -141,7 +148,7 @@ class AllowancesTest {
         return (double) (frame - first) * SECOND / (now - begun);
     }
 
-    /** Until the gate lets the next frame begin. */
+    /** Runs until the gate permits the next frame. */
     private void hold() {
         for (long wait = ask(); wait > 0; wait = ask()) {
             long ready =
@@ -167,7 +174,7 @@ class AllowancesTest {
         return () -> nanoseconds;
     }
 
-    /** Thinks for that long once in so many rounds, and 5 ms otherwise. */
+    /** Thinks for that long once in a number of rounds, and otherwise 5 ms. */
     private static Thinking sometimes(int rounds, long nanoseconds) {
         return new Thinking() {
             private int round;

@@ -26,8 +26,8 @@ import java.util.Optional;
 import java.util.Random;
 
 /**
- * When a world waits for agents in lock-step, against a small model, on a clock that only moves
- * while it waits.
+ * The times at which a world waits for agents in lock-step, compared with a small model, on a clock
+ * that moves only while the world waits.
  */
 class LockStepTest {
 
@@ -52,7 +52,7 @@ class LockStepTest {
     private long dueSince;
     private long longestDeadline;
 
-    /** Of agents that keep nobody waiting. */
+    /** Agents that delay no others. */
     private static Allowances allowances() {
         return new Allowances(MILLISECOND, Optional.empty(), allowance -> {});
     }
@@ -61,7 +61,7 @@ class LockStepTest {
         return new Allowance(Optional.empty(), 0);
     }
 
-    /** What is known of one agent without looking at the server. */
+    /** The state of one agent, known without the server. */
     private static final class Player {
         private final Turn turn;
         private final int every;
@@ -104,7 +104,7 @@ class LockStepTest {
         }
     }
 
-    /** Moves to the end of a wait, unless something that happens meanwhile ends it. */
+    /** Moves the clock to the end of a wait, unless an event ends it earlier. */
     private final class Clock implements FrameClock {
         private long now = 1;
         private boolean woken;
@@ -117,7 +117,7 @@ class LockStepTest {
         @Override
         public void park(long nanoseconds) {
             if (!loop.isPaused()) {
-                takeBack(loop.frame() + 1); // it has asked the gate just now
+                takeBack(loop.frame() + 1); // the world has just asked the gate
             }
             long end = now + nanoseconds;
             while (!woken && now < end) {
@@ -168,8 +168,8 @@ class LockStepTest {
     }
 
     /**
-     * Something that an agent or an operator does while the world waits; agents also move while it
-     * does not.
+     * Something that an agent or an operator does while the world waits; agents also act while it
+     * runs.
      */
     private void happen() {
         if (loop.isPaused()) {
@@ -273,7 +273,7 @@ class LockStepTest {
                     for (Player player : players) {
                         if (player.roundsBegun(before) != player.judged) {
                             player.judged = player.roundsBegun(before);
-                            player.lateInRow = 0; // else it had been heard
+                            player.lateInRow = 0; // otherwise the server would have received it
                         }
                         assertThat(player.isMissing(before))
                                 .as("seed %d, frame %d", seed, event.frame())
@@ -388,7 +388,7 @@ class LockStepTest {
                                         && !late.away());
     }
 
-    /** From another thread, at the worst moment: while the third late round is being found. */
+    /** From another thread, at the worst moment: while the third late round is detected. */
     @Test
     void aReadyThatComesAsTheWorldGivesUpIsNotLost() {
         var turn =

@@ -32,7 +32,7 @@ import java.util.concurrent.CompletableFuture;
 import java.util.concurrent.CountDownLatch;
 import java.util.concurrent.TimeUnit;
 
-/** What an error in the server itself, even of the virtual machine, costs agents. */
+/** The effect on agents of an error in the server, even of the virtual machine. */
 class AgentErrorsTest {
 
     private static final long PATIENCE_SECONDS = 20;
@@ -139,7 +139,7 @@ class AgentErrorsTest {
         }
     }
 
-    /** A connection that has something to read and something to write. */
+    /** A connection with data to read and data to write. */
     private Connection connect(OddWire wire) throws Exception {
         var made = new CompletableFuture<Connection>();
         room.connections()
@@ -182,7 +182,7 @@ class AgentErrorsTest {
         }
     }
 
-    /** A client that sends something, and closes then; reading it or writing to it fails. */
+    /** A client that sends data and closes; reading from or writing to it then fails. */
     private static final class OddWire implements Wire {
 
         private final Pipe pipe = Pipe.open();

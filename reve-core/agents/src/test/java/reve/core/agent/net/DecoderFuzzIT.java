@@ -23,12 +23,12 @@ import java.util.HexFormat;
 @Tag("slow")
 class DecoderFuzzIT {
 
-    /** Inputs that are tried; ten million for a whole run. */
+    /** Number of inputs; ten million in a long run. */
     private static final int RUNS = Integer.getInteger("reve.fuzz.runs", 50_000);
 
     /**
-     * The heap's limit counts: to libFuzzer, a process is as large as the one that started it once
-     * was.
+     * Disables libFuzzer's limit of memory. It compares the peak of the process that started the
+     * fuzzer; the heap limit of the Java process bounds the memory instead.
      */
     private static final String NO_RSS_LIMIT = "-rss_limit_mb=0";
 

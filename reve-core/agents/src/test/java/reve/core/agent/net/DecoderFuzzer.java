@@ -19,8 +19,8 @@ import java.util.Arrays;
 import java.util.List;
 
 /**
- * What Jazzer calls with bytes of its own making. The first one says how they are taken: as a
- * message of JSON or of MessagePack, or as what comes from a socket in pieces.
+ * The entry point for Jazzer. The first byte chooses the decoder: a message of JSON or of
+ * MessagePack, or a stream in pieces.
  */
 public final class DecoderFuzzer {
 
@@ -31,7 +31,7 @@ public final class DecoderFuzzer {
 
     private DecoderFuzzer() {}
 
-    /** Throws what is a bug. */
+    /** Throws if the input reveals a bug. */
     public static void fuzzerTestOneInput(byte[] data) throws IOException {
         if (data.length == 0) {
             return;
@@ -51,7 +51,7 @@ public final class DecoderFuzzer {
         }
     }
 
-    /** Every message is understood, or refused with a code and a reason that can be shown. */
+    /** Every message is decoded, or refused with a code and a printable reason. */
     private static void read(ByteBuffer bytes, Encoding encoding) {
         try {
             ClientMessage message = MessageReader.read(bytes, encoding);
@@ -65,10 +65,7 @@ public final class DecoderFuzzer {
         }
     }
 
-    /**
-     * The messages that come out of a stream, and how it ends, whatever the pieces in which it
-     * comes.
-     */
+    /** The messages of a stream, and its end, are the same for all divisions into pieces. */
     private static List<String> cut(byte[] bytes, Encoding encoding, int piece) throws IOException {
         var found = new ArrayList<String>();
         var messages = new MessageFramer(CONFIG.limits(), CONFIG.timeouts(), () -> {});
@@ -94,7 +91,7 @@ public final class DecoderFuzzer {
         }
     }
 
-    /** Gives at most so many bytes at a time. */
+    /** Returns at most that many bytes at a time. */
     private record Stream(ByteBuffer bytes, int piece) implements ReadableByteChannel {
 
         @Override

@@ -11,7 +11,7 @@ import java.nio.charset.StandardCharsets;
 import java.util.ArrayList;
 import java.util.List;
 
-/** The order in which one client is told things. */
+/** The order of messages to one client. */
 class OutboxTest {
 
     private final Outbox outbox = new Outbox(2, 100, () -> {});

@@ -161,7 +161,7 @@ class ObservatoryTest {
         assertThat(items.get(2).get("symbols").has("on")).isFalse();
     }
 
-    /** Things drift, each its way, or all rest; and at times one jumps, turns, comes or goes. */
+    /** All items drift or rest; at times one jumps, turns, is added or is removed. */
     @Test
     void whatIsSensedDoesNotDependOnWhatWasAroundInEarlierFrames() {
         long seed = Seed.of("what drifts");

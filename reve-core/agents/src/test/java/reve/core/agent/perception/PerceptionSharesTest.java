@@ -9,7 +9,7 @@ import java.util.ArrayList;
 import java.util.List;
 import java.util.Optional;
 
-/** Costs and times are told, so that each run is the same. */
+/** Costs and times are inputs, so that each run is the same. */
 class PerceptionSharesTest {
     private static final long MILLISECOND = 1_000_000;
 
@@ -33,7 +33,7 @@ class PerceptionSharesTest {
         return perceiver;
     }
 
-    /** It perceives and is written to, in so much time. */
+    /** Perceives and is written to, which takes that much time. */
     private void serve(Perceiver client, long nanos) {
         shares.serve(client.perceptionCost(), nanos / 2);
         client.perceptionCost().wrote(nanos - nanos / 2);

@@ -28,7 +28,7 @@ import java.util.Optional;
 import java.util.Random;
 import java.util.Set;
 
-/** The clock moves on by 4 ms whenever it is read, so that a slice takes in a few items only. */
+/** The clock advances 4 ms with each reading, so that a slice has time for a few items only. */
 class RelatedViewsTest {
     private static final int ITEMS = 200;
 
@@ -46,7 +46,7 @@ class RelatedViewsTest {
     private long now;
     private final RelatedViews<Perceiver> views = new RelatedViews<>(() -> now += 4_000_000);
 
-    /** By frame, item and relation, as the world itself says. */
+    /** Relations by frame, item and relation, as the world itself computes them. */
     private final Map<Long, Map<String, Map<String, List<String>>>> expected = new HashMap<>();
 
     private static final class Perceiver implements RelatedViews.Client {

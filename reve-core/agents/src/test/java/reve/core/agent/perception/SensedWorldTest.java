@@ -17,7 +17,7 @@ import reve.core.world.WorldPrototype;
 
 import java.util.Random;
 
-/** What hides an item is found in a tree of boxes; here every box is looked at. */
+/** The tree of boxes finds what hides an item; the test compares it with a search of every box. */
 class SensedWorldTest {
 
     private static final double REACH = 12;
@@ -57,7 +57,7 @@ class SensedWorldTest {
         assertThat(hidden).isGreaterThan(200);
     }
 
-    /** On a grid at times, so that lines run along faces and through corners. */
+    /** At times on a grid, so that lines run along faces and through corners. */
     private static ItemDefinition item(Random random, String name) {
         ItemDefinition.Builder item = ItemDefinition.named(name);
         if (random.nextBoolean()) {
@@ -81,8 +81,8 @@ class SensedWorldTest {
     }
 
     /**
-     * The nearest point of the box, its middle and its corners: whether one is in reach and not
-     * hidden.
+     * Tests the nearest point of the box, its middle and its corners: whether one is in reach and
+     * not hidden.
      */
     private static boolean sees(Table bodies, int eye, int row) {
         double[] from = read(bodies, "position", eye);

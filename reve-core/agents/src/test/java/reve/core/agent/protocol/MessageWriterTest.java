@@ -20,7 +20,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Random;
 
-/** What is written in an encoding is read as the same by libraries that other programs use. */
+/** Independent libraries read encoded messages with the same content. */
 class MessageWriterTest {
 
     private static final List<Object> EDGES =

@@ -171,7 +171,7 @@ class MessagesTest {
                 ByteBuffer.wrap(line.getBytes(StandardCharsets.UTF_8)), Encoding.JSON);
     }
 
-    /** The message as a client would write it. */
+    /** Returns the message as a client would write it. */
     private static JsonNode written(ClientMessage message) {
         ObjectNode json = JSON.createObjectNode();
         json.put("t", message.type());
@@ -293,7 +293,7 @@ class MessagesTest {
                         });
     }
 
-    /** The server's message with those values. */
+    /** Returns the server's message with those values. */
     private static ServerMessage message(JsonNode json) {
         long id = json.path("id").asLong(ClientMessage.NO_ID);
         return switch (json.get("t").stringValue()) {

@@ -12,7 +12,7 @@ import java.nio.file.Path;
 import java.util.List;
 import java.util.Objects;
 
-/** The protocol's page and test vectors, as clients have them too. */
+/** The protocol's page and test vectors, which clients use, too. */
 public final class Vectors {
 
     private static final JsonMapper JSON = new JsonMapper();
@@ -23,7 +23,7 @@ public final class Vectors {
         return text("vectors/" + file).lines().map(JSON::readTree).toList();
     }
 
-    /** Both are the same JSON: the order of fields and the way a number is written are free. */
+    /** Compares JSON: the order of fields and the form of a number do not matter. */
     public static void assertSame(JsonNode actual, JsonNode expected) {
         assertThat(actual.equals(Vectors::compareLeaves, expected))
                 .as("expected %s%n but was %s", expected, actual)

@@ -29,7 +29,7 @@ import java.util.Optional;
 /** One agent raises events faster than another client reads them. */
 class EventFloodTest {
 
-    /** More than sockets and the outbox of the reader hold together. */
+    /** More than sockets and the reader's outbox hold together. */
     private static final int FRAMES = 300;
 
     private static final int ACTS = 4;
@@ -74,7 +74,7 @@ class EventFloodTest {
         room.close();
     }
 
-    /** Another client says as much as it may in each of some frames. */
+    /** Another client sends as many events as permitted in each of some frames. */
     private void flood(TestClient evil, int frames) throws IOException {
         for (int i = 0; i < frames; i++) {
             for (int act = 0; act < ACTS; act++) {
@@ -92,7 +92,7 @@ class EventFloodTest {
         }
     }
 
-    /** All events that come before a pong. */
+    /** Returns all events before a pong. */
     private static List<JsonNode> events(TestClient reader) throws IOException {
         reader.say("{'t':'ping','id':5}");
         var events = new ArrayList<JsonNode>();
@@ -132,7 +132,10 @@ class EventFloodTest {
 
                 List<JsonNode> told = new ArrayList<>(events(slow));
                 while (missed(told).isEmpty()) {
-                    told.addAll(events(slow)); // it was written what waited, and its socket holds
+                    told.addAll(
+                            events(
+                                    slow)); // the server has written what waited, and the socket
+                                            // holds it
                 }
                 JsonNode gap = missed(told).get();
                 long first = gap.at("/fields/first").longValue();

@@ -23,7 +23,7 @@ import java.util.concurrent.atomic.AtomicBoolean;
 import java.util.stream.Collectors;
 import java.util.stream.IntStream;
 
-/** How many messages of a client are taken, and what becomes of one that sends more. */
+/** The number of messages that the server reads of a client, and the effect of more. */
 class QuotaTest {
 
     private static final long SECOND = 1_000_000_000L;
@@ -103,7 +103,7 @@ class QuotaTest {
         return new AgentServerConfig(c.address(), limits, timeouts, c.audit(), c.security());
     }
 
-    /** Messages, one a line, whose ids are 1, 2, … */
+    /** Returns messages, one a line, with the ids 1, 2, … */
     private static String numbered(String message, int count) {
         return IntStream.rangeClosed(1, count)
                 .mapToObj(message::formatted)
@@ -121,7 +121,7 @@ class QuotaTest {
             for (int i = 1; i <= messages; i++) {
                 assertThat(ada.expect("pong").get("id").intValue()).isEqualTo(i);
             }
-            // if a second's worth was left
+            // if the quota of a second was left
             double least = (double) (messages - perSecond) / perSecond;
             assertThat((System.nanoTime() - began) * 1e-9).as("seconds").isGreaterThan(least);
             ada.say("{'t':'bye'}").skipToBye("goodbye");
@@ -158,8 +158,8 @@ class QuotaTest {
     }
 
     /**
-     * Floods for as long as the good agents need, and until they are cut, each by a client that
-     * comes again.
+     * Floods for as long as the correct agents need, each time by a client that reconnects after a
+     * disconnect.
      */
     @Test
     void floodsCostTheOthersNoneOfTheirActs() throws Exception {
@@ -190,7 +190,7 @@ class QuotaTest {
     }
 
     /**
-     * @return how often it was cut
+     * @return number of disconnects
      */
     private static int flood(AgentRoom room, String name, AtomicBoolean over) throws IOException {
         int cut = 0;
@@ -205,7 +205,7 @@ class QuotaTest {
     }
 
     /**
-     * @return how many of its acts were accepted
+     * @return number of accepted acts
      */
     private static Callable<Integer> agent(AgentRoom room, String name, int rounds) {
         return () -> {

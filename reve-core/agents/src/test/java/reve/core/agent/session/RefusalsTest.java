@@ -15,7 +15,7 @@ import tools.jackson.databind.JsonNode;
 import java.io.IOException;
 import java.util.Map;
 
-/** What only a long time, or much of something, brings about. */
+/** Refusals that need a long time, or large amounts. */
 class RefusalsTest {
 
     private static final int REMEMBERED = 1024;

@@ -25,7 +25,7 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.stream.IntStream;
 
-/** What a session that is resumed again and again costs the server. */
+/** The cost for the server of a session that is resumed again and again. */
 class ResumesTest {
 
     private static final long SECOND = 1_000_000_000;

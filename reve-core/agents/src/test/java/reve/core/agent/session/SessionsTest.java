@@ -32,10 +32,13 @@ import java.util.OptionalLong;
 import java.util.Random;
 import java.util.TreeSet;
 
-/** Roles, commands that are done at most once, and connections that break and come back. */
+/** Roles, commands that are executed at most once, and connections that break and are replaced. */
 class SessionsTest {
 
-    /** Of an agent whose connection breaks after every third; thirty thousand for a whole run. */
+    /**
+     * Number of acts of an agent whose connection breaks after every third; thirty thousand in a
+     * long run.
+     */
     private static final int CUT_COMMANDS = Integer.getInteger("reve.abuse.commands", 60);
 
     private static final String WIND_UP = "{'t':'act','id':%d,'item':'duck','action':'wind-up'}";
@@ -263,7 +266,7 @@ class SessionsTest {
         }
     }
 
-    // ---- at most once ----
+    // at most once
 
     @Test
     void aCommandSentTwiceIsDoneOnceAndGetsItsFirstResultAgain() throws IOException {
@@ -320,7 +323,7 @@ class SessionsTest {
         assertThat(log.look(5000)).isInstanceOf(CommandLog.Known.Fresh.class);
     }
 
-    // ---- broken connections ----
+    // broken connections
 
     @Test
     void anAgentWhoseConnectionBreaksKeepsItsBodyAndGoesOn() throws IOException {
@@ -425,7 +428,7 @@ class SessionsTest {
         return ServerMessage.Event.missed(OptionalLong.empty(), first, last);
     }
 
-    /** More than a minute of an act in every frame. */
+    /** An act in every frame, for more than a minute. */
     @Test
     void whoComesBackToABusyWorldIsToldAllThatItMissed() throws IOException {
         room.world.add(bell());
@@ -470,7 +473,10 @@ class SessionsTest {
         return new ServerMessage.Event(frame, "rang", Map.of());
     }
 
-    /** Whatever breaks when, no command is done twice, and one whose result came was done. */
+    /**
+     * No command is executed twice, and a command with a result was executed, whenever a connection
+     * breaks.
+     */
     @Test
     void randomCutsNeverDoACommandTwice() throws IOException {
         long seed = Seed.of("cuts");
@@ -537,7 +543,7 @@ class SessionsTest {
         return tokens.keySet().stream().filter(room::has).toList();
     }
 
-    /** An agent comes that may come back, and its connection breaks. */
+    /** Connects an agent that may resume, and breaks its connection. */
     private void breakOff(String name, Map<String, String> tokens) throws IOException {
         TestClient client = room.connect();
         tokens.put(name, join(client, name, 60));
@@ -546,7 +552,7 @@ class SessionsTest {
 
     // ---- helpers ----
 
-    /** Something that tells when it is rung. */
+    /** An object that records its calls. */
     private static ItemDefinition bell() {
         return ItemDefinition.named("bell")
                 .action(
@@ -559,9 +565,9 @@ class SessionsTest {
     }
 
     /**
-     * Has a client join; takes one frame.
+     * Lets a client join; takes one frame.
      *
-     * @return the token that another connection goes on with
+     * @return the token with which another connection resumes
      */
     private String joinAsAda(TestClient client, double graceSeconds) throws IOException {
         return join(client, "ada", graceSeconds);
@@ -598,7 +604,7 @@ class SessionsTest {
                 + "}}";
     }
 
-    /** As when a machine crashes. */
+    /** As after a crash of its machine. */
     private static void reset(TestClient client) throws IOException {
         client.socket.setSoLinger(true, 0);
         client.close();
