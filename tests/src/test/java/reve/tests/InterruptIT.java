@@ -54,11 +54,10 @@ class InterruptIT {
         Process run =
                 new ProcessBuilder(Reve.command("run", WORLD, "--seconds", "1e6", "--real-time"))
                         .start();
-        try (BufferedReader errors = run.errorReader()) {
-            String line = errors.readLine();
-            while (!line.startsWith("frame ")) { // the first progress line shows that the loop runs
-                line = errors.readLine();
-            }
+        BufferedReader errors = run.errorReader();
+        String line = errors.readLine();
+        while (!line.startsWith("frame ")) { // the first progress line shows that the loop runs
+            line = errors.readLine();
         }
         assertThat(new ProcessBuilder("kill", "-INT", Long.toString(run.pid())).start().waitFor())
                 .isZero();
