@@ -32,7 +32,12 @@ class LawFoldersTest {
             assertThat(Files.readString(folder.resolve("CMakeLists.txt")))
                     .containsOnlyOnce("_law(" + law);
         }
-        assertThat(list(Project.NATIVE.resolve("laws")).map(LawFoldersTest::lawOf))
+        List<String> shipped =
+                list(Project.NATIVE.resolve("laws"))
+                        .filter(file -> file.toString().endsWith(".so"))
+                        .map(LawFoldersTest::lawOf)
+                        .toList();
+        assertThat(shipped)
                 .containsExactlyInAnyOrderElementsOf(
                         folders.stream().map(folder -> folder.getFileName().toString()).toList());
     }

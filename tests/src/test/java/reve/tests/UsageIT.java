@@ -36,6 +36,28 @@ class UsageIT {
         assertThat(outcome.err()).contains(message);
     }
 
+    /** Libraries of the command line may read arguments from such a file. */
+    @Test
+    void anArgumentThatBeginsWithAnAtSignIsNoFileOfArguments() throws Exception {
+        Path arguments = Files.writeString(folder.resolve("cool"), "--help\n");
+        Outcome outcome = Reve.run("check", "@" + arguments);
+        assertThat(outcome.code()).as(outcome.out()).isNotZero();
+        assertThat(outcome.out()).isEmpty();
+        assertThat(outcome.err()).contains("@" + arguments);
+    }
+
+    /** Listing a pipe of that name would wait for a writer. */
+    @Test
+    void aPipeInPlaceOfAWorldsFolderOfLawsIsNotOpened() throws Exception {
+        Files.writeString(
+                folder.resolve("world.yaml"), "reve: 1\nname: piped\nlaws: [wicked]\nitems: []\n");
+        Path pipe = folder.resolve("laws");
+        assertThat(new ProcessBuilder("mkfifo", pipe.toString()).start().waitFor()).isZero();
+        Outcome outcome = Reve.run("check", folder.toString());
+        assertThat(outcome.code()).as(outcome.err()).isEqualTo(4);
+        assertThat(outcome.err()).contains("wicked");
+    }
+
     @ParameterizedTest
     @ValueSource(strings = {"--store", "--record", "--laws", "--audit"})
     void anEmptyFileNameIsRefused(String option) throws Exception {

@@ -220,7 +220,7 @@ class PhysicsAdapterNativeTest {
             orbit.run(10);
             assertThat(shared.bytes()).isEqualTo(orbit.bytes());
             Column position = shared.world.table("body").column("position");
-            Path file = Path.of("/proc/self/fd/" + arena.descriptor(position.segment()));
+            Path file = Path.of("/proc/self/fd/" + arena.part(position.segment()).descriptor());
             ByteBuffer bytes = ByteBuffer.allocate(8).order(ByteOrder.nativeOrder());
             try (FileChannel other = FileChannel.open(file, StandardOpenOption.READ)) {
                 other.read(bytes, 24);

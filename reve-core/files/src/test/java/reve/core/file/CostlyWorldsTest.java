@@ -82,7 +82,8 @@ class CostlyWorldsTest {
                                                 List.copyOf(
                                                         list.get("properties")
                                                                 .orElseThrow()
-                                                                .children())));
+                                                                .children()),
+                                                List.of()));
         assertThat(refused.problems())
                 .extracting(Problem::toString)
                 .containsExactly(
