@@ -159,7 +159,8 @@ TYPED_TEST(RigidJointTest, ChainOfUnequalLinksStaysTogether) {
   EXPECT_LT(worst, sizeof(TypeParam) == sizeof(double) ? 3e-4 : 5e-3);
 }
 
-// Links of unequal masses that hit each other: impulses of an impact must not return in later steps.
+// Links of unequal masses that hit each other: impulses of an impact must not return in later
+// steps.
 TYPED_TEST(RigidJointTest, ChainWhoseLinksCollideGainsNoEnergy) {
   auto scene = Hanging<TypeParam>();
   uint32_t before = 0;

@@ -90,13 +90,18 @@ TEST_P(LawFileContract, ReadmeHasTheSectionsThatUsersNeed) {
   }
 }
 
+/// Returns the law's name; a text beside a compiled law has another one.
+std::string TestName(const std::string& file) {
+  return LawFile::NameOf(file) + (file.ends_with(".law") ? "_text" : "");
+}
+
 std::string PrintFile(const ::testing::TestParamInfo<std::string>& info) {
-  return LawFile::NameOf(info.param);
+  return TestName(info.param);
 }
 
 std::string PrintCase(const ::testing::TestParamInfo<Case>& info) {
   const auto& [check, subject] = info.param;
-  std::string name = LawFile::NameOf(subject.file) + "_" + check->name;
+  std::string name = TestName(subject.file) + "_" + check->name;
   if (check->per_precision) name += subject.real_type == VESPER_F64 ? "_f64" : "_f32";
   std::ranges::replace(name, '-', '_');
   return name;

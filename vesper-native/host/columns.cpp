@@ -42,9 +42,8 @@ Mapping::Mapping(int client, uint32_t fd, uint64_t size, bool writable, uint64_t
       mmap(nullptr, reserved, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   void* memory = MAP_FAILED;
   if (around != MAP_FAILED) {
-    memory = mmap(static_cast<std::byte*>(around) + PageSize(), lead_ + size,
-                  Protection(writable), MAP_SHARED | MAP_FIXED, file,
-                  static_cast<off_t>(offset - lead_));
+    memory = mmap(static_cast<std::byte*>(around) + PageSize(), lead_ + size, Protection(writable),
+                  MAP_SHARED | MAP_FIXED, file, static_cast<off_t>(offset - lead_));
   }
   const int error = errno;
   close(file);
@@ -68,7 +67,8 @@ Mapping::~Mapping() {
 
 void Mapping::SetWritable(bool writable) {
   if (data_ == nullptr || writable == writable_) return;
-  if (mprotect(data_ - lead_, lead_ + size_, Protection(writable)) != 0) Fail("protecting a column");
+  if (mprotect(data_ - lead_, lead_ + size_, Protection(writable)) != 0)
+    Fail("protecting a column");
   writable_ = writable;
 }
 

@@ -223,8 +223,8 @@ vesper_status vesper_engine_load_physics_law(vesper_engine* engine, const char* 
   return Guarded(error, [&] {
     vesper_library_id& id = Required(out, "out");
     vesper_engine& target = Required(engine, "engine");
-    auto prepared = std::make_unique<vesper_prepared_library>(target.config(),
-                                                              &Required(library, "library"));
+    auto prepared =
+        std::make_unique<vesper_prepared_library>(target.config(), &Required(library, "library"));
     id = target.Load(*prepared, parameters, count);
     prepared.release();
   });

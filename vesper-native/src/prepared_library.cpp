@@ -131,7 +131,11 @@ std::string TextOf(std::span<const std::byte> bytes) {
 }
 
 /// Returns whether the bytes begin as a shared object does.
-bool IsElf(std::span<const std::byte> bytes) { return TextOf(bytes).starts_with("\x7f" "ELF"); }
+bool IsElf(std::span<const std::byte> bytes) {
+  return TextOf(bytes).starts_with(
+      "\x7f"
+      "ELF");
+}
 
 /// Returns the loader's message without the private name of the copy.
 std::string LoaderMessage(const std::string& private_path) {
@@ -206,7 +210,7 @@ vesper_prepared_library::vesper_prepared_library(const vesper::Config& config,
 vesper_prepared_library::vesper_prepared_library(const vesper::Config& config,
                                                  std::span<const std::byte> bytes,
                                                  const std::string& source) {
-  if (vesper::IsElf(bytes)) {
+  if (vesper::IsElf(bytes) || source.ends_with(".so")) {
     Map(config, bytes, source);
   } else {
     text_ = std::make_unique<vesper::text::TextLibrary>(source, vesper::TextOf(bytes));

@@ -180,5 +180,6 @@ class Commands(ABC, Generic[R, Q]):
     @abstractmethod
     def _report(self, t: str, **fields: object) -> Q: ...
 
+
 def _name(item: Union[str, Item]) -> str:
     return item if isinstance(item, str) else item.name

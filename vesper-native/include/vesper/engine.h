@@ -255,7 +255,8 @@ VESPER_API vesper_status vesper_library_prepare(const vesper_engine_config* conf
                                                 const char* library, vesper_prepared_library** out,
                                                 vesper_error* error) VESPER_NOEXCEPT;
 /** Opens a law library from its bytes, which are copied, in the same way. Bytes that are no shared
- *  object are a text, as in vesper_library_prepare_text. `source` names it in messages. Since 1.1. */
+ *  object are a text, as in vesper_library_prepare_text, unless `source`, which names the library
+ * in messages, ends with `.so`. Since 1.1. */
 VESPER_API vesper_status vesper_library_prepare_bytes(const vesper_engine_config* config,
                                                       const void* bytes, uint64_t size,
                                                       const char* source,

@@ -256,7 +256,7 @@ final class HostProcess implements AutoCloseable {
     }
 
     boolean isAlive() {
-        return process.isAlive();
+        return group.isAlive();
     }
 
     private void kill() {

@@ -87,8 +87,8 @@ public final class HostedEngine implements PhysicsEngine {
      * @param frameLimit time that all laws together may take for an advance: processor time, and
      *     time in which they only wait. The first advance may take at least ten seconds, and others
      *     eight times the longest of the last frames
-     * @param parts returns where hosts find memory that is lent to the engine, and
-     *     throws IllegalArgumentException for other memory
+     * @param parts returns where hosts find memory that is lent to the engine, and throws
+     *     IllegalArgumentException for other memory
      * @throws PhysicsException if the engine refuses the prototype
      * @throws IllegalStateException if no process can be started
      */
@@ -505,10 +505,9 @@ public final class HostedEngine implements PhysicsEngine {
             if (ledger) {
                 calls.call(to -> to.begin(Request.SET_LEDGER).putInt(1));
                 if (state.steps() > 0) {
-                    config.log()
-                            .log(
-                                    System.Logger.Level.WARNING,
-                                    "the ledger begins again, with the engine's new process");
+                    config.log().log(
+                            System.Logger.Level.WARNING,
+                            "the ledger begins again, with the engine's new process");
                 }
             }
         } catch (HostLost | RuntimeException failed) {

@@ -26,6 +26,11 @@ public final class ProcessGroup {
         Posix.kill(-leader, SIGKILL);
     }
 
+    /** Returns whether the leader exists. False as soon as its end can be observed elsewhere. */
+    public boolean isAlive() {
+        return Posix.kill(leader, 0) == 0;
+    }
+
     /** Returns the processor time of all threads of the process [ns]; negative after its end. */
     public long cpuNanos() {
         return Posix.clockNanos((~leader << 3) | CPUCLOCK_SCHED);

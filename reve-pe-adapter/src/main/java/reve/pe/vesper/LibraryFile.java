@@ -40,9 +40,7 @@ public final class LibraryFile {
                         : List.of("libvesper_law_" + library + ".so", library + text);
         return existing(
                 library,
-                lawPath.stream()
-                        .flatMap(folder -> files.stream().map(folder::resolve))
-                        .toList());
+                lawPath.stream().flatMap(folder -> files.stream().map(folder::resolve)).toList());
     }
 
     private static Path existing(String library, List<Path> candidates) {

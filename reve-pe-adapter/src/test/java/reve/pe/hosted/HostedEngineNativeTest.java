@@ -40,8 +40,7 @@ class HostedEngineNativeTest extends EngineContract {
 
         @Override
         public PhysicsEngine engine(VesperConfig config, Prototype prototype) {
-            return new HostedEngine(
-                    hosts, Duration.ofSeconds(10), config, prototype, this::part);
+            return new HostedEngine(hosts, Duration.ofSeconds(10), config, prototype, this::part);
         }
 
         private SharedPart part(MemorySegment segment) {

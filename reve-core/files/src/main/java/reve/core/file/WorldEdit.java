@@ -85,6 +85,7 @@ public sealed interface WorldEdit {
 
     /** A step that may be refused. */
     interface Step {
+        /** Takes the step. */
         void run() throws ActionRefused;
     }
 

@@ -68,18 +68,18 @@ public final class Assets {
      * @throws AssetException if the file cannot be used; the message says why
      */
     public Mesh mesh(String path) throws AssetException {
-        String name = path.toLowerCase(Locale.ROOT);
-        boolean gltf = name.endsWith(".glb") || name.endsWith(".gltf");
-        if (!gltf && !name.endsWith(".obj")) {
-            throw new AssetException(
-                    path
-                            + ": expected a mesh in a .glb, .gltf or .obj file; convert others to"
-                            + " .glb");
-        }
         return once(
                 meshes,
                 path,
                 () -> {
+                    String name = path.toLowerCase(Locale.ROOT);
+                    boolean gltf = name.endsWith(".glb") || name.endsWith(".gltf");
+                    if (!gltf && !name.endsWith(".obj")) {
+                        throw new AssetException(
+                                path
+                                        + ": expected a mesh in a .glb, .gltf or .obj file; "
+                                        + "convert others to .glb");
+                    }
                     byte[] bytes = files.read(path, MAX_FILE_BYTES);
                     var sources = new Sources(files, path);
                     return gltf
@@ -96,12 +96,21 @@ public final class Assets {
      * @throws AssetException if the file cannot be used; the message says why
      */
     public Texture texture(String path) throws AssetException {
-        String name = path.toLowerCase(Locale.ROOT);
-        if (!name.endsWith(".png") && !name.endsWith(".jpg") && !name.endsWith(".jpeg")) {
-            throw new AssetException(
-                    path + ": expected a picture in a .png, .jpg or .jpeg file; rename or convert");
-        }
-        return once(textures, path, () -> files.image(path, Optional.of(path)));
+        return once(
+                textures,
+                path,
+                () -> {
+                    String name = path.toLowerCase(Locale.ROOT);
+                    if (!name.endsWith(".png")
+                            && !name.endsWith(".jpg")
+                            && !name.endsWith(".jpeg")) {
+                        throw new AssetException(
+                                path
+                                        + ": expected a picture in a .png, .jpg or .jpeg file; "
+                                        + "rename or convert it");
+                    }
+                    return files.image(path, Optional.of(path));
+                });
     }
 
     private <T> T once(Map<Place, Loaded<T>> known, String path, Reading<T> reading)

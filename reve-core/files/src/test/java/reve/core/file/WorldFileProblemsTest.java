@@ -46,12 +46,12 @@ class WorldFileProblemsTest {
                     doc: 3                                ! 6  ! doc: found number 3, expected a text; put it in quotes
                     laws: hooke                           ! 7  ! laws: found text `hooke`, expected a list
                     laws: [a, b, a]                       ! 14 ! duplicate law `a`, first on line 6
-                    laws: [{parameters: {}}]              ! 8  ! laws[0]: `name` is missing
+                    laws: [{parameters: {}}]              ! 8  ! expected one of `name` and `text`
                     laws: [{name: a, parameters: {x: [1]}}]! 34 ! x: found a list of 1, expected a number or a text
                     laws: [{name: a, parameters: {x: 3 q}}]! 34 ! x: unit `q`: `q` is not a unit that is known here
                     laws: [{name: a, parameters: {x: 1 2}}]! 34 ! x: found 2 numbers, expected one
-                    laws: [' ']                           ! 8  ! laws[0]: found text ` `, expected the name of a law: letters, digits, `_` and `-`, never a path
-                    laws: [./evil.so]                     ! 8  ! laws[0]: found text `./evil.so`, expected the name of a law: letters, digits, `_` and `-`, never a path
+                    laws: [' ']                           ! 8  ! laws[0]: found text ` `, expected the name of a law: letters, digits, `_` and `-`, never a path; or `text`, a law as text
+                    laws: [./evil.so]                     ! 8  ! laws[0]: found text `./evil.so`, expected the name of a law: letters, digits, `_` and `-`, never a path; or `text`, a law as text
                     laws: [{name: ../x/libvesper_law_y.so}] ! 15 ! name: found text `../x/libvesper_law_y.so`, expected the name of a law: letters, digits, `_` and `-`, never a path
                     constants: {gravity: 3}               ! 22 ! gravity: found 1 number, expected 3 numbers in m/s^2
                     constants: {gravty: 3}                ! 13 ! unknown physics property `gravty` of kind world; did you mean `gravity`?
@@ -73,7 +73,7 @@ class WorldFileProblemsTest {
                     camera: {eye: [0, 0, 0]}              ! 9  ! camera: `target` is missing
                     camera: {eye: [0, 0, 0], target: [0, 0, 0]} ! 34 ! target: is where the eye is
                     camera: {eye: [0, 0, 0], target: [0, 9, 0]} ! 34 ! up: has no direction across the line of sight, expected another `up`
-                    camera: {eye: [0, 0, 0], target: [1, 0, 0], fov: 45} ! 50 ! fov: 45.0 rad is not between 0 and 180 deg; write degrees as `45 deg`
+                    camera: {eye: [0, 0, 0], target: [1, 0, 0], fov: 45} ! 50 ! fov: 45.0 rad is not between 0.1 and 175 deg; write degrees as `45 deg`
                     forces: [{item: on, force: [0, 1, 0], frames: 1}] ! 17 ! item: no item is named `on`; did you mean `one`?
                     forces: [{item: one, force: [0, 1, 0], frames: 0}] ! 48 ! frames: found number 0, expected at least 1
                     forces: [{item: one, force: 3 kg, frames: 1}] ! 29 ! force: unit kg does not fit N

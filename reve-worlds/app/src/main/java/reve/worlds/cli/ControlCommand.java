@@ -320,10 +320,7 @@ public final class ControlCommand implements Callable<Integer> {
         } else {
             // A refused law as text has several lines; other control characters are escaped.
             String reason =
-                    "reve: "
-                            + result.code().orElse("refused")
-                            + ": "
-                            + result.reason().orElse("");
+                    "reve: " + result.code().orElse("refused") + ": " + result.reason().orElse("");
             reason.lines().forEach(spec.commandLine().getErr()::println);
         }
         out.flush();

@@ -89,8 +89,7 @@ public record LawPath(
 
     /** Returns this path for a world whose file lies in this folder. */
     public LawPath forWorld(Path worldFolder) {
-        return new LawPath(
-                shipped, folder, Optional.of(worldFolder), trusted, place, validated);
+        return new LawPath(shipped, folder, Optional.of(worldFolder), trusted, place, validated);
     }
 
     /**

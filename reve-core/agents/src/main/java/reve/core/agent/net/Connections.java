@@ -304,11 +304,7 @@ public final class Connections {
             Optional<Supplier<SSLEngine>> encryption) {
         counters.connections.increment();
         if (open.size() >= most || descriptors.room() <= 0) {
-            turnAway(
-                    channel,
-                    client,
-                    encryption.isEmpty(),
-                    CloseReason.serverFull(open.size()));
+            turnAway(channel, client, encryption.isEmpty(), CloseReason.serverFull(open.size()));
             return;
         }
         try {

@@ -132,10 +132,8 @@ class EventFloodTest {
 
                 List<JsonNode> told = new ArrayList<>(events(slow));
                 while (missed(told).isEmpty()) {
-                    told.addAll(
-                            events(
-                                    slow)); // the server has written what waited, and the socket
-                                            // holds it
+                    told.addAll(events(slow)); // the server has written what waited, and the socket
+                    // holds it
                 }
                 JsonNode gap = missed(told).get();
                 long first = gap.at("/fields/first").longValue();
