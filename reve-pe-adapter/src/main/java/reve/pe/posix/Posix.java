@@ -32,6 +32,13 @@ final class Posix {
     private static final MethodHandle FCNTL =
             variadic("fcntl", 2, JAVA_INT, JAVA_INT, JAVA_INT, JAVA_INT);
     private static final MethodHandle KILL = function("kill", JAVA_INT, JAVA_INT, JAVA_INT);
+
+    /** Without errno, so that a call allocates nothing. */
+    private static final MethodHandle PLAIN_KILL =
+            LINKER.downcallHandle(
+                    LINKER.defaultLookup().findOrThrow("kill"),
+                    FunctionDescriptor.of(JAVA_INT, JAVA_INT, JAVA_INT));
+
     private static final MethodHandle CLOCK_GETTIME =
             function("clock_gettime", JAVA_INT, JAVA_INT, ADDRESS);
     private static final MethodHandle CLOSE = function("close", JAVA_INT, JAVA_INT);
@@ -119,6 +126,15 @@ final class Posix {
         try (Arena call = Arena.ofConfined()) {
             MemorySegment state = call.allocate(CALL_STATE);
             return orErrno((int) KILL.invokeExact(state, process, signal), state);
+        } catch (Throwable t) {
+            throw unexpected(t);
+        }
+    }
+
+    /** Returns whether the process exists. */
+    static boolean exists(int process) {
+        try {
+            return (int) PLAIN_KILL.invokeExact(process, 0) == 0;
         } catch (Throwable t) {
             throw unexpected(t);
         }

@@ -28,7 +28,7 @@ public final class ProcessGroup {
 
     /** Returns whether the leader exists. False as soon as its end can be observed elsewhere. */
     public boolean isAlive() {
-        return Posix.kill(leader, 0) == 0;
+        return Posix.exists(leader);
     }
 
     /** Returns the processor time of all threads of the process [ns]; negative after its end. */
