@@ -106,7 +106,7 @@ final class HostedProvider implements PhysicalPropertyProvider {
         lifetimesKnown = false;
     }
 
-    /** Returns whether the host must be told of arrays. */
+    /** Returns whether arrays were lent that the host does not have yet. */
     boolean hasPending() {
         return !pending.isEmpty();
     }

@@ -117,8 +117,10 @@ class HostedEngineNativeTest extends EngineContract {
                                 .load("counts_years")) {
             for (int frame = 0; frame < 10; frame++) {
                 if (frame % 3 == 1) {
-                    hostsWith("law").forEach(ProcessHandle::destroyForcibly);
-                    hostsWith("law").forEach(host -> host.onExit().join());
+                    // Listed once: a host that ends no longer shows its laws.
+                    List<ProcessHandle> doomed = hostsWith("law");
+                    doomed.forEach(ProcessHandle::destroyForcibly);
+                    doomed.forEach(host -> host.onExit().join());
                 }
                 orbit.engine.advance(SpringOrbit.DT, 4);
                 undisturbed.engine.advance(SpringOrbit.DT, 4);
