@@ -281,7 +281,7 @@ final class ContactChecks {
 
     /** Returns whether a law of this world keeps a body from falling through a floor. */
     private boolean holds(Floor floor, ItemFacts.Entry body) {
-        if (shapes && floor.physics) {
+        if (shapes && (floor.physics || laws.isUsed(LawFacts.SCENERY))) {
             return true;
         }
         return body.has(LawFacts.RADIUS)

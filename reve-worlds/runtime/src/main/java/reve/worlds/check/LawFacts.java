@@ -44,6 +44,9 @@ final class LawFacts {
                     "length",
                     "softening");
 
+    /** Kind of the rows without physics, whose shapes a law may use. */
+    static final String SCENERY = "scenery";
+
     /** Properties from which a law can know the shape of a body. */
     private static final Pattern EXTENT =
             Pattern.compile("(?i).*(shape|size|extent|dimension|hull).*");
@@ -176,6 +179,7 @@ final class LawFacts {
                                         && (use.type() == ScalarType.F32
                                                 || use.type() == ScalarType.F64)
                                         && !STATE.contains(use.name())
+                                        && !EXTENT.matcher(use.name()).matches()
                                         && !isWritten(use.kind(), use.name()));
     }
 
