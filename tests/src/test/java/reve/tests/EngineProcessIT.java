@@ -37,6 +37,9 @@ class EngineProcessIT {
                 physics: {mass: 1 kg, velocity: [1, 0, 0]}
             """;
 
+    /** HOSTILE_STEP of the test laws. */
+    private static final long HARMLESS_STEPS = 50;
+
     @TempDir private Path folder;
 
     private Path laws;
@@ -77,7 +80,10 @@ class EngineProcessIT {
                 .toList();
     }
 
-    /** Every law fails in its first frame, so the world is one that never had it. */
+    /**
+     * The laws do harm from the 50th step of the world on. Here each does so in its first frame, so
+     * the world is one that never had it.
+     */
     @Test
     void aServerOutlivesLawsThatHarmTheirProcess() throws Exception {
         Map<String, String> kinds = new LinkedHashMap<>();
@@ -94,6 +100,7 @@ class EngineProcessIT {
         try (Server server = serve()) {
             try (AgentClient agent =
                     AgentClient.connect("127.0.0.1", Integer.parseInt(server.port()), "ada")) {
+                while (agent.perceive().frame() <= HARMLESS_STEPS) {}
                 for (Map.Entry<String, String> kind : kinds.entrySet()) {
                     Path file = drop(kind.getKey());
                     int seen = server.events().count();
@@ -112,6 +119,7 @@ class EngineProcessIT {
                 }
                 assertThat(agent.perceive()).isNotNull();
             }
+            server.events().await("left", event -> true); // its body is an item of the world
             server.process().toHandle().destroy();
             end = server.events().await("end", event -> true);
         }

@@ -22,7 +22,6 @@ import java.lang.foreign.MemorySegment;
 import java.nio.file.Path;
 import java.time.Duration;
 import java.util.ArrayList;
-import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
@@ -61,7 +60,7 @@ public final class HostedEngine implements PhysicsEngine {
     private final VesperConfig config;
     private final Prototype prototype;
     private final HostedProvider provider;
-    private final Map<Integer, Loaded> libraries = new LinkedHashMap<>();
+    private final List<Loaded> libraries = new ArrayList<>();
     private final KeptState state = new KeptState();
 
     /** Moves of rows since the state was kept. */
@@ -183,7 +182,7 @@ public final class HostedEngine implements PhysicsEngine {
             Calls calls = connected();
             loadWithReport(calls, added);
             library.taken();
-            libraries.put(added.id, added);
+            libraries.add(added);
             nextId++;
             state.keep(calls);
             return added.id;
@@ -231,11 +230,15 @@ public final class HostedEngine implements PhysicsEngine {
     @Override
     public void unloadPhysicsLaw(int libraryId) {
         checkOpen();
-        Loaded old = libraries.get(libraryId);
-        if (old == null) {
-            throw new PhysicsException(
-                    Status.NOT_FOUND, "no library with id " + libraryId + " is loaded");
-        }
+        Loaded old =
+                libraries.stream()
+                        .filter(library -> library.id == libraryId)
+                        .findFirst()
+                        .orElseThrow(
+                                () ->
+                                        new PhysicsException(
+                                                Status.NOT_FOUND,
+                                                "no library with id " + libraryId + " is loaded"));
         HostProcess current = host;
         if (current != null) {
             try {
@@ -261,7 +264,7 @@ public final class HostedEngine implements PhysicsEngine {
         } else {
             state.leave(old.library.name());
         }
-        libraries.remove(libraryId);
+        libraries.remove(old);
         old.library.free();
     }
 
@@ -269,7 +272,7 @@ public final class HostedEngine implements PhysicsEngine {
     public List<PhysicsLaw> laws() {
         checkOpen();
         List<PhysicsLaw> laws = new ArrayList<>();
-        for (Loaded library : libraries.values()) {
+        for (Loaded library : libraries) {
             if (host != null) {
                 try {
                     library.read(
@@ -299,8 +302,8 @@ public final class HostedEngine implements PhysicsEngine {
             Mailbox reply = current.call(frameLimit(), config.log());
             requireOk(reply);
             boolean kept = state.keep(reply);
-            for (Loaded library : libraries.values()) {
-                library.count(reply);
+            for (int i = 0; i < libraries.size(); i++) { // an iterator would be allocated
+                libraries.get(i).count(reply);
             }
             if (!kept) {
                 Calls calls = calls(current, REQUEST.toNanos(), config.log());
@@ -401,13 +404,13 @@ public final class HostedEngine implements PhysicsEngine {
         checkOpen();
         provider.checkArraysAlive();
         provider.flushTouches();
-        int laws = libraries.values().stream().mapToInt(library -> library.laws().size()).sum();
+        int laws = libraries.stream().mapToInt(library -> library.laws().size()).sum();
         Mailbox reply =
                 ask(
                         to -> {
                             Mailbox request =
                                     to.begin(Request.LEDGER).putInt(laws + OTHER_LINES.size());
-                            for (Loaded library : libraries.values()) {
+                            for (Loaded library : libraries) {
                                 for (int law = 0; law < library.laws().size(); law++) {
                                     request.putInt(library.hostId).putInt(law);
                                 }
@@ -417,7 +420,7 @@ public final class HostedEngine implements PhysicsEngine {
                             }
                         });
         List<LedgerLine> lines = new ArrayList<>();
-        for (Loaded library : libraries.values()) {
+        for (Loaded library : libraries) {
             library.laws().forEach(law -> lines.add(Wire.line(reply, law.name(), true)));
         }
         OTHER_LINES.forEach(name -> lines.add(Wire.line(reply, name, false)));
@@ -429,7 +432,7 @@ public final class HostedEngine implements PhysicsEngine {
         if (!closed) {
             closed = true;
             lose();
-            libraries.values().forEach(library -> library.library.free());
+            libraries.forEach(library -> library.library.free());
             libraries.clear();
             state.close();
         }
@@ -494,7 +497,7 @@ public final class HostedEngine implements PhysicsEngine {
             Calls calls = calls(fresh, REQUEST.toNanos(), config.log());
             calls.create(config, alone ? 1 : config.threads(), prototype);
             provider.bindAll(calls);
-            for (Loaded library : libraries.values()) {
+            for (Loaded library : libraries) {
                 reload(calls, library);
             }
             state.lend(calls);
@@ -534,7 +537,7 @@ public final class HostedEngine implements PhysicsEngine {
         if (host != null) {
             host.close();
             host = null;
-            libraries.values().forEach(Loaded::keepCounts);
+            libraries.forEach(Loaded::keepCounts);
         }
     }
 
@@ -579,7 +582,7 @@ public final class HostedEngine implements PhysicsEngine {
     }
 
     private Optional<Loaded> byHostId(int id) {
-        return libraries.values().stream().filter(library -> library.hostId == id).findFirst();
+        return libraries.stream().filter(library -> library.hostId == id).findFirst();
     }
 
     private static Status statusOf(HostLost lost) {

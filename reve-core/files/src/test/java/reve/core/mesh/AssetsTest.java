@@ -335,6 +335,22 @@ class AssetsTest {
                                 + "|a path of 0 characters).*");
     }
 
+    /** The content is a picture, so only the name can be the reason for the refusal. */
+    @Test
+    void aFileThatIsNotNamedAsAPictureIsNotOpened() throws Exception {
+        for (String name : new String[] {"passwd", "key.pem", "picture.png.txt"}) {
+            Files.write(folder.resolve(name), png(1, 1, 0));
+            assertThatThrownBy(() -> assets().texture(name))
+                    .isInstanceOf(AssetException.class)
+                    .hasMessage(
+                            name
+                                    + ": expected a picture in a .png, .jpg or .jpeg file; "
+                                    + "rename or convert it");
+        }
+        Files.write(folder.resolve("LOUD.PNG"), png(1, 1, 0));
+        assertThat(assets().texture("LOUD.PNG").height()).isEqualTo(1);
+    }
+
     @Test
     void linksWithinTheFolderAreFollowed() throws Exception {
         Files.writeString(folder.resolve("t.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");

@@ -80,11 +80,7 @@ public final class ControlDesk {
     public void submit(Requester requester, ClientMessage.Request request) {
         switch (request) {
             case ClientMessage.Act act -> {
-                if (offer(
-                        requester,
-                        act,
-                        new AgentInput.Act(
-                                requester.name(), act.item(), act.action(), act.arguments()))) {
+                if (offer(requester, act, new AgentInput.Act(requester.name(), act.requested()))) {
                     act.ready().ifPresent(requester::endRound);
                 }
             }
@@ -425,7 +421,10 @@ public final class ControlDesk {
 
     private static String describe(ClientMessage.Request request) {
         return request instanceof ClientMessage.Act act
-                ? "the action " + Text.quote(act.action()) + " of item " + Text.quote(act.item())
+                ? "the action "
+                        + Text.quote(act.requested().action())
+                        + " of item "
+                        + Text.quote(act.requested().item().orElseThrow())
                 : request.type();
     }
 }

@@ -26,11 +26,6 @@ public final class AgentCommand implements Command {
         this.done = done;
     }
 
-    /** Returns the input, for recordings. */
-    public AgentInput input() {
-        return input;
-    }
-
     @Override
     public String origin() {
         return input.agent();

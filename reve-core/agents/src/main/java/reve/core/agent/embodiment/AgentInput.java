@@ -2,11 +2,8 @@
 package reve.core.agent.embodiment;
 
 import reve.core.agent.auth.Rights;
-import reve.core.agent.protocol.ClientMessage;
+import reve.core.agent.protocol.ActionRequest;
 
-import java.util.Collections;
-import java.util.LinkedHashMap;
-import java.util.Map;
 import java.util.Optional;
 
 /**
@@ -24,16 +21,8 @@ public sealed interface AgentInput {
      */
     record Join(String agent, Optional<String> body, Rights rights) implements AgentInput {}
 
-    /**
-     * @param arguments Double, List of Double, String or Boolean by parameter name, not checked yet
-     */
-    record Act(String agent, String item, String action, Map<String, Object> arguments)
-            implements AgentInput {
-        /** Copies the arguments. */
-        public Act {
-            arguments = Collections.unmodifiableMap(new LinkedHashMap<>(arguments));
-        }
-    }
+    /** An act of the agent's body. */
+    record Act(String agent, ActionRequest requested) implements AgentInput {}
 
     /**
      * A change by an operator, who may make every change that the world permits.
@@ -54,11 +43,7 @@ public sealed interface AgentInput {
      *     waits for it
      */
     record Late(
-            String agent,
-            long count,
-            Optional<ClientMessage.Fallback> fallback,
-            boolean told,
-            boolean away)
+            String agent, long count, Optional<ActionRequest> fallback, boolean told, boolean away)
             implements AgentInput {}
 
     /** An agent in lock-step that was away is ready again; the world waits for it again. */

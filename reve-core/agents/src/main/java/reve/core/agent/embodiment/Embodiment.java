@@ -3,7 +3,7 @@ package reve.core.agent.embodiment;
 
 import reve.core.agent.auth.Rights;
 import reve.core.agent.perception.SensedWorld;
-import reve.core.agent.protocol.ClientMessage;
+import reve.core.agent.protocol.ActionRequest;
 import reve.core.agent.protocol.CloseReason;
 import reve.core.agent.protocol.Text;
 import reve.core.file.AgentPolicy;
@@ -251,17 +251,24 @@ public final class Embodiment {
         if (body == null) {
             return new Outcome.Absent();
         }
-        perform(world, frame, body, act);
-        raiseActed(world, frame, act);
+        perform(world, frame, act.agent(), body, act.requested());
+        raiseActed(world, frame, act.agent(), body, act.requested());
         return new Outcome.Done(frame);
     }
 
-    private static void raiseActed(World world, long frame, AgentInput.Act act) {
+    private static void raiseActed(
+            World world, long frame, String agent, Body body, ActionRequest requested) {
         world.raise(
                 new WorldEvent(
                         frame,
                         "acted",
-                        fields("agent", act.agent(), "item", act.item(), "action", act.action())));
+                        fields(
+                                "agent",
+                                agent,
+                                "item",
+                                requested.item().orElse(body.name()),
+                                "action",
+                                requested.action())));
     }
 
     private Outcome late(World world, long frame, AgentInput.Late late) throws ActionRefused {
@@ -280,16 +287,9 @@ public final class Embodiment {
                             frame, "away", fields("agent", late.agent(), "body", body.name())));
         }
         if (late.fallback().isPresent() && mayAct(world, late.agent(), frame)) {
-            ClientMessage.Fallback fallback = late.fallback().get();
-            var act =
-                    new AgentInput.Act(
-                            late.agent(),
-                            fallback.item().orElse(body.name()),
-                            fallback.action(),
-                            fallback.arguments());
-            perform(world, frame, body, act);
+            perform(world, frame, late.agent(), body, late.fallback().get());
             if (late.told()) {
-                raiseActed(world, frame, act);
+                raiseActed(world, frame, late.agent(), body, late.fallback().get());
             }
         }
         return new Outcome.Done(frame);
@@ -305,21 +305,22 @@ public final class Embodiment {
         return new Outcome.Done(frame);
     }
 
-    private void perform(World world, long frame, Body body, AgentInput.Act act)
+    private void perform(World world, long frame, String agent, Body body, ActionRequest requested)
             throws ActionRefused {
         long before = world.activity().steps();
         int seen = body.needsSight ? world.table(WorldPrototype.BODY).rowCount() : 0;
-        world.charges().begin(act.agent());
+        world.charges().begin(agent);
         try {
-            act(world, frame, body, act);
+            act(world, frame, agent, body, requested);
         } finally {
             world.charges().end();
-            steps.spend(act.agent(), frame, seen + world.activity().steps() - before);
+            steps.spend(agent, frame, seen + world.activity().steps() - before);
         }
     }
 
-    private void act(World world, long frame, Body body, AgentInput.Act act) throws ActionRefused {
-        Item item = find(world, body, act.item());
+    private void act(World world, long frame, String agent, Body body, ActionRequest requested)
+            throws ActionRefused {
+        Item item = find(world, body, requested.item().orElse(body.name()));
         if (!sensesActions(world, body, item)) {
             throw new ActionRefused(
                     "no-such-action",
@@ -327,9 +328,9 @@ public final class Embodiment {
         }
         Action action =
                 item.access()
-                        .find(act.action())
-                        .orElseThrow(() -> noSuchAction(item, act.action()));
-        Arguments arguments = Arguments.check(action, act.arguments());
+                        .find(requested.action())
+                        .orElseThrow(() -> noSuchAction(item, requested.action()));
+        Arguments arguments = Arguments.check(action, requested.arguments());
         for (Parameter parameter : action.parameters()) {
             if (parameter.type() == ParameterType.ITEM && !body.sensors.isEmpty()) {
                 find(world, body, arguments.text(parameter.name()));
@@ -346,7 +347,7 @@ public final class Embodiment {
                         actor,
                         arguments,
                         actor.map(body::capabilities).orElse(List.of()),
-                        new ItemQuota(act.agent(), policy.items(), policy.worldItems()),
+                        new ItemQuota(agent, policy.items(), policy.worldItems()),
                         events,
                         forces));
     }

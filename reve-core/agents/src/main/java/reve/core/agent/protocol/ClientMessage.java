@@ -107,20 +107,10 @@ public sealed interface ClientMessage {
      * @param fallback the act of the agent's body if the agent is late
      */
     record LockStep(
-            int every, boolean relations, double deadlineSeconds, Optional<Fallback> fallback) {}
-
-    /**
-     * The act of an agent's body if the agent is late.
-     *
-     * @param item the item with the action; empty for the body itself
-     * @param arguments Double, List of Double, String or Boolean by parameter name
-     */
-    record Fallback(Optional<String> item, String action, Map<String, Object> arguments) {
-        /** Copies the arguments. */
-        public Fallback {
-            arguments = Collections.unmodifiableMap(new LinkedHashMap<>(arguments));
-        }
-    }
+            int every,
+            boolean relations,
+            double deadlineSeconds,
+            Optional<ActionRequest> fallback) {}
 
     /**
      * @param session token from the welcome of the broken connection
@@ -163,16 +153,10 @@ public sealed interface ClientMessage {
     sealed interface Request extends ClientMessage {}
 
     /**
-     * @param arguments Double, List of Double, String or Boolean by parameter name
-     * @param ready whether the act also ends the agent's round
+     * @param requested names its item
+     * @param ready if present, the act also ends the agent's round
      */
-    record Act(
-            long id,
-            String item,
-            String action,
-            Map<String, Object> arguments,
-            Optional<Ready> ready)
-            implements Request {}
+    record Act(long id, ActionRequest requested, Optional<Ready> ready) implements Request {}
 
     /** A command for the role control only. */
     sealed interface Control extends Request {}

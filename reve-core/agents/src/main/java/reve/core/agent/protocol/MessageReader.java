@@ -154,9 +154,7 @@ public final class MessageReader {
             case "act" ->
                     new ClientMessage.Act(
                             fields.required(),
-                            fields.text("item"),
-                            fields.text("action"),
-                            fields.arguments(),
+                            fields.requested(Optional.of(fields.text("item"))),
                             fields.isTrue("ready")
                                     ? Optional.of(fields.ready())
                                     : Optional.empty());
@@ -328,7 +326,7 @@ public final class MessageReader {
             };
         }
 
-        private Optional<ClientMessage.Fallback> fallback() throws BadMessage {
+        private Optional<ActionRequest> fallback() throws BadMessage {
             JsonNode field = find("fallback");
             if (field == null) {
                 return Optional.empty();
@@ -337,11 +335,11 @@ public final class MessageReader {
                 throw bad(id, "fallback", "is " + show(field), "expected an object with action");
             }
             var fallback = new Fields(field);
-            return Optional.of(
-                    new ClientMessage.Fallback(
-                            fallback.optionalText("item"),
-                            fallback.text("action"),
-                            fallback.arguments()));
+            return Optional.of(fallback.requested(fallback.optionalText("item")));
+        }
+
+        ActionRequest requested(Optional<String> item) throws BadMessage {
+            return new ActionRequest(item, text("action"), arguments());
         }
 
         ClientMessage.Ready ready() throws BadMessage {

@@ -7,6 +7,7 @@ import org.junit.jupiter.api.Test;
 
 import reve.core.Seed;
 import reve.core.agent.embodiment.AgentInput;
+import reve.core.agent.protocol.ActionRequest;
 import reve.core.agent.protocol.ClientMessage;
 import reve.core.frame.FrameBus;
 import reve.core.frame.FrameClock;
@@ -86,7 +87,7 @@ class LockStepTest {
                                     false,
                                     deadlineNanos / 1e9,
                                     Optional.of(
-                                            new ClientMessage.Fallback(
+                                            new ActionRequest(
                                                     Optional.empty(), "brake", Map.of()))),
                             deadlineNanos,
                             allowance());

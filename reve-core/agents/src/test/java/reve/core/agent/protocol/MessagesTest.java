@@ -211,9 +211,7 @@ class MessagesTest {
                 }
             }
             case ClientMessage.Act act -> {
-                json.put("item", act.item())
-                        .put("action", act.action())
-                        .set("arguments", JSON.valueToTree(act.arguments()));
+                put(json, act.requested());
                 act.ready()
                         .ifPresent(
                                 ready -> {
@@ -295,14 +293,13 @@ class MessagesTest {
         if (time.deadlineSeconds() != 1) {
             json.put("deadline", time.deadlineSeconds());
         }
-        time.fallback()
-                .ifPresent(
-                        fallback -> {
-                            ObjectNode act = json.putObject("fallback");
-                            fallback.item().ifPresent(item -> act.put("item", item));
-                            act.put("action", fallback.action())
-                                    .set("arguments", JSON.valueToTree(fallback.arguments()));
-                        });
+        time.fallback().ifPresent(fallback -> put(json.putObject("fallback"), fallback));
+    }
+
+    private static void put(ObjectNode json, ActionRequest requested) {
+        requested.item().ifPresent(item -> json.put("item", item));
+        json.put("action", requested.action())
+                .set("arguments", JSON.valueToTree(requested.arguments()));
     }
 
     /** Returns the server's message with those values. */
