@@ -69,7 +69,9 @@ final class Browser implements AutoCloseable, WebSocket.Listener {
             command.add("--no-sandbox");
         }
         command.add("about:blank");
-        process = new ProcessBuilder(command).start();
+        ProcessBuilder builder = new ProcessBuilder(command);
+        builder.environment().put("TMPDIR", profile.toString()); // it leaves folders there
+        process = builder.start();
         String address = address(process.errorReader());
         HttpResponse<String> targets =
                 http.send(
