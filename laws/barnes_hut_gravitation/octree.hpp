@@ -182,7 +182,8 @@ void Octree<Real>::Scale(const Parallel& parallel, std::span<const Vec3<Real>> p
   scales_ = {scale(length, kExtent), scale(heaviest, -32)};
 }
 
-/// Sorts items [first, last) by their position in their bounding box.
+/// Sorts items [first, last) along the Hilbert curve through the cube whose lower corner is that of
+/// their common bounding box and whose side is the longest side of this box.
 template <class Real>
 template <class Parallel>
 void Octree<Real>::Sort(const Parallel& parallel, std::span<const Vec3<Real>> position,
