@@ -185,6 +185,11 @@ public final class WebServer implements AutoCloseable {
                 + "/";
     }
 
+    /** Returns the number of open connections. For tests. */
+    int connections() {
+        return connector.getConnectedEndPoints().size();
+    }
+
     /** Closes all connections and frees the port. Idempotent. */
     @Override
     public void close() {

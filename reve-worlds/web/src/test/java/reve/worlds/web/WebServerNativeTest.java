@@ -283,6 +283,24 @@ class WebServerNativeTest {
     }
 
     @Test
+    void aPageThatReadsNothingDoesNotOutliveItsSession() throws Exception {
+        try (var client = new PageClient(page.address())) {
+            client.join("slow", "control");
+            client.hang();
+            long end = System.nanoTime() + TimeUnit.SECONDS.toNanos(60);
+            for (int id = 1; page.connections() > 0; id++) {
+                assertThat(System.nanoTime()).as("the page is still connected").isLessThan(end);
+                try {
+                    client.say("{\"t\":\"laws\",\"id\":" + id + "}"); // ends the silence, too
+                } catch (java.util.concurrent.CompletionException disconnected) {
+                    // The next look at the connections shows it.
+                }
+            }
+            assertThat(server.agents().stats().cut()).isEqualTo(1);
+        }
+    }
+
+    @Test
     void anAgentReceivesNoSceneBesideItsPerceptions() throws Exception {
         try (var client = new PageClient(page.address())) {
             client.join("ada", "agent");
