@@ -15,6 +15,7 @@ import reve.core.agent.port.WorldPort;
 import reve.core.agent.protocol.AgentTimeouts;
 import reve.core.agent.protocol.CloseReason;
 import reve.core.agent.protocol.Encoding;
+import reve.core.agent.protocol.Relay;
 import reve.core.agent.session.Admission;
 import reve.core.agent.session.KeptSessions;
 import reve.core.agent.session.ServedWorld;
@@ -52,6 +53,7 @@ public final class AgentServer implements AutoCloseable {
     private final EventLoop loop;
     private final InetSocketAddress address;
     private final Connections connections;
+    private final Descriptors descriptors;
     private final Optional<AuditLog> audit;
 
     /** Belongs to the event loop while it runs. */
@@ -101,6 +103,7 @@ public final class AgentServer implements AutoCloseable {
             ServerProblems problems)
             throws IOException {
         this.audit = audit;
+        this.descriptors = descriptors;
         this.config = config;
         this.fileProblems = fileProblems(config.security(), audit, problems);
         this.address =
@@ -188,13 +191,35 @@ public final class AgentServer implements AutoCloseable {
      * page. It has the same rights, limits and records as any other connection.
      *
      * @param client address of the client, to which limits by address apply
-     * @return the client's end, in blocking mode: lines of the protocol, without TLS; the caller
-     *     closes it
+     * @param relay receives what the session decides
+     * @return the client's end, in blocking mode: lines of JSON, without TLS; the caller closes it
+     * @throws IOException if the process may open no more files; the log reports it
      */
-    public SocketChannel connect(InetSocketAddress client) throws IOException {
+    public SocketChannel connect(InetSocketAddress client, Relay relay) throws IOException {
+        if (!descriptors.takeIfLeft(SocketPair.DESCRIPTORS)) {
+            throw connections.noDescriptors();
+        }
         SocketPair pair = SocketPair.open();
-        loop.later(() -> connections.admit(pair.inner(), client));
+        loop.later(() -> connections.admit(pair.inner(), client, relay));
         return pair.outer();
+    }
+
+    /**
+     * Returns the number of connections that another server of this process may have open: each
+     * takes up to three descriptors when it is passed on to this server, and this server's own
+     * connections keep a quarter of all.
+     */
+    public int roomForOtherServers() {
+        return Math.clamp(descriptors.room() / 4, 1, config.limits().maxConnections());
+    }
+
+    /**
+     * Takes a descriptor for a connection of another server of this process.
+     *
+     * @return false if only the reserve for stores and records is left
+     */
+    public boolean takeDescriptor() {
+        return descriptors.takeIfLeft(1);
     }
 
     /**

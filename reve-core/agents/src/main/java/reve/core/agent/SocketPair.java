@@ -19,11 +19,19 @@ record SocketPair(SocketChannel inner, SocketChannel outer) {
     /** Maximum number of connections of other processes that are refused before the own one. */
     private static final int ATTEMPTS = 64;
 
+    /** Number of descriptors while the pair is opened. */
+    static final int DESCRIPTORS = 3;
+
+    /** Size of the receive buffer of the client's end [bytes]. */
+    private static final int RECEIVE_BYTES = 64 * 1024;
+
     /** Opens the pair on the loopback address. Refuses connections of other processes. */
     static SocketPair open() throws IOException {
         try (ServerSocketChannel listening = ServerSocketChannel.open()) {
             listening.bind(new InetSocketAddress(InetAddress.ofLiteral("127.0.0.1"), 0), 1);
-            SocketChannel outer = SocketChannel.open(listening.getLocalAddress());
+            SocketChannel outer = SocketChannel.open();
+            outer.setOption(StandardSocketOptions.SO_RCVBUF, RECEIVE_BYTES);
+            outer.connect(listening.getLocalAddress());
             for (int attempt = 0; attempt < ATTEMPTS; attempt++) {
                 SocketChannel inner = listening.accept();
                 if (inner.getRemoteAddress().equals(outer.getLocalAddress())) {

@@ -100,7 +100,9 @@ public record RoomControl(World world, FrameLoop loop, Image beginning) implemen
         @Override
         public void foresee(int frames, Change first, Consumer<WorldSnapshot> look)
                 throws ActionRefused {
-            throw new ActionRefused("unsupported", "nothing is foreseen here");
+            String thread = Thread.currentThread().isVirtual() ? "virtual" : "platform";
+            throw new ActionRefused(
+                    "unsupported", "nothing is foreseen here, on a " + thread + " thread");
         }
 
         @Override

@@ -19,12 +19,13 @@ import java.io.IOException;
 import java.io.UncheckedIOException;
 import java.util.List;
 import java.util.Locale;
+import java.util.Optional;
 import java.util.function.ToDoubleFunction;
 import java.util.function.ToLongFunction;
 
 /**
- * The counters of a server in the text format of Prometheus. They are read when they are requested;
- * frames do not contribute to them. Any thread.
+ * The counters of a server, or of some of its worlds, in the text format of Prometheus. They are
+ * read when they are requested; frames do not contribute to them. Any thread.
  */
 final class Metrics {
 
@@ -33,11 +34,12 @@ final class Metrics {
 
     private final PrometheusRegistry registry = new PrometheusRegistry();
     private final List<WorldPort> worlds;
-    private final AgentServer agents;
 
-    Metrics(List<WorldPort> worlds, AgentServer agents) {
+    /**
+     * @param agents if empty, the counters of the server as a whole are left out
+     */
+    Metrics(List<WorldPort> worlds, Optional<AgentServer> agents) {
         this.worlds = List.copyOf(worlds);
-        this.agents = agents;
         perFrame("reve_frames", "Completed frames.", FrameProfile::frames);
         perFrame(
                 "reve_overruns",
@@ -51,16 +53,32 @@ final class Metrics {
         perWorld("reve_paused", "1 while the world is paused.", loop -> loop.isPaused() ? 1 : 0);
         perWorld("reve_speed", "World time per time of the clock.", FrameLoop::speed);
         perWorld("reve_running", "1 while frames are made.", loop -> isRunning(loop) ? 1 : 0);
-        gauge("reve_connections", "Open connections.", AgentStats::open);
-        gauge("reve_agents", "Agents in the worlds.", AgentStats::agents);
-        counter("reve_joined", "Agents that have joined.", AgentStats::joined);
-        counter("reve_messages", "Messages of clients.", AgentStats::lines);
-        counter("reve_refused_messages", "Messages that were refused.", AgentStats::errors);
-        counter("reve_perceptions", "Perceptions that were sent.", AgentStats::perceptions);
-        counter("reve_acts_accepted", "Actions that took effect.", AgentStats::actsAccepted);
-        counter("reve_acts_refused", "Actions that were refused.", AgentStats::actsRefused);
-        counter("reve_disconnected", "Clients that the server disconnected.", AgentStats::cut);
-        counter("reve_unrecorded", "Messages without an audit record.", AgentStats::unrecorded);
+        agents.ifPresent(this::ofServer);
+    }
+
+    private void ofServer(AgentServer agents) {
+        gauge(agents, "reve_connections", "Open connections.", AgentStats::open);
+        gauge(agents, "reve_agents", "Agents in the worlds.", AgentStats::agents);
+        counter(agents, "reve_joined", "Agents that have joined.", AgentStats::joined);
+        counter(agents, "reve_messages", "Messages of clients.", AgentStats::lines);
+        counter(agents, "reve_refused_messages", "Messages that were refused.", AgentStats::errors);
+        counter(agents, "reve_perceptions", "Perceptions that were sent.", AgentStats::perceptions);
+        counter(
+                agents,
+                "reve_acts_accepted",
+                "Actions that took effect.",
+                AgentStats::actsAccepted);
+        counter(agents, "reve_acts_refused", "Actions that were refused.", AgentStats::actsRefused);
+        counter(
+                agents,
+                "reve_disconnected",
+                "Clients that the server disconnected.",
+                AgentStats::cut);
+        counter(
+                agents,
+                "reve_unrecorded",
+                "Messages without an audit record.",
+                AgentStats::unrecorded);
     }
 
     /** Returns whether a thread makes the frames of the loop. */
@@ -120,7 +138,8 @@ final class Metrics {
                 .register(registry);
     }
 
-    private void gauge(String name, String help, ToLongFunction<AgentStats> value) {
+    private void gauge(
+            AgentServer agents, String name, String help, ToLongFunction<AgentStats> value) {
         GaugeWithCallback.builder()
                 .name(name)
                 .help(help)
@@ -128,7 +147,8 @@ final class Metrics {
                 .register(registry);
     }
 
-    private void counter(String name, String help, ToLongFunction<AgentStats> value) {
+    private void counter(
+            AgentServer agents, String name, String help, ToLongFunction<AgentStats> value) {
         CounterWithCallback.builder()
                 .name(name)
                 .help(help)
@@ -145,13 +165,5 @@ final class Metrics {
             throw new UncheckedIOException(e); // memory has no failures
         }
         return out.toByteArray();
-    }
-
-    /** Returns the names of worlds whose frames are no longer made. */
-    List<String> ended() {
-        return worlds.stream()
-                .filter(world -> !isRunning(world.loop()))
-                .map(WorldPort::world)
-                .toList();
     }
 }

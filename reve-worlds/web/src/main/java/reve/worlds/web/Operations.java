@@ -9,7 +9,11 @@ import org.eclipse.jetty.server.Response;
 import org.eclipse.jetty.util.Callback;
 import org.jspecify.annotations.Nullable;
 
+import reve.core.agent.AgentServer;
+import reve.core.agent.auth.AgentToken;
+import reve.core.agent.auth.Rights;
 import reve.core.agent.auth.TokenFile;
+import reve.core.agent.port.WorldPort;
 import reve.core.agent.protocol.Role;
 
 import java.nio.ByteBuffer;
@@ -21,18 +25,21 @@ import java.util.Set;
 /**
  * The paths for supervisors: {@code /health} answers 200 if all worlds make frames or wait, else
  * 503, and names no world; {@code /metrics} has the counters. On a server with tokens, the counters
- * need one with the role observer or control, as a bearer token.
+ * need one with the role observer or control, as a bearer token. A token for some worlds reads the
+ * counters of these worlds only.
  */
 final class Operations extends Handler.Wrapper {
 
     private static final String BEARER = "Bearer ";
     private static final Set<Role> READERS = Set.of(Role.OBSERVER, Role.CONTROL);
 
-    private final Metrics metrics;
+    private final List<WorldPort> worlds;
+    private final AgentServer agents;
     private final Optional<TokenFile> tokens;
 
-    Operations(Metrics metrics, Optional<TokenFile> tokens) {
-        this.metrics = metrics;
+    Operations(List<WorldPort> worlds, AgentServer agents, Optional<TokenFile> tokens) {
+        this.worlds = worlds;
+        this.agents = agents;
         this.tokens = tokens;
     }
 
@@ -46,21 +53,21 @@ final class Operations extends Handler.Wrapper {
     }
 
     private boolean health(Response response, Callback callback) {
-        List<String> ended = metrics.ended();
-        response.setStatus(
-                ended.isEmpty() ? HttpStatus.OK_200 : HttpStatus.SERVICE_UNAVAILABLE_503);
+        long ended = worlds.stream().filter(world -> !Metrics.isRunning(world.loop())).count();
+        response.setStatus(ended == 0 ? HttpStatus.OK_200 : HttpStatus.SERVICE_UNAVAILABLE_503);
         write(
                 response,
                 "text/plain; charset=utf-8",
-                (ended.isEmpty() ? "ok\n" : ended.size() + " worlds make no frames\n")
+                (ended == 0 ? "ok\n" : ended + " worlds make no frames\n")
                         .getBytes(StandardCharsets.UTF_8),
                 callback);
         return true;
     }
 
     private boolean metrics(Request request, Response response, Callback callback) {
-        if (mayRead(request.getHeaders().get(HttpHeader.AUTHORIZATION))) {
-            write(response, Metrics.TYPE, metrics.text(), callback);
+        Optional<Rights> reader = reader(request.getHeaders().get(HttpHeader.AUTHORIZATION));
+        if (reader.isPresent()) {
+            write(response, Metrics.TYPE, counters(reader.get()).text(), callback);
         } else {
             response.getHeaders().put(HttpHeader.WWW_AUTHENTICATE, "Bearer");
             Response.writeError(
@@ -73,17 +80,25 @@ final class Operations extends Handler.Wrapper {
         return true;
     }
 
-    private boolean mayRead(@Nullable String authorization) {
-        return tokens.isEmpty()
-                || authorization != null
-                        && authorization.startsWith(BEARER)
-                        && tokens.get()
-                                .find(authorization.substring(BEARER.length()))
-                                .filter(
-                                        token ->
-                                                token.rights().roles().stream()
-                                                        .anyMatch(READERS::contains))
-                                .isPresent();
+    /** Returns the counters of the worlds that a client may read. */
+    private Metrics counters(Rights rights) {
+        return new Metrics(
+                worlds.stream().filter(world -> rights.opensWorld(world.world())).toList(),
+                rights.worlds().isEmpty() ? Optional.of(agents) : Optional.empty());
+    }
+
+    /** Returns the rights of the request's token; empty if it may not read the counters. */
+    private Optional<Rights> reader(@Nullable String authorization) {
+        if (tokens.isEmpty()) {
+            return Optional.of(Rights.ALL);
+        }
+        if (authorization == null || !authorization.startsWith(BEARER)) {
+            return Optional.empty();
+        }
+        return tokens.get()
+                .find(authorization.substring(BEARER.length()))
+                .map(AgentToken::rights)
+                .filter(rights -> rights.roles().stream().anyMatch(READERS::contains));
     }
 
     private static void write(Response response, String type, byte[] bytes, Callback callback) {

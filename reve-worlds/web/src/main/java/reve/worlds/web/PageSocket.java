@@ -9,16 +9,15 @@ import org.slf4j.Logger;
 import org.slf4j.LoggerFactory;
 
 import reve.core.agent.AgentServer;
-
-import tools.jackson.databind.JsonNode;
-import tools.jackson.databind.json.JsonMapper;
+import reve.core.agent.protocol.Relay;
+import reve.core.agent.protocol.Role;
 
 import java.io.IOException;
 import java.net.InetSocketAddress;
 import java.nio.ByteBuffer;
+import java.nio.channels.ReadableByteChannel;
 import java.nio.channels.SocketChannel;
 import java.nio.charset.StandardCharsets;
-import java.util.Arrays;
 import java.util.Map;
 
 /**
@@ -27,38 +26,50 @@ import java.util.Map;
  * Binary messages of the page control the view of the scene, see {@link Watcher}; they have no
  * effect unless the session's role perceives everything.
  */
-public final class PageSocket implements Session.Listener.AutoDemanding {
+public final class PageSocket implements Session.Listener.AutoDemanding, Relay {
 
     private static final Logger LOG = LoggerFactory.getLogger("reve.page");
-    private static final JsonMapper JSON = new JsonMapper();
-    private static final byte[] WELCOME = "{\"t\":\"welcome\"".getBytes(StandardCharsets.US_ASCII);
-    private static final int FIRST_BYTES = 16 * 1024;
 
     private final AgentServer agents;
     private final Map<String, SceneFeed> feeds;
     private final InetSocketAddress peer;
-    private @Nullable Session session;
-    private @Nullable SocketChannel line;
+    private final OpenPages pages;
+    private volatile @Nullable PageOutput output;
+    private volatile @Nullable SocketChannel line;
 
-    /** Set by the reader of lines after the welcome. */
+    /** Set when the client is welcomed. Changes with this held. */
     private volatile @Nullable Watcher watcher;
 
-    PageSocket(AgentServer agents, Map<String, SceneFeed> feeds, InetSocketAddress peer) {
+    /** Guarded by this. */
+    private boolean ended;
+
+    PageSocket(
+            AgentServer agents,
+            Map<String, SceneFeed> feeds,
+            InetSocketAddress peer,
+            OpenPages pages) {
         this.agents = agents;
         this.feeds = feeds;
         this.peer = peer;
+        this.pages = pages;
     }
 
     @Override
     public void onWebSocketOpen(Session opened) {
-        session = opened;
+        var page = new PageOutput(opened, pages);
+        output = page;
         try {
-            SocketChannel channel = agents.connect(peer);
+            SocketChannel channel = agents.connect(peer, this);
             line = channel;
-            Thread.ofVirtual().name("page " + peer).start(() -> relay(channel, opened));
+            Thread.ofVirtual()
+                    .name("page " + peer)
+                    .start(
+                            () -> {
+                                relay(channel, page);
+                                end();
+                            });
         } catch (IOException e) {
-            LOG.warn("a page could not be connected to the agent server: {}", e.getMessage());
-            opened.close(StatusCode.SERVER_ERROR, "the server has no free sockets", Callback.NOOP);
+            page.end(StatusCode.SERVER_ERROR, "the server has no free sockets"); // the log says why
         }
     }
 
@@ -90,20 +101,25 @@ public final class PageSocket implements Session.Listener.AutoDemanding {
     @Override
     public void onWebSocketError(Throwable cause) {
         LOG.debug("the WebSocket of {} failed", peer, cause);
-        end();
+        close();
     }
 
     @Override
     public void onWebSocketClose(int status, String reason, Callback callback) {
-        end();
+        close();
         callback.succeed();
     }
 
-    private void end() {
-        Watcher watching = watcher;
-        if (watching != null) {
-            watching.close();
+    private void close() {
+        end();
+        PageOutput page = output;
+        if (page != null) {
+            page.close();
         }
+    }
+
+    private void end() {
+        ended();
         SocketChannel channel = line;
         if (channel != null) {
             try {
@@ -114,73 +130,87 @@ public final class PageSocket implements Session.Listener.AutoDemanding {
         }
     }
 
-    /** Sends the lines of the agent server to the page until its connection ends. */
-    private void relay(SocketChannel channel, Session page) {
-        byte[] bytes = new byte[FIRST_BYTES];
+    /**
+     * Sends the lines of the agent server to the page until its connection ends. A long line is
+     * sent in pieces, so that a page that does not read holds up the agent server's connection,
+     * whose limits for slow clients then apply.
+     */
+    static void relay(ReadableByteChannel channel, PageOutput page) {
+        byte[] bytes = new byte[PageOutput.PIECE_BYTES];
         int end = 0;
         try {
             while (true) {
-                int start = 0;
                 int count = channel.read(ByteBuffer.wrap(bytes, end, bytes.length - end));
                 if (count < 0) {
                     break;
                 }
+                int start = 0;
                 int searched = end;
                 end += count;
                 for (int at = searched; at < end; at++) {
                     if (bytes[at] == '\n') {
-                        take(bytes, start, at, page);
+                        page.line(text(bytes, start, at), true);
                         start = at + 1;
                     }
                 }
+                if (start == 0 && end == bytes.length) {
+                    start = lastCharacter(bytes, end);
+                    page.line(text(bytes, 0, start), false);
+                }
                 System.arraycopy(bytes, start, bytes, 0, end - start);
                 end -= start;
-                if (end == bytes.length) {
-                    bytes = Arrays.copyOf(bytes, 2 * bytes.length);
-                } else if (end == 0 && bytes.length > FIRST_BYTES) {
-                    bytes = new byte[FIRST_BYTES];
-                }
             }
-            page.close(StatusCode.NORMAL, "the session has ended", Callback.NOOP);
+            page.end(StatusCode.NORMAL, "the session has ended");
         } catch (IOException | RuntimeException ended) {
-            LOG.debug("the connection of the page at {} has ended", peer, ended);
-            page.disconnect();
+            LOG.debug("the connection of a page has ended", ended);
+            page.cut();
         } finally {
-            end();
+            page.abandonLine();
         }
     }
 
-    private void take(byte[] bytes, int start, int end, Session page) {
-        if (watcher == null && startsWith(bytes, start, end, WELCOME)) {
-            welcomed(JSON.readTree(bytes, start, end - start), page);
-        }
-        var sent = new Callback.Completable();
-        page.sendText(new String(bytes, start, end - start, StandardCharsets.UTF_8), sent);
-        sent.join(); // a page that does not read holds up its own lines only
+    private static String text(byte[] bytes, int start, int end) {
+        return new String(bytes, start, end - start, StandardCharsets.UTF_8);
     }
 
-    private static boolean startsWith(byte[] bytes, int start, int end, byte[] prefix) {
-        return end - start >= prefix.length
-                && Arrays.equals(bytes, start, start + prefix.length, prefix, 0, prefix.length);
+    /** Returns the position of the last character, which may be incomplete, in UTF-8. */
+    private static int lastCharacter(byte[] bytes, int end) {
+        int at = end - 1;
+        while (at > 0 && (bytes[at] & 0xc0) == 0x80) {
+            at--;
+        }
+        return at;
     }
 
     /** Permits the view of the scene if the role perceives everything. */
-    private void welcomed(JsonNode welcome, Session page) {
-        if (!welcome.path("role").asString("").equals("agent")) {
-            String world = welcome.path("world").asString("");
-            SceneFeed feed = feeds.get(world);
-            if (feed != null) {
-                String name = welcome.path("agent").asString("");
-                watcher =
-                        new Watcher(
-                                feed,
-                                page,
-                                frame ->
-                                        agents.record(
-                                                world,
-                                                name,
-                                                "{\"t\":\"view\",\"frame\":" + frame + "}"));
-            }
+    @Override
+    public synchronized void welcomed(Role role, String world, String name) {
+        SceneFeed feed = feeds.get(world);
+        PageOutput page = output;
+        if (role != Role.AGENT && feed != null && page != null && !ended) {
+            watcher =
+                    new Watcher(
+                            feed,
+                            page,
+                            frame ->
+                                    agents.record(
+                                            world,
+                                            name,
+                                            "{\"t\":\"view\",\"frame\":" + frame + "}"));
+        }
+    }
+
+    /** Ends the view, and limits the time for the lines that still wait. */
+    @Override
+    public synchronized void ended() {
+        ended = true;
+        Watcher watching = watcher;
+        if (watching != null) {
+            watching.close();
+        }
+        PageOutput page = output;
+        if (page != null) {
+            page.endSoon();
         }
     }
 }

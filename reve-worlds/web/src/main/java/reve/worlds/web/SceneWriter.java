@@ -51,7 +51,8 @@ final class SceneWriter {
     }
 
     /**
-     * Returns the difference between a version and the present one.
+     * Returns the difference between a version and the present one. Several watchers may share it,
+     * so the caller must not change its position.
      *
      * @param since 0 returns everything
      * @param known optional columns that the client has in that version
@@ -70,7 +71,7 @@ final class SceneWriter {
             sharedSince = since;
             sharedColumns = key;
         }
-        return last.duplicate();
+        return last;
     }
 
     private ByteBuffer encode(Scene scene, int since, int known, int wanted) {

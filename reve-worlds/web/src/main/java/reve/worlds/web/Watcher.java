@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.worlds.web;
 
-import org.eclipse.jetty.websocket.api.Callback;
-import org.eclipse.jetty.websocket.api.Session;
+import org.eclipse.jetty.websocket.api.StatusCode;
 
 import java.nio.ByteBuffer;
+import java.util.ArrayList;
 import java.util.HashSet;
 import java.util.Set;
 import java.util.concurrent.atomic.AtomicInteger;
@@ -23,7 +23,7 @@ final class Watcher {
     private static final int STOP = 0xff;
 
     private final SceneFeed feed;
-    private final Session session;
+    private final PageOutput output;
     private final LongPredicate record;
 
     /** Requested columns as in {@link SceneColumns}; negative if no frame is requested. */
@@ -47,9 +47,9 @@ final class Watcher {
      * @param record writes the audit record before the first frame; returns false if nothing may be
      *     sent
      */
-    Watcher(SceneFeed feed, Session session, LongPredicate record) {
+    Watcher(SceneFeed feed, PageOutput output, LongPredicate record) {
         this.feed = feed;
-        this.session = session;
+        this.output = output;
         this.record = record;
     }
 
@@ -105,16 +105,14 @@ final class Watcher {
             return;
         }
         if (version == 0 && !record.test(scene.frame())) {
-            session.close(
-                    org.eclipse.jetty.websocket.api.StatusCode.SERVER_ERROR,
-                    "the server cannot write its audit record",
-                    Callback.NOOP);
+            output.end(StatusCode.SERVER_ERROR, "the server cannot write its audit record");
             close();
             return;
         }
+        var assets = new ArrayList<ByteBuffer>();
         for (int id : scene.assets()) {
             if (sent.add(id)) {
-                session.sendBinary(scene.asset(id), Callback.NOOP);
+                assets.add(scene.asset(id));
             }
         }
         ByteBuffer frame = writer.write(scene, version, columns, wanted);
@@ -122,7 +120,7 @@ final class Watcher {
         columns = wanted;
         sentNanos = nowNanos;
         sending = true;
-        session.sendBinary(frame, Callback.from(this::sent, failure -> close()));
+        output.frame(assets, frame, this::sent);
     }
 
     private void sent() {

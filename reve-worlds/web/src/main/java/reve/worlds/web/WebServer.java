@@ -35,8 +35,11 @@ public final class WebServer implements AutoCloseable {
 
     private static final String SOCKET = "/world";
 
-    /** Silence after which a connection ends; the agent server pings earlier. */
-    private static final Duration IDLE = Duration.ofSeconds(60);
+    /** Silence after which a connection without a WebSocket ends. */
+    private static final Duration IDLE = Duration.ofSeconds(10);
+
+    /** Silence after which a WebSocket ends; the agent server pings earlier. */
+    private static final Duration SOCKET_IDLE = Duration.ofSeconds(60);
 
     private static final int MAX_LINE = 65_536;
     private static final int MAX_THREADS = 16;
@@ -47,6 +50,7 @@ public final class WebServer implements AutoCloseable {
     private final boolean encrypted;
     private final InetSocketAddress address;
     private final Map<String, SceneFeed> feeds;
+    private final OpenPages pages = new OpenPages();
 
     /**
      * Starts the server.
@@ -100,8 +104,10 @@ public final class WebServer implements AutoCloseable {
         http.setSendServerVersion(false);
         http.setRequestHeaderSize(MAX_HEADER_BYTES);
         this.connector =
-                new ServerConnector(
-                        server, null, null, null, 1, 1, factories(http, tls).toArray(FACTORIES));
+                new LimitedConnector(
+                        server,
+                        new Visitors(agents.roomForOtherServers(), agents::takeDescriptor),
+                        factories(http, tls).toArray(FACTORIES));
         connector.setHost(address.getAddress().getHostAddress());
         connector.setPort(address.getPort());
         connector.setIdleTimeout(IDLE.toMillis());
@@ -113,7 +119,7 @@ public final class WebServer implements AutoCloseable {
                         container -> {
                             container.setMaxTextMessageSize(MAX_LINE);
                             container.setMaxBinaryMessageSize(Watcher.MAX_REQUEST_BYTES);
-                            container.setIdleTimeout(IDLE);
+                            container.setIdleTimeout(SOCKET_IDLE);
                             container.addMapping(
                                     SOCKET,
                                     (request, response, callback) -> {
@@ -124,14 +130,14 @@ public final class WebServer implements AutoCloseable {
                                                 feeds,
                                                 (InetSocketAddress)
                                                         request.getConnectionMetaData()
-                                                                .getRemoteSocketAddress());
+                                                                .getRemoteSocketAddress(),
+                                                pages);
                                     });
                         });
         sockets.setHandler(new PageFiles());
         var operations =
                 new Operations(
-                        new Metrics(worlds.stream().map(PageWorld::port).toList(), agents),
-                        security.tokens());
+                        worlds.stream().map(PageWorld::port).toList(), agents, security.tokens());
         operations.setHandler(sockets);
         guard.setHandler(operations);
         server.setHandler(guard);
@@ -179,6 +185,11 @@ public final class WebServer implements AutoCloseable {
                 + "/";
     }
 
+    /** Returns the number of open connections. For tests. */
+    int connections() {
+        return connector.getConnectedEndPoints().size();
+    }
+
     /** Closes all connections and frees the port. Idempotent. */
     @Override
     public void close() {
@@ -188,6 +199,7 @@ public final class WebServer implements AutoCloseable {
             throw new IllegalStateException("the page's server could not be stopped", failed);
         } finally {
             feeds.values().forEach(SceneFeed::close);
+            pages.close();
         }
     }
 }

@@ -283,6 +283,24 @@ class WebServerNativeTest {
     }
 
     @Test
+    void aPageThatReadsNothingDoesNotOutliveItsSession() throws Exception {
+        try (var client = new PageClient(page.address())) {
+            client.join("slow", "control");
+            client.hang();
+            long end = System.nanoTime() + TimeUnit.SECONDS.toNanos(60);
+            for (int id = 1; page.connections() > 0; id++) {
+                assertThat(System.nanoTime()).as("the page is still connected").isLessThan(end);
+                try {
+                    client.say("{\"t\":\"laws\",\"id\":" + id + "}"); // ends the silence, too
+                } catch (java.util.concurrent.CompletionException disconnected) {
+                    // The next look at the connections shows it.
+                }
+            }
+            assertThat(server.agents().stats().cut()).isEqualTo(1);
+        }
+    }
+
+    @Test
     void anAgentReceivesNoSceneBesideItsPerceptions() throws Exception {
         try (var client = new PageClient(page.address())) {
             client.join("ada", "agent");
@@ -308,14 +326,14 @@ class WebServerNativeTest {
         }
     }
 
-    @Test
-    void aWrongTokenOpensNothing() throws Exception {
+    /** Starts the server with one token for an observer with the name eve. */
+    private void startWithToken(String token, String rights) throws Exception {
         stop();
         Path file = folder.resolve("tokens.json");
+        Files.deleteIfExists(file);
         Files.createFile(
                 file,
                 PosixFilePermissions.asFileAttribute(PosixFilePermissions.fromString("rw-------")));
-        String token = "0123456789abcdef0123456789abcdef";
         Files.writeString(
                 file,
                 "{\"reveTokens\":1,\"tokens\":[{\"name\":\"eve\",\"sha256\":\""
@@ -323,8 +341,73 @@ class WebServerNativeTest {
                                 .formatHex(
                                         MessageDigest.getInstance("SHA-256")
                                                 .digest(token.getBytes(StandardCharsets.US_ASCII)))
-                        + "\",\"roles\":[\"observer\"]}]}");
+                        + "\",\"roles\":[\"observer\"]"
+                        + rights
+                        + "}]}");
         start(new AgentSecurity(Optional.of(TokenFile.open(file)), Optional.empty()));
+    }
+
+    private String counters(String token) throws IOException, InterruptedException {
+        try (HttpClient http = HttpClient.newHttpClient()) {
+            return http.send(
+                            HttpRequest.newBuilder(URI.create(page.address() + "metrics"))
+                                    .setHeader("Authorization", "Bearer " + token)
+                                    .build(),
+                            HttpResponse.BodyHandlers.ofString())
+                    .body();
+        }
+    }
+
+    @Test
+    void aTokenForSomeWorldsReadsTheCountersOfTheseWorldsOnly() throws Exception {
+        String token = "0123456789abcdef0123456789abcdef";
+        startWithToken(token, ",\"worlds\":[\"pond\"]");
+        assertThat(counters(token))
+                .contains("reve_frames_total{world=\"pond\"}")
+                .doesNotContain("reve_agents", "reve_joined");
+        startWithToken(token, ",\"worlds\":[\"sea\"]");
+        assertThat(counters(token)).doesNotContain("pond", "reve_agents");
+        startWithToken(token, "");
+        assertThat(counters(token)).contains("world=\"pond\"", "reve_agents");
+    }
+
+    @Test
+    void aPageReadsLinesOfJsonOnly() throws Exception {
+        try (var client = new PageClient(page.address())) {
+            client.say(
+                    "{\"t\":\"hello\",\"protocol\":1,\"name\":\"eve\",\"role\":\"observer\","
+                            + "\"encoding\":\"msgpack\"}");
+            assertThat(client.await("bye").get("code").asString())
+                    .isEqualTo("encoding-unsupported");
+        }
+    }
+
+    @Test
+    void aResumedSessionShowsTheSceneAtTheNewPageOnly() throws Exception {
+        try (var first = new PageClient(page.address());
+                var second = new PageClient(page.address())) {
+            first.say(
+                    "{\"t\":\"hello\",\"protocol\":1,\"name\":\"eve\",\"role\":\"observer\","
+                            + "\"graceSeconds\":60}");
+            String secret = first.await("welcome").at("/session/token").asString();
+            first.watch(0);
+            first.frame();
+            second.say(
+                    "{\"t\":\"hello\",\"protocol\":1,\"name\":\"eve\",\"role\":\"observer\","
+                            + "\"resume\":{\"session\":\""
+                            + secret
+                            + "\",\"frame\":0}}");
+            assertThat(second.await("welcome").get("resumed").booleanValue()).isTrue();
+            second.watch(0);
+            assertThat(second.frame().structure().get("items")).isNotEmpty();
+            assertThat(first.await("bye").get("code").asString()).isEqualTo("resumed");
+        }
+    }
+
+    @Test
+    void aWrongTokenOpensNothing() throws Exception {
+        String token = "0123456789abcdef0123456789abcdef";
+        startWithToken(token, "");
         try (var client = new PageClient(page.address())) {
             client.say(
                     "{\"t\":\"hello\",\"protocol\":1,\"name\":\"eve\",\"role\":\"control\",\"token\":\"x\"}");

@@ -50,7 +50,7 @@ public final class ControlDesk {
     /**
      * Creates a desk for the commands to one world.
      *
-     * @param clients describes the clients of the world for reports; any thread
+     * @param clients describes the clients of the world for reports; the event loop's thread
      */
     public ControlDesk(
             WorldPort port,
@@ -74,6 +74,11 @@ public final class ControlDesk {
      */
     public AgentCommand command(AgentInput input, Consumer<Outcome> done) {
         return new AgentCommand(embodiment, sequence.incrementAndGet(), input, done);
+    }
+
+    /** Answers waiting queries whose time has come. Called periodically. */
+    public void proceed() {
+        reports.proceed();
     }
 
     /** Submits a command; its result is sent to the requester. */

@@ -35,7 +35,7 @@ final class Reports {
     private final Publisher publisher;
     private final Images images;
     private final RateLimitedLog log;
-    private final Supplier<List<Map<String, Object>>> clients;
+    private final SharedReports shared;
 
     Reports(
             WorldPort port,
@@ -47,16 +47,39 @@ final class Reports {
         this.publisher = publisher;
         this.images = images;
         this.log = log;
-        this.clients = clients;
+        long startNanos = System.nanoTime();
+        this.shared =
+                new SharedReports(
+                        port,
+                        publisher,
+                        log,
+                        Map.of(
+                                SharedReports.Kind.STATE,
+                                content -> {
+                                    content.put("clients", clients.get());
+                                    return content;
+                                }),
+                        () -> System.nanoTime() - startNanos);
+    }
+
+    /** Answers waiting queries whose time has come. Called periodically. */
+    void proceed() {
+        shared.proceed();
     }
 
     void state(Requester requester, ClientMessage.State query) {
-        between(requester, query, this::state);
+        shared.ask(requester, query, SharedReports.Kind.STATE, this::state);
     }
 
     void laws(Requester requester, ClientMessage.Laws query) {
         try {
-            between(requester, query, port.control().laws(requester.controls()));
+            shared.ask(
+                    requester,
+                    query,
+                    requester.controls()
+                            ? SharedReports.Kind.LAWS_WITH_FAULTS
+                            : SharedReports.Kind.LAWS,
+                    port.control().laws(requester.controls()));
         } catch (ActionRefused e) {
             requester.refuse(query, e.code(), e.getMessage());
         }
@@ -114,17 +137,19 @@ final class Reports {
                                 publisher.later(
                                         () -> requester.refuse(query, e.code(), e.getMessage()));
                             } catch (RuntimeException e) {
-                                log.error(query.type() + " failed", e);
-                                publisher.later(
-                                        () ->
-                                                requester.refuse(
-                                                        query,
-                                                        "action-failed",
-                                                        query.type()
-                                                                + " failed; the server's log says"
-                                                                + " why"));
+                                publisher.later(() -> fail(requester, query, log, e));
                             }
                         });
+    }
+
+    static void fail(
+            Requester requester,
+            ClientMessage.Request query,
+            RateLimitedLog log,
+            Exception failure) {
+        log.error(query.type() + " failed", failure);
+        requester.refuse(
+                query, "action-failed", query.type() + " failed; the server's log says why");
     }
 
     private static void answer(
@@ -132,9 +157,14 @@ final class Reports {
             ClientMessage.Request query,
             long frame,
             Map<String, Object> content) {
-        byte[] line =
+        answer(
+                requester,
+                query,
                 new ServerMessage.Report(query.id(), frame, query.type(), content)
-                        .in(requester.encoding());
+                        .in(requester.encoding()));
+    }
+
+    static void answer(Requester requester, ClientMessage.Request query, byte[] line) {
         if (!requester.answer(query, line)) {
             requester.refuse(
                     query,
@@ -162,7 +192,6 @@ final class Reports {
         }
         content.put("phaseSeconds", phases);
         content.put("images", images.names());
-        content.put("clients", clients.get());
         return content;
     }
 }

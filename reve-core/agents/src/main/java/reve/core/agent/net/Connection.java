@@ -9,6 +9,8 @@ import reve.core.agent.protocol.BadMessage;
 import reve.core.agent.protocol.ClientMessage;
 import reve.core.agent.protocol.CloseReason;
 import reve.core.agent.protocol.Encoding;
+import reve.core.agent.protocol.Relay;
+import reve.core.agent.protocol.Role;
 import reve.core.agent.protocol.ServerMessage;
 import reve.core.agent.protocol.Text;
 
@@ -32,6 +34,7 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
     private final AgentTimeouts timeouts;
     private final Counters counters;
     private final Wire wire;
+    private final @Nullable Relay relay;
     private final InetSocketAddress address;
     private final Outbox outbox;
 
@@ -52,9 +55,11 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
     /**
      * Creates the connection. Called on the event loop's thread.
      *
+     * @param relay passes the lines on to the client; null if the client itself is connected
      * @throws IOException if the peer has closed already
      */
-    Connection(Connections connections, Wire wire) throws IOException {
+    Connection(Connections connections, Wire wire, @Nullable Relay relay) throws IOException {
+        this.relay = relay;
         this.connections = connections;
         this.limits = connections.limits();
         this.timeouts = connections.timeouts();
@@ -84,6 +89,13 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
     /** Returns the encoding of outgoing messages; JSON before the hello. */
     public Encoding encoding() {
         return encoding;
+    }
+
+    /** Informs the server that relays the connection, before the welcome is queued. */
+    public void welcomed(Role role, String world, String client) {
+        if (relay != null) {
+            relay.welcomed(role, world, client);
+        }
     }
 
     /** Queues a message for the client; ends the connection if too much is waiting. */
@@ -137,6 +149,9 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
         }
         if (why.isCut()) {
             counters.cut.increment();
+        }
+        if (relay != null) {
+            relay.ended();
         }
         report(why);
         return true;
@@ -270,14 +285,18 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
         if (!hasEnded()) {
             encoding =
                     Encoding.of(hello.encoding())
+                            .filter(wanted -> relay == null || wanted == Encoding.JSON)
                             .orElseThrow(
                                     () ->
                                             CloseReason.refused(
                                                     "encoding-unsupported",
                                                     "this server does not write "
-                                                            + Text.quote(hello.encoding()),
-                                                    "say hello with \"encoding\":\"json\" or"
-                                                            + " \"encoding\":\"msgpack\""));
+                                                            + Text.quote(hello.encoding())
+                                                            + (relay == null ? "" : " to a page"),
+                                                    "say hello with \"encoding\":\"json\""
+                                                            + (relay == null
+                                                                    ? " or \"encoding\":\"msgpack\""
+                                                                    : "")));
             session = connections.door().greet(this, hello);
             connections.known(this);
         }

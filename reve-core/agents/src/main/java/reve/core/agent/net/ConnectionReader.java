@@ -257,11 +257,16 @@ final class ConnectionReader {
         }
     }
 
-    /** Runs a long command on its own thread. Reading from the client is suspended meanwhile. */
+    /**
+     * Runs a long command on its own thread. Reading from the client is suspended meanwhile. A fork
+     * and a save compute for seconds, which would keep a processor from all virtual threads.
+     */
     private void hold(Client client, ClientMessage.Request request) {
         pause();
-        Thread.ofVirtual()
-                .name("agent control")
+        boolean computes =
+                request instanceof ClientMessage.Fork || request instanceof ClientMessage.Save;
+        Thread.Builder thread = computes ? Thread.ofPlatform().daemon() : Thread.ofVirtual();
+        thread.name("agent control")
                 .start(
                         () -> {
                             try {

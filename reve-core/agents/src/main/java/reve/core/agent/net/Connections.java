@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.agent.net;
 
+import org.jspecify.annotations.Nullable;
+
 import reve.core.agent.audit.AuditLog;
 import reve.core.agent.protocol.AgentLimits;
 import reve.core.agent.protocol.AgentTimeouts;
 import reve.core.agent.protocol.CloseReason;
 import reve.core.agent.protocol.Encoding;
+import reve.core.agent.protocol.Relay;
 import reve.core.disk.Reason;
 
 import java.io.Closeable;
@@ -282,7 +285,7 @@ public final class Connections {
 
     private void admit(SocketChannel channel) {
         try {
-            admit(channel, (InetSocketAddress) channel.getRemoteAddress(), tls);
+            admit(channel, (InetSocketAddress) channel.getRemoteAddress(), tls, null);
         } catch (IOException e) {
             closeQuietly(channel); // the peer has closed already
         }
@@ -293,15 +296,29 @@ public final class Connections {
      *
      * @param channel one end of a connection within this process
      * @param client address of the client
+     * @param relay receives what the session decides
      */
-    public void admit(SocketChannel channel, InetSocketAddress client) {
-        admit(channel, client, Optional.empty());
+    public void admit(SocketChannel channel, InetSocketAddress client, Relay relay) {
+        admit(channel, client, Optional.empty(), relay);
+    }
+
+    /** Logs that no descriptor is left for a connection. Any thread. */
+    public IOException noDescriptors() {
+        var none =
+                new IOException(
+                        "the process may open "
+                                + descriptors.limit()
+                                + " files, of which only the reserve for stores and records is"
+                                + " left; raise the limit (ulimit -n)");
+        strangersLog.warn(() -> "a client was turned away: " + none.getMessage());
+        return none;
     }
 
     private void admit(
             SocketChannel channel,
             InetSocketAddress client,
-            Optional<Supplier<SSLEngine>> encryption) {
+            Optional<Supplier<SSLEngine>> encryption,
+            @Nullable Relay relay) {
         counters.connections.increment();
         if (open.size() >= most || descriptors.room() <= 0) {
             turnAway(channel, client, encryption.isEmpty(), CloseReason.serverFull(open.size()));
@@ -322,7 +339,7 @@ public final class Connections {
                     encryption.isEmpty()
                             ? Wire.of(channel, client)
                             : new TlsWire(channel, client, encryption.get().get());
-            var connection = new Connection(this, wire);
+            var connection = new Connection(this, wire, relay);
             open.add(connection);
             descriptors.take();
             pending.add(connection.address(), connection);

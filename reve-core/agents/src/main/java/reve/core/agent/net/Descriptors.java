@@ -5,11 +5,12 @@ import com.sun.management.UnixOperatingSystemMXBean;
 
 import java.io.IOException;
 import java.lang.management.ManagementFactory;
+import java.util.concurrent.atomic.AtomicLong;
 import java.util.function.LongSupplier;
 
 /**
  * File descriptors of the process that connections may take. A reserve remains for stores,
- * recordings, the audit record and laws, so that clients cannot stop them. The event loop's thread.
+ * recordings, the audit record and laws, so that clients cannot stop them. Any thread.
  */
 public final class Descriptors {
 
@@ -20,7 +21,7 @@ public final class Descriptors {
     private final LongSupplier open;
 
     /** Number of further connections, from the last count on. */
-    private long room;
+    private final AtomicLong room = new AtomicLong();
 
     /**
      * @param limit returns the limit of the process
@@ -42,7 +43,7 @@ public final class Descriptors {
         var descriptors =
                 new Descriptors(
                         system::getMaxFileDescriptorCount, system::getOpenFileDescriptorCount);
-        if (descriptors.room < 1) {
+        if (descriptors.room() < 1) {
             throw new IOException(
                     "no connection could be accepted: the process may open "
                             + descriptors.limit()
@@ -62,26 +63,42 @@ public final class Descriptors {
     }
 
     /** Returns the number of further connections. */
-    long room() {
-        return room;
+    public long room() {
+        return room.get();
     }
 
     /** Counts the open descriptors, because other parts of the process also open files. */
     void count() {
         try {
-            room = limit.getAsLong() - open.getAsLong() - RESERVE;
+            room.set(limit.getAsLong() - open.getAsLong() - RESERVE);
         } catch (InternalError none) { // counting takes a descriptor
-            room = 0;
+            room.set(0);
         }
     }
 
     /** Records that a connection was accepted. */
     void take() {
-        room--;
+        room.decrementAndGet();
+    }
+
+    /**
+     * Takes descriptors of connections whose end the next count notices.
+     *
+     * @return false, without effect, if fewer are left
+     */
+    public boolean takeIfLeft(int count) {
+        long left = room.get();
+        while (left >= count) {
+            if (room.compareAndSet(left, left - count)) {
+                return true;
+            }
+            left = room.get();
+        }
+        return false;
     }
 
     /** Records that a connection has ended. */
     void give() {
-        room++;
+        room.incrementAndGet();
     }
 }

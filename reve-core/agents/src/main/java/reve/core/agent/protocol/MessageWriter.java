@@ -55,8 +55,8 @@ public interface MessageWriter {
     }
 
     /**
-     * Writes a String, Boolean, Number, byte[], or a List or Map by text of these. Numbers that are
-     * not finite are written as text.
+     * Writes a String, Boolean, Number, byte[], Fragment, or a List or Map by text of these.
+     * Numbers that are not finite are written as text.
      */
     default void value(Object value) {
         switch (value) {
@@ -68,6 +68,7 @@ public interface MessageWriter {
                     number(number.doubleValue());
             case Number number -> text(Double.toString(number.doubleValue()));
             case byte[] bytes -> bytes(bytes);
+            case Fragment fragment -> fragment(fragment);
             case List<?> list -> {
                 beginList(list.size());
                 list.forEach(this::value);

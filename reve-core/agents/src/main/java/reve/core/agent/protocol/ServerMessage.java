@@ -78,10 +78,10 @@ public sealed interface ServerMessage {
      * The answer to a query.
      *
      * @param of type of the query
-     * @param content String, Number, Boolean, or a List or Map of these, by name
+     * @param content a Map by name of String, Number, Boolean, or a List or Map of these; or a
+     *     Fragment with such a Map
      */
-    record Report(long id, long frame, String of, Map<String, Object> content)
-            implements ServerMessage {}
+    record Report(long id, long frame, String of, Object content) implements ServerMessage {}
 
     /** A picture from one of the agent's cameras. */
     record Image(long id, String sensor, Cameras.Photo photo) implements ServerMessage {}

@@ -61,7 +61,7 @@ public final class ServedWorld implements AutoCloseable {
     public ServedWorld(SessionServices services, WorldPort port, LockStep.Waiting waiting) {
         this.services = services;
         this.port = port;
-        this.publisher = new Publisher(port, services.log(), this::queueLeaving, services.wake());
+        this.publisher = new Publisher(port, services.log(), this::afterFrame, services.wake());
         this.desk = new ControlDesk(port, publisher, services.log(), this::describeClients);
         var allowances =
                 new Allowances(
@@ -128,8 +128,17 @@ public final class ServedWorld implements AutoCloseable {
         subscription.close();
     }
 
-    /** Ends sessions whose clients did not reconnect in time. Called periodically. */
+    private void afterFrame() {
+        queueLeaving();
+        desk.proceed();
+    }
+
+    /**
+     * Ends sessions whose clients did not reconnect in time, and answers waiting queries. Called
+     * periodically.
+     */
     public void checkGrace(long nowNanos) {
+        desk.proceed();
         sessions.values().forEach(session -> session.checkGrace(nowNanos));
     }
 
@@ -145,7 +154,7 @@ public final class ServedWorld implements AutoCloseable {
         return sessions.size();
     }
 
-    /** Describes the clients for reports, in the order of their names. Any thread. */
+    /** Describes the clients for reports, in the order of their names. The event loop's thread. */
     private List<Map<String, Object>> describeClients() {
         return sessions.values().stream()
                 .sorted(Comparator.comparing(Session::name))

@@ -273,6 +273,7 @@ public final class Session implements Client, Perceiver {
             counters.agents.increment();
         }
         output.beginAt(frame);
+        output.welcomed(role, world.name(), name);
         output.offer(world.welcome(this, hello, frame, false));
         world.hurry(pace.turn(), frame).ifPresent(output::offer);
         world.publisher().admit(this);
@@ -430,6 +431,7 @@ public final class Session implements Client, Perceiver {
             services.kept().keepNoLonger(this);
             previous = output.switchTo(next);
             pace.comeBack();
+            output.welcomed(role, world.name(), name);
             output.begin(
                     world.welcome(this, hello, world.publisher().published(), true), frameSeen);
             world.hurry(pace.turn(), world.publisher().published()).ifPresent(output::offer);

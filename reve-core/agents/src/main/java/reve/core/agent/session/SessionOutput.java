@@ -8,6 +8,7 @@ import reve.core.agent.net.Outbox;
 import reve.core.agent.perception.HeardEvent;
 import reve.core.agent.protocol.CloseReason;
 import reve.core.agent.protocol.Encoding;
+import reve.core.agent.protocol.Role;
 import reve.core.agent.protocol.ServerMessage;
 import reve.core.agent.publish.PerceptionRequests;
 
@@ -90,6 +91,14 @@ final class SessionOutput {
         perceptions = requestsOver.apply(next);
         perceptions.notBefore(lastResultFrame);
         return previous;
+    }
+
+    /** Informs the current connection about the client, before its welcome. */
+    void welcomed(Role role, String world, String client) {
+        Connection now = connection;
+        if (now != null) {
+            now.welcomed(role, world, client);
+        }
     }
 
     /** Begins the current connection with a welcome and the events after a frame. */

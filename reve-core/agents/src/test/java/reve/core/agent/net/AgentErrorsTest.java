@@ -147,7 +147,7 @@ class AgentErrorsTest {
                 .later(
                         () -> {
                             try {
-                                var connection = new Connection(room.connections(), wire);
+                                var connection = new Connection(room.connections(), wire, null);
                                 connection.send(new ServerMessage.Ping());
                                 made.complete(connection);
                             } catch (IOException e) {

@@ -28,6 +28,16 @@ class DescriptorsTest {
     }
 
     @Test
+    void severalAreTakenAtOnceOrNone() {
+        var descriptors = new Descriptors(() -> 200, () -> open);
+        open = 200 - Descriptors.RESERVE - 4;
+        descriptors.count();
+        assertThat(descriptors.takeIfLeft(3)).isTrue();
+        assertThat(descriptors.takeIfLeft(3)).isFalse();
+        assertThat(descriptors.room()).isEqualTo(1);
+    }
+
+    @Test
     void aCountForWhichNoDescriptorIsLeftLeavesNoRoom() {
         var descriptors =
                 new Descriptors(

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.agent.control;
+
+import org.jspecify.annotations.Nullable;
+
+import reve.core.agent.net.RateLimitedLog;
+import reve.core.agent.port.WorldControl;
+import reve.core.agent.port.WorldPort;
+import reve.core.agent.protocol.ClientMessage;
+import reve.core.agent.protocol.Fragment;
+import reve.core.agent.protocol.ServerMessage;
+import reve.core.agent.publish.Publisher;
+import reve.core.world.ActionRefused;
+
+import java.util.ArrayDeque;
+import java.util.Deque;
+import java.util.EnumMap;
+import java.util.LinkedHashMap;
+import java.util.Map;
+import java.util.Objects;
+import java.util.concurrent.atomic.AtomicIntegerArray;
+import java.util.concurrent.atomic.AtomicReferenceArray;
+import java.util.function.LongSupplier;
+import java.util.function.UnaryOperator;
+
+/**
+ * Queries that any number of clients may ask at a time. The world's thread reads each kind once for
+ * all that wait, and the event loop encodes it once. Answers take a slice of the loop's time, in
+ * which clients take turns; the rest waits. Reports take a tenth of the time in the long run.
+ */
+final class SharedReports {
+
+    /** The reports that clients share. */
+    enum Kind {
+        STATE,
+        LAWS,
+        LAWS_WITH_FAULTS
+    }
+
+    /** Maximum time for answers at once, after the first one [ns]. */
+    private static final long SLICE_NANOS = 1_000_000;
+
+    /** Reports take this part of the time. */
+    private static final int SHARE = 10;
+
+    /** Time that reports may take in advance, times {@link #SHARE} [ns]. */
+    private static final long ADVANCE_NANOS = 500_000_000;
+
+    private static final Kind[] KINDS = Kind.values();
+
+    private final WorldPort port;
+    private final Publisher publisher;
+    private final RateLimitedLog log;
+
+    /** Completes the content of a report on the event loop's thread. */
+    private final Map<Kind, UnaryOperator<Map<String, Object>>> completions;
+
+    private record Waiting(Requester requester, ClientMessage.Query query, Kind kind) {}
+
+    /** What the world's thread read: the content or the reason why there is none. */
+    private record Read(@Nullable Map<String, Object> content, @Nullable Exception failure) {}
+
+    /** In turn. Guarded by this. */
+    private final Map<Requester, Deque<Waiting>> waiting = new LinkedHashMap<>();
+
+    /** True from the request for a reading until its answers are sent. Guarded by this. */
+    private boolean isReading;
+
+    /** Time by which the reports so far are paid for [ns]. Guarded by this. */
+    private long paidNanos;
+
+    private final LongSupplier clock;
+
+    /** Number of waiting queries by kind. */
+    private final AtomicIntegerArray wanted = new AtomicIntegerArray(KINDS.length);
+
+    /** The newest reading by kind. */
+    private final AtomicReferenceArray<WorldControl.Reading> readings =
+            new AtomicReferenceArray<>(KINDS.length);
+
+    /**
+     * @param completions what the event loop adds to a content, by kind
+     * @param clock returns the time since a moment in the past [ns], from 0
+     */
+    SharedReports(
+            WorldPort port,
+            Publisher publisher,
+            RateLimitedLog log,
+            Map<Kind, UnaryOperator<Map<String, Object>>> completions,
+            LongSupplier clock) {
+        this.clock = clock;
+        this.port = port;
+        this.publisher = publisher;
+        this.log = log;
+        this.completions = Map.copyOf(completions);
+    }
+
+    /**
+     * Answers a query in its client's turn. Any thread.
+     *
+     * @param reading reads what all queries of this kind receive
+     */
+    void ask(
+            Requester requester,
+            ClientMessage.Query query,
+            Kind kind,
+            WorldControl.Reading reading) {
+        synchronized (this) {
+            waiting.computeIfAbsent(requester, any -> new ArrayDeque<>())
+                    .add(new Waiting(requester, query, kind));
+            readings.set(kind.ordinal(), reading);
+            wanted.incrementAndGet(kind.ordinal());
+        }
+        proceed();
+    }
+
+    /** Requests a reading if queries wait and their time has come. Called periodically. */
+    void proceed() {
+        synchronized (this) {
+            if (isReading || waiting.isEmpty() || paidNanos - clock.getAsLong() > ADVANCE_NANOS) {
+                return;
+            }
+            isReading = true;
+        }
+        port.loop().betweenFrames(this::read);
+    }
+
+    /** Reads each wanted kind. World's thread, between frames. */
+    private void read() {
+        long begin = clock.getAsLong();
+        long frame = port.loop().frame();
+        var read = new EnumMap<Kind, Read>(Kind.class);
+        for (Kind kind : KINDS) {
+            if (wanted.get(kind.ordinal()) > 0) {
+                read.put(kind, read(readings.get(kind.ordinal())));
+            }
+        }
+        long nanos = clock.getAsLong() - begin;
+        publisher.later(() -> answer(frame, read, nanos));
+    }
+
+    private static Read read(WorldControl.Reading reading) {
+        try {
+            return new Read(reading.read(), null);
+        } catch (ActionRefused | RuntimeException e) {
+            return new Read(null, e);
+        }
+    }
+
+    /** Answers queries for a slice of time. The event loop's thread. */
+    private void answer(long frame, Map<Kind, Read> read, long readNanos) {
+        long begin = clock.getAsLong();
+        var contents = new EnumMap<Kind, Fragment>(Kind.class);
+        try {
+            Waiting next = next(read);
+            while (next != null) {
+                answer(next, frame, Objects.requireNonNull(read.get(next.kind)), contents);
+                next = clock.getAsLong() - begin < SLICE_NANOS ? next(read) : null;
+            }
+        } finally {
+            synchronized (this) {
+                long cost = SHARE * (readNanos + clock.getAsLong() - begin);
+                paidNanos = Math.max(paidNanos, clock.getAsLong()) + cost;
+                isReading = false;
+            }
+        }
+        proceed();
+    }
+
+    /** Removes and returns the query whose turn it is, if its kind was read; else null. */
+    private synchronized @Nullable Waiting next(Map<Kind, Read> read) {
+        if (waiting.isEmpty()) {
+            return null;
+        }
+        Map.Entry<Requester, Deque<Waiting>> first = waiting.entrySet().iterator().next();
+        Deque<Waiting> queries = first.getValue();
+        if (!read.containsKey(queries.getFirst().kind)) {
+            return null; // it came after the reading
+        }
+        Waiting next = queries.removeFirst();
+        wanted.decrementAndGet(next.kind.ordinal());
+        waiting.remove(next.requester);
+        if (!queries.isEmpty()) {
+            waiting.put(next.requester, queries);
+        }
+        return next;
+    }
+
+    private void answer(Waiting next, long frame, Read read, Map<Kind, Fragment> contents) {
+        Requester requester = next.requester;
+        ClientMessage.Query query = next.query;
+        switch (read.failure) {
+            case null -> {
+                Fragment content = contents.computeIfAbsent(next.kind, kind -> content(kind, read));
+                Reports.answer(
+                        requester,
+                        query,
+                        new ServerMessage.Report(query.id(), frame, query.type(), content)
+                                .in(requester.encoding()));
+            }
+            case ActionRefused e -> requester.refuse(query, e.code(), e.getMessage());
+            case Exception e -> Reports.fail(requester, query, log, e);
+        }
+    }
+
+    private Fragment content(Kind kind, Read read) {
+        Map<String, Object> content =
+                completions
+                        .getOrDefault(kind, UnaryOperator.identity())
+                        .apply(Objects.requireNonNull(read.content));
+        return new Fragment(writer -> writer.value(content));
+    }
+}

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.worlds.web;
+
+import org.eclipse.jetty.io.SelectorManager;
+import org.eclipse.jetty.server.ConnectionFactory;
+import org.eclipse.jetty.server.Server;
+import org.eclipse.jetty.server.ServerConnector;
+import org.eclipse.jetty.util.thread.Scheduler;
+
+import java.io.IOException;
+import java.nio.channels.SelectableChannel;
+import java.nio.channels.SocketChannel;
+import java.util.concurrent.Executor;
+
+/** A connector that closes connections beyond the limits of {@link Visitors} at once. */
+final class LimitedConnector extends ServerConnector {
+
+    private final Visitors visitors;
+
+    LimitedConnector(Server server, Visitors visitors, ConnectionFactory[] factories) {
+        super(server, null, null, null, 1, 1, factories);
+        this.visitors = visitors;
+    }
+
+    @Override
+    protected SelectorManager newSelectorManager(
+            Executor executor, Scheduler scheduler, int selectors) {
+        return new ServerConnectorManager(executor, scheduler, selectors) {
+            @Override
+            public void accept(SelectableChannel channel, Object attachment) {
+                if (mayStay((SocketChannel) channel)) {
+                    super.accept(channel, attachment);
+                }
+            }
+        };
+    }
+
+    private boolean mayStay(SocketChannel channel) {
+        try {
+            if (visitors.admit(channel)) {
+                return true;
+            }
+        } catch (IOException closed) {
+            // The peer has closed already.
+        }
+        try {
+            channel.close();
+        } catch (IOException e) {
+            // Closing frees the descriptor even if it fails.
+        }
+        return false;
+    }
+}

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.worlds.web;
+
+import org.eclipse.jetty.websocket.api.Callback;
+import org.eclipse.jetty.websocket.api.Session;
+
+import java.nio.ByteBuffer;
+import java.util.List;
+import java.util.concurrent.CompletionException;
+import java.util.concurrent.locks.ReentrantLock;
+import java.util.function.Consumer;
+
+/**
+ * The messages to one page: lines of the agent protocol and frames of the scene, in turn. Each is
+ * written in pieces, so that one piece waits in memory, and a page that accepts no piece for some
+ * seconds is disconnected.
+ */
+final class PageOutput {
+
+    /** Maximum size of a piece [bytes]. */
+    static final int PIECE_BYTES = 16 * 1024;
+
+    /** Maximum time for a piece, and for the rest after the session has ended [ns]. */
+    static final long PATIENCE_NANOS = 5_000_000_000L;
+
+    private static final long NEVER = Long.MAX_VALUE;
+
+    private final Session page;
+    private final OpenPages pages;
+
+    /** Held while a message is written; fair, so that lines and frames take turns. */
+    private final ReentrantLock turn = new ReentrantLock(true);
+
+    /** Time by which the page must accept the present piece [ns since the start]. */
+    private volatile long pieceDueNanos = NEVER;
+
+    /** Time by which the connection must have ended [ns since the start]. */
+    private volatile long endDueNanos = NEVER;
+
+    private volatile boolean closed;
+
+    PageOutput(Session page, OpenPages pages) {
+        this.page = page;
+        this.pages = pages;
+        pages.add(this);
+    }
+
+    /**
+     * Sends a part of a line, and returns when the page's socket has accepted it. One thread.
+     *
+     * @param last whether the line ends here
+     * @throws CompletionException if the connection ended first
+     */
+    void line(String piece, boolean last) {
+        if (!turn.isHeldByCurrentThread()) {
+            turn.lock();
+        }
+        send(sent -> page.sendPartialText(piece, last, sent));
+        if (last) {
+            turn.unlock();
+        }
+    }
+
+    /** Gives the turn back if a line was interrupted. The thread of {@link #line}. */
+    void abandonLine() {
+        if (turn.isHeldByCurrentThread()) {
+            turn.unlock();
+        }
+    }
+
+    /**
+     * Sends a frame of the scene on a thread of its own.
+     *
+     * @param assets messages before it, which the scene keeps
+     * @param frame counted until it is sent; not modified
+     * @param sent called afterwards, unless the connection ended first
+     */
+    void frame(List<ByteBuffer> assets, ByteBuffer frame, Runnable sent) {
+        pages.hold(this, frame);
+        Thread.ofVirtual()
+                .name("page frame")
+                .start(
+                        () -> {
+                            turn.lock();
+                            try {
+                                assets.forEach(this::binary);
+                                binary(frame);
+                            } catch (RuntimeException ended) {
+                                cut();
+                                return;
+                            } finally {
+                                turn.unlock();
+                                pages.release(this);
+                            }
+                            sent.run();
+                        });
+    }
+
+    private void binary(ByteBuffer message) {
+        int size = message.limit();
+        int from = 0;
+        do {
+            ByteBuffer piece = message.slice(from, Math.min(PIECE_BYTES, size - from));
+            from += piece.limit();
+            boolean last = from == size;
+            send(sent -> page.sendPartialBinary(piece, last, sent));
+        } while (from < size);
+    }
+
+    private void send(Consumer<Callback> piece) {
+        var sent = new Callback.Completable();
+        pieceDueNanos = pages.nowNanos() + PATIENCE_NANOS;
+        if (closed) {
+            throw new CompletionException("the page was disconnected", null);
+        }
+        piece.accept(sent);
+        sent.join();
+        pieceDueNanos = NEVER;
+    }
+
+    /** Limits the time for the messages that still wait. Any thread. */
+    void endSoon() {
+        if (endDueNanos == NEVER) {
+            endDueNanos = pages.nowNanos() + PATIENCE_NANOS;
+        }
+    }
+
+    /** Closes the WebSocket after the messages sent so far. Any thread. */
+    void end(int status, String reason) {
+        endSoon();
+        page.close(status, reason, Callback.NOOP);
+    }
+
+    /** Disconnects the page if it is too slow. Called periodically. */
+    void check(long nowNanos) {
+        if (nowNanos > pieceDueNanos || nowNanos > endDueNanos) {
+            cut();
+        }
+    }
+
+    /** Disconnects the page; waiting messages fail. Any thread. */
+    void cut() {
+        closed = true;
+        page.disconnect();
+    }
+
+    /** Forgets the page, whose connection has ended. Any thread. */
+    void close() {
+        closed = true;
+        pages.remove(this);
+    }
+}
