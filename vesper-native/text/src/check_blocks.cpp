@@ -29,6 +29,15 @@ void Checker::CheckBlock(const Block& block) {
   }
   Effects effects;
   effects_ = &effects;
+  checked_lets_ += tree_.lets.size();
+  if (checked_lets_ > kMostLets) {
+    problems_.Fail(block.span,
+                   "the " + std::to_string(tree_.lets.size()) +
+                       " lets of the law are evaluated in each of its " +
+                       std::to_string(tree_.blocks.size()) + " blocks, more than " +
+                       std::to_string(kMostLets) + " times in all",
+                   "write a let into the block that uses it");
+  }
   for (const Statement& let : tree_.lets) {
     try {
       CheckLet(let);

@@ -152,7 +152,9 @@ class Checker {
   PassCode* pass_ = nullptr;
   Effects* effects_ = nullptr;
   std::vector<std::pair<std::string, Value>> lets_;
-  uint32_t row_kind_ = kNone;                                   // kNone: no row of its own
+  static constexpr size_t kMostLets = 2000;
+  size_t checked_lets_ = 0;    // of the whole law, once for each block
+  uint32_t row_kind_ = kNone;  // kNone: no row of its own
   std::vector<std::pair<std::string, uint32_t>> participants_;  // name and kind
   std::array<NodeId, 3> separation_{kNoNode, kNoNode, kNoNode};
   NodeId distance_ = kNoNode;

@@ -13,9 +13,10 @@ namespace {
 
 constexpr int kMaxDepth = 64;
 constexpr int kMaxParts = 600;
+constexpr int kMaxUnitDepth = 16;  // of brackets, as in unit_parser.cpp
 
 // Letters that stand alone for units beyond ASCII.
-constexpr std::string_view kUnitLetters[] = {"°", "Ω", "Ω", "µ", "μ"};
+constexpr std::string_view kUnitLetters[] = {"\u00b0", "\u03a9", "\u00b5", "\u03bc"};
 constexpr std::string_view kTimes[] = {"*", "·", "⋅"};
 constexpr std::string_view kRaisedSigns[] = {"⁻", "⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
 // Names of the language that would also read as units.
@@ -33,7 +34,8 @@ bool IsUnit(std::string_view symbol) {
 /// Finds the longest unit at a place of a text: symbols with exponents, joined without spaces.
 class UnitScanner {
  public:
-  UnitScanner(std::string_view text, size_t at) : text_(text), at_(at) {}
+  UnitScanner(std::string_view text, size_t at, int depth = 0)
+      : text_(text), at_(at), depth_(depth) {}
 
   /// Returns the end of the unit; its begin if there is none.
   size_t Run() {
@@ -61,12 +63,7 @@ class UnitScanner {
 
   bool Term() {
     const size_t begin = at_;
-    while (std::isalpha(static_cast<unsigned char>(Here())) != 0 || Here() == '%' ||
-           std::any_of(std::begin(kUnitLetters), std::end(kUnitLetters),
-                       [&](auto letter) { return text_.substr(at_).starts_with(letter); })) {
-      at_ += Here() == '%' || std::isalpha(static_cast<unsigned char>(Here())) != 0
-                 ? 1
-                 : (text_.substr(at_).starts_with("Ω") ? 3 : 2);
+    while (Letter()) {
     }
     const std::string_view symbol = text_.substr(begin, at_ - begin);
     const bool is_word = Here() == '_' || std::isdigit(static_cast<unsigned char>(Here())) != 0;
@@ -82,6 +79,15 @@ class UnitScanner {
     symbols_.emplace_back(symbol);
     Exponent();
     return true;
+  }
+
+  bool Letter() {
+    if (std::isalpha(static_cast<unsigned char>(Here())) != 0 || Here() == '%') {
+      ++at_;
+      return true;
+    }
+    return std::any_of(std::begin(kUnitLetters), std::end(kUnitLetters),
+                       [&](auto letter) { return Take(letter); });
   }
 
   void Exponent() {
@@ -102,9 +108,9 @@ class UnitScanner {
 
   bool Bracket() {
     const size_t begin = at_;
-    if (!Take("(")) return false;
+    if (depth_ == kMaxUnitDepth || !Take("(")) return false;
     const size_t inside = at_;
-    UnitScanner scanner(text_, inside);
+    UnitScanner scanner(text_, inside, depth_ + 1);
     at_ = scanner.Run();
     if (at_ == inside || !Take(")")) {
       at_ = begin;
@@ -116,6 +122,7 @@ class UnitScanner {
 
   std::string_view text_;
   size_t at_;
+  int depth_;
   std::vector<std::string> symbols_;
 };
 

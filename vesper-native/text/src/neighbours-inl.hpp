@@ -10,31 +10,42 @@ namespace vesper::text {
 template <class Real>
 void Neighbours<Real>::Reserve(uint64_t rows) {
   sorted_.reserve(rows);
+  sample_.reserve(kSample);
   for (auto* column : {&x_, &y_, &z_}) column->reserve(rows);
 }
 
 template <class Real>
-void Neighbours<Real>::Sort(const Real* positions, uint64_t rows, double within) {
-  std::array<double, 3> low{INFINITY, INFINITY, INFINITY}, high{-INFINITY, -INFINITY, -INFINITY};
-  for (uint64_t i = 0; i < rows; ++i) {
-    for (size_t k = 0; k < 3; ++k) {
-      const auto at = static_cast<double>(positions[3 * i + k]);
-      if (at < low[k]) low[k] = at;
-      if (at > high[k]) high[k] = at;
-    }
-  }
-  // Cells are larger than the distance where the rows are too far apart for their numbers.
+double Neighbours<Real>::Cells(const Real* positions, uint64_t rows, double within,
+                               std::array<double, 3>& middle) {
   double side = within;
+  const uint64_t stride = rows / kSample + 1;
   for (size_t k = 0; k < 3; ++k) {
-    if (std::isfinite(high[k] - low[k])) side = std::max(side, (high[k] - low[k]) / (1 << 20));
+    sample_.clear();
+    for (uint64_t i = 0; i < rows; i += stride) {
+      const auto at = static_cast<double>(positions[3 * i + k]);
+      if (std::isfinite(at)) sample_.push_back(at);
+    }
+    if (sample_.empty()) continue;
+    std::sort(sample_.begin(), sample_.end());
+    middle[k] = sample_[sample_.size() / 2];
+    const double most = sample_[sample_.size() * 9 / 10] - sample_[sample_.size() / 10];
+    if (std::isfinite(most)) side = std::max(side, most / kHalf);
   }
+  return side;
+}
+
+template <class Real>
+void Neighbours<Real>::Sort(const Real* positions, uint64_t rows, double within) {
+  std::array<double, 3> middle{};
+  const double side = Cells(positions, rows, within, middle);
   sorted_.clear();
   for (uint64_t i = 0; i < rows; ++i) {
     uint64_t cell = 0;
     for (size_t k = 3; k-- > 0;) {
-      const double at = (static_cast<double>(positions[3 * i + k]) - low[k]) / side;
+      const double at = std::floor((static_cast<double>(positions[3 * i + k]) - middle[k]) / side);
       // From 1 on, so that a neighbour's number is not below 0. NaN is in cell 1, and no neighbour.
-      const auto number = at > 0 ? static_cast<uint64_t>(std::min(at, 1048576.0)) + 1 : uint64_t{1};
+      const auto number =
+          at > -kHalf ? static_cast<uint64_t>(std::min(at, kHalf) + kHalf) + 1 : uint64_t{1};
       cell = cell << kBits | number;
     }
     sorted_.push_back({cell, static_cast<uint32_t>(i)});

@@ -2,6 +2,7 @@
 // Pairs of rows within a distance.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <vector>
@@ -30,12 +31,21 @@ class Neighbours {
       return cell != other.cell ? cell < other.cell : row < other.row;
     }
   };
-  static constexpr int kBits = 21;  // of a coordinate of a cell
+  static constexpr int kBits = 21;         // of a coordinate of a cell
+  static constexpr double kHalf = 524288;  // cells on each side of the middle
+  static constexpr uint64_t kSample = 1024;
+
+  /// Returns the side of the cells: `within`, or more where most rows are too far apart for the
+  /// numbers of cells. `middle` becomes the median of a sample of the rows. Rows that are farther
+  /// from it than the numbers reach share the outermost cells, so a row that is far away does not
+  /// change the cells of the others.
+  double Cells(const Real* positions, uint64_t rows, double within, std::array<double, 3>& middle);
 
   void Sort(const Real* positions, uint64_t rows, double within);
 
   std::vector<Row> sorted_;
   std::vector<Real> x_, y_, z_;  // in the order of sorted_
+  std::vector<double> sample_;
 };
 
 }  // namespace vesper::text

@@ -115,6 +115,9 @@ class Parser {
       Phase(law);
     } else if (reader_.Peek().Is("let")) {
       law.lets.push_back(Let());
+      if (law.lets.size() > kMaxStatements) {
+        reader_.problems().Fail(law.lets.back().span, "the law has more than 1000 lets");
+      }
       EndLine();
     } else if (reader_.Peek().Is("each")) {
       Each(law, std::nullopt);

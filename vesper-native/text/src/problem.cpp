@@ -45,12 +45,12 @@ Place PlaceOf(std::string_view text, uint32_t offset) {
           static_cast<uint32_t>(Characters(before.substr(begin)) + 1)};
 }
 
-void Problems::Add(Span span, std::string message, std::string hint) {
+void Problems::Add(Span span, const std::string& message, const std::string& hint) {
   if (full()) return;
   const bool known = std::any_of(problems_.begin(), problems_.end(), [&](const Problem& problem) {
     return problem.span.begin == span.begin && problem.message == message;
   });
-  if (!known) problems_.push_back({span, std::move(message), std::move(hint)});
+  if (!known) problems_.push_back({span, Printable(message), Printable(hint)});
 }
 
 void Problems::Fail(Span span, std::string message, std::string hint) {

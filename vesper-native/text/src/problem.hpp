@@ -43,7 +43,7 @@ class Problems {
  public:
   static constexpr size_t kMost = 20;
 
-  void Add(Span span, std::string message, std::string hint = {});
+  void Add(Span span, const std::string& message, const std::string& hint = {});
   /// Adds a problem and throws Abandon.
   [[noreturn]] void Fail(Span span, std::string message, std::string hint = {});
   bool empty() const { return problems_.empty(); }

@@ -188,6 +188,18 @@ std::vector<LawTree> ParseChecked(std::string_view text, Problems& problems) {
                              std::to_string(kMaxText) + " are allowed");
     return {};
   }
+  const auto control = std::ranges::find_if(text, [](char c) {
+    return (static_cast<unsigned char>(c) < ' ' && c != '\n' && c != '\r' && c != '\t') ||
+           c == 0x7f;
+  });
+  if (control != text.end()) {
+    const auto at = static_cast<uint32_t>(control - text.begin());
+    char name[8];
+    std::snprintf(name, sizeof name, "0x%02x", static_cast<unsigned char>(*control));
+    problems.Add({at, at + 1}, std::string("the text contains the control character ") + name,
+                 "delete it");
+    return {};
+  }
   std::vector<LawTree> laws = Parse(text, problems);
   for (size_t i = 0; i < laws.size(); ++i) {
     for (size_t j = 0; j < i; ++j) {

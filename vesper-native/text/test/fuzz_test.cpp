@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Random and hostile texts: each is refused or compiled after bounded work, and nothing crashes.
 // VESPER_FUZZ_TEXTS sets the number of texts.
+#include <pthread.h>
+
 #include <cstdlib>
 #include <random>
 
@@ -124,6 +126,51 @@ TEST(FuzzTextTest, HostileTextsEndSoon) {
   ReportOn(doubling + "    energy = 1 J * v59\n");
   const std::string report = ReportOn(choosing + "    energy = 1 J * v59\n");
   EXPECT_NE(report.find("too large"), std::string::npos) << report;
+}
+
+TEST(FuzzTextTest, TextsNeedLittleStack) {
+  const std::vector<std::string> texts = {
+      "law x\n  parameter p = 1 " + Repeated("m/(", 21000),
+      "law x\n  each body has y in " + Repeated("m/(", 21000),
+      "law x\n  each body:\n    force += 1 " + Repeated("m/(", 21000),
+  };
+  pthread_attr_t small;
+  pthread_attr_init(&small);
+  pthread_attr_setstacksize(&small, 1 << 20);  // as in a JVM
+  for (const std::string& text : texts) {
+    const auto report = [](void* of) -> void* {
+      EXPECT_NE(ReportOn(*static_cast<const std::string*>(of)), "");
+      return nullptr;
+    };
+    pthread_t thread;
+    ASSERT_EQ(pthread_create(&thread, &small, report, const_cast<std::string*>(&text)), 0);
+    pthread_join(thread, nullptr);
+  }
+  pthread_attr_destroy(&small);
+}
+
+TEST(FuzzTextTest, LetsOfALawTimesItsBlocksAreLimited) {
+  std::string lets = "law x\n";
+  for (int i = 0; i < 900; ++i) lets += "  let a" + std::to_string(i) + " = 0\n";
+  EXPECT_NE(ReportOn(lets + Repeated("  each body:\n    force += 0 N\n", 900))
+                .find("more than 2000 times"),
+            std::string::npos);
+  EXPECT_NE(ReportOn(lets + lets.substr(6)).find("more than 1000 lets"), std::string::npos);
+}
+
+TEST(FuzzTextTest, ControlCharactersAreRefusedByPlace) {
+  const std::string report = ReportOn("law x \"\x1b[2J\"\n  each body:\n    force += 0 N\n");
+  EXPECT_NE(report.find("x.law:1:8: the text contains the control character 0x1b"),
+            std::string::npos)
+      << report;
+  EXPECT_EQ(report.find('\x1b'), std::string::npos);
+}
+
+TEST(FuzzTextTest, TheSignOfTheOhmIsAUnit) {
+  EXPECT_EQ(ReportOn("law x\n  parameter R = 5 \u03a9\n  each body:\n"
+                     "    force.x += R / (5 \u03a9) * 1 N\n"),
+            "");
+  EXPECT_NE(ReportOn("law x\n  each body has y in \u03a9"), "");
 }
 
 }  // namespace

@@ -264,7 +264,9 @@ final class ConnectionReader {
     private void hold(Client client, ClientMessage.Request request) {
         pause();
         boolean computes =
-                request instanceof ClientMessage.Fork || request instanceof ClientMessage.Save;
+                request instanceof ClientMessage.Fork
+                        || request instanceof ClientMessage.Save
+                        || request instanceof ClientMessage.LoadLaw;
         Thread.Builder thread = computes ? Thread.ofPlatform().daemon() : Thread.ofVirtual();
         thread.name("agent control")
                 .start(
