@@ -49,4 +49,24 @@ class LawsAsTextIT {
             assertThat(run("unload.sh", server)).startsWith("unload-law: frame ");
         }
     }
+
+    @Test
+    void aSavedWorldKeepsTheTextOfAShippedLaw(@TempDir Path folder) throws Exception {
+        Path world = folder.resolve("fall.yaml");
+        Path saved = folder.resolve("saved.yaml");
+        Files.writeString(
+                world,
+                """
+                reve: 1
+                name: fall
+                laws: [gravity_field.law, newton_motion]
+                constants: {gravity: [0, -9.81, 0]}
+                items:
+                  - {name: ball, physical: {shape: sphere}, physics: {mass: 1 kg}}
+                """);
+        Reve.Outcome run =
+                Reve.run("run", world.toString(), "--seconds", "0.1", "--save", saved.toString());
+        assertThat(run.code()).as(run.err()).isZero();
+        assertThat(Files.readString(saved)).contains("gravity_field.law");
+    }
 }

@@ -294,7 +294,7 @@ public final class Simulation implements AutoCloseable {
                         .map(
                                 library ->
                                         new LawReference(
-                                                library.name(),
+                                                nameOf(library),
                                                 textOf(library),
                                                 library.parameters(),
                                                 library.name(),
@@ -307,6 +307,13 @@ public final class Simulation implements AutoCloseable {
         return library.isText() && !lawPath.ships(library)
                 ? Optional.of(new String(library.bytes(), StandardCharsets.UTF_8))
                 : Optional.empty();
+    }
+
+    /** Returns the name by which a world file has the library: a shipped text is not its twin. */
+    private String nameOf(LawLibrary library) {
+        return library.isText() && lawPath.ships(library)
+                ? library.name() + ".law"
+                : library.name();
     }
 
     /** Returns what {@link #descriptionNow} cannot describe, for messages. World's thread. */
