@@ -109,6 +109,8 @@ void Start() {
 
 Object Function(const char* name) { return Object(PyObject_GetAttrString(module, name)); }
 
+std::string Versions() { return TextOf(Function("_versions").get()); }
+
 Failure Raised(vesper_status status, const std::string& source) {
   const Object exception = Fetch();
   std::string message;

@@ -52,6 +52,9 @@ void Start();
 /// Returns a function of the module `vesper`.
 Object Function(const char* name);
 
+/// Returns the versions of Python and NumPy.
+std::string Versions();
+
 /// Returns the pending exception as a failure, with the line of `source` at which it was raised,
 /// and clears it.
 Failure Raised(vesper_status status, const std::string& source);

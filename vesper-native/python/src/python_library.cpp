@@ -49,12 +49,15 @@ class Library {
 
   const vesper_law_library& table() const { return table_; }
   const std::string& source() const { return source_; }
+  /// Returns the versions of Python and NumPy, on which the bits of the laws depend.
+  const std::string& versions() const { return versions_; }
   const Declared& law(size_t index) const { return laws_[index]; }
 
  private:
   void Read(PyObject* law, Declared& to, vesper_scalar_type real_type);
 
   std::string source_;
+  std::string versions_;
   std::vector<Declared> laws_;
   std::vector<vesper_law_desc> descs_;
   vesper_law_library table_{};
@@ -128,6 +131,7 @@ vesper_status Create(const vesper_host* host, vesper_suite*, const double* param
   return Guarded(error, [&] {
     const auto& library = *static_cast<const Library*>(host->user);
     *out = reinterpret_cast<vesper_law*>(new Instance(library, library.law(index), parameters));
+    if (index == 0) host->log(host->context, VESPER_LOG_INFO, library.versions().c_str());
   });
 }
 
@@ -236,6 +240,7 @@ Library::Library(const vesper_prototype& prototype, std::string source, const ch
                                     static_cast<Py_ssize_t>(size), prototype.real_type,
                                     properties.get(), static_cast<unsigned>(kMaxLaws)),
               VESPER_LIBRARY_LOAD_FAILED, source_);
+  versions_ = Versions();
   laws_.resize(static_cast<size_t>(PyList_Size(laws.get())));
   for (size_t i = 0; i < laws_.size(); ++i) {
     Read(PyList_GET_ITEM(laws.get(), static_cast<Py_ssize_t>(i)), laws_[i], prototype.real_type);

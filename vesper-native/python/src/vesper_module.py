@@ -21,6 +21,7 @@ _STEP = ("dt", "time")
 _SHORT_NAMES = {"force": "externalForce"}
 _LARGEST = sys.float_info.max
 
+_versions = f"Python {sys.version.split()[0]}, NumPy {numpy.__version__}"
 _declared = []  # by the file that runs
 
 

@@ -20,8 +20,7 @@ import java.util.Map;
 /** Does what docs/laws-in-python.md says, and what its reader may do next. */
 @Tag("slow")
 class LawsInPythonIT {
-    private static final String LINE =
-            "force -= 2 * mass[:, None] * numpy.cross(OMEGA, velocity)";
+    private static final String LINE = "force -= 2 * mass[:, None] * numpy.cross(OMEGA, velocity)";
 
     private final Path folder;
     private final Shell shell;
@@ -54,10 +53,12 @@ class LawsInPythonIT {
     @Test
     void aLawIsDroppedShownMistakenAndRemoved() throws Exception {
         Files.writeString(folder.resolve("spin.py"), law());
-        try (Server server = shell.serve(page.titled("serve.sh").text())) {
+        String serve = "export REVE_LOG=INFO\n" + page.titled("serve.sh").text();
+        try (Server server = shell.serve(serve)) {
             server.port();
             run("drop.sh");
             server.events().await("law-loaded", event -> named(event, "spin"));
+            assertThat(shell.messages()).containsPattern("spin: Python 3\\.\\d+\\.\\d+, NumPy 1");
             assertThat(control(server, "laws")).contains("spin", "Coriolis force");
             drop(law().replace("\"m/s\"", "\"N\""));
             assertThat(server.events().await("fault", event -> true).path("message").asString())
@@ -87,8 +88,7 @@ class LawsInPythonIT {
                 int seen = server.events().count();
                 drop(law().replace(LINE, fault.getKey()));
                 JsonNode event =
-                        server.events()
-                                .await("fault", each -> server.events().isAfter(each, seen));
+                        server.events().await("fault", each -> server.events().isAfter(each, seen));
                 assertThat(event.path("status").asString())
                         .as(event.toString())
                         .isEqualTo(fault.getValue());

@@ -110,8 +110,7 @@ class LawPythonNativeTest {
     }
 
     private void write(String file, String text) throws Exception {
-        Files.writeString(
-                Files.createDirectories(folder.resolve("laws")).resolve(file), text);
+        Files.writeString(Files.createDirectories(folder.resolve("laws")).resolve(file), text);
     }
 
     private Simulation simulate(String laws) throws Exception {
@@ -217,11 +216,7 @@ class LawPythonNativeTest {
     void anEngineInTheProcessOfItsClientRefusesIt() throws Exception {
         write("spin.py", SPIN);
         LawPath here =
-                new LawPath(
-                                LawPath.ofShipped().shipped(),
-                                Optional.empty(),
-                                Optional.empty(),
-                                true)
+                new LawPath(LawPath.ofShipped().shipped(), Optional.empty(), Optional.empty(), true)
                         .forWorld(folder);
         WorldDescription named = world("[newton_motion, spin]");
         assertThatThrownBy(() -> new Simulation(named, Pacing.FAST, here).close())
@@ -262,8 +257,7 @@ class LawPythonNativeTest {
                     import os; os._exit(0)            ¦ LAW_CRASHED   ¦ law spin: ended the engine's process
                     import ctypes; ctypes.string_at(0) ¦ LAW_CRASHED  ¦ law spin: ended the engine's process: SIGSEGV
                     """)
-    void aFaultCostsOneRepeatedFrame(String line, Status status, String message)
-            throws Exception {
+    void aFaultCostsOneRepeatedFrame(String line, Status status, String message) throws Exception {
         write("spin.py", SPIN.replace(LINE, "if time > 0.5:\n        " + line));
         try (Simulation faulty = simulate("[newton_motion, drag, spin]");
                 Simulation without = simulate("[newton_motion, drag]")) {
@@ -278,9 +272,7 @@ class LawPythonNativeTest {
                                 assertThat(reason.message()).contains(message);
                             })
                     .extracting(Quarantined::sha256)
-                    .isEqualTo(
-                            LawFiles.sha256(
-                                    Files.readAllBytes(folder.resolve("laws/spin.py"))));
+                    .isEqualTo(LawFiles.sha256(Files.readAllBytes(folder.resolve("laws/spin.py"))));
             assertThat(faulty.engine().stateHash()).isEqualTo(without.engine().stateHash());
         }
     }
