@@ -217,13 +217,21 @@ vesper_prepared_library* Service::Open(Reader& request) {
   const auto descriptor = request.Value<uint32_t>();
   const Mapping bytes(client_, descriptor, request.Value<uint64_t>(), false);
   vesper_prepared_library* prepared = nullptr;
-  if (form == Form::kPython) {
-    Check(PreparePython(prototype_->get(), source, bytes.data(), bytes.size(), &prepared, &error_));
-    return prepared;
+  switch (form) {
+    case Form::kNative:
+      Check(vesper_library_prepare_bytes(&config_, bytes.data(), bytes.size(), source.c_str(),
+                                         &prepared, &error_));
+      return prepared;
+    case Form::kText:
+      Check(vesper_library_prepare_text(source.c_str(), reinterpret_cast<const char*>(bytes.data()),
+                                        bytes.size(), &prepared, &error_));
+      return prepared;
+    case Form::kPython:
+      Check(
+          PreparePython(prototype_->get(), source, bytes.data(), bytes.size(), &prepared, &error_));
+      return prepared;
   }
-  Check(vesper_library_prepare_bytes(&config_, bytes.data(), bytes.size(), source.c_str(),
-                                     &prepared, &error_));
-  return prepared;
+  throw std::runtime_error("unknown form of a law library");
 }
 
 void Service::Prepare(Reader& request, Writer& reply) {

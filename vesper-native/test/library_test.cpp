@@ -89,7 +89,7 @@ TEST(LibraryTest, TableOfAFrontEndIsLoadedAndReleased) {
   vesper_prepared_library* origin = nullptr;
   ASSERT_EQ(vesper_library_prepare(&config, TestLawPath("push").c_str(), &origin, nullptr), 0);
   const vesper_law_library* table = nullptr;
-  const vesper_prototype* prototype = vesper_prototype_find("si-f64");
+  const vesper_prototype* prototype = vesper_prototype_standard("si-f64");
   ASSERT_NE(prototype, nullptr);
   ASSERT_EQ(vesper_library_table(origin, prototype, &table, nullptr), VESPER_OK);
   int released = 0;

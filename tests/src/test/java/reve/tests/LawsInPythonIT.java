@@ -104,6 +104,24 @@ class LawsInPythonIT {
     }
 
     @Test
+    void aStoreContinuesWithTheLaw() throws Exception {
+        String serve = page.titled("serve.sh").text().strip() + " --store \"$PWD/store.db\"";
+        try (Server server = shell.serve(serve)) {
+            server.port();
+            drop(law());
+            server.events().await("law-loaded", event -> named(event, "spin"));
+            control(server, "shut-down");
+            server.events().await("end", event -> true);
+        }
+        try (Server server = shell.serve(serve)) {
+            server.port();
+            assertThat(control(server, "laws")).contains("Coriolis force");
+            run("remove.sh");
+            server.events().await("law-unloaded", event -> named(event, "spin"));
+        }
+    }
+
+    @Test
     void aClientCannotSendOne() throws Exception {
         Files.writeString(folder.resolve("spin.py"), law());
         String serve = page.titled("serve.sh").text().strip() + " --trust";
@@ -137,6 +155,8 @@ class LawsInPythonIT {
         assertThat(run.code()).as(run.err()).isZero();
         Reve.Outcome trusted = Reve.run("replay", log, "--trust");
         assertThat(trusted.out()).as(trusted.err()).startsWith("identical: 120 frames");
+        String laws = folder.resolve("laws").toString();
+        assertThat(Reve.run("replay", log, "--laws", laws).out()).startsWith("identical: 120");
         assertThat(Reve.run("replay", log).err()).contains("law library 'spin'", "--trust");
     }
 }

@@ -15,6 +15,7 @@ import org.junit.jupiter.params.provider.CsvSource;
 import reve.core.file.WorldDescription;
 import reve.core.file.WorldFile;
 import reve.core.frame.Pacing;
+import reve.core.world.ItemDefinition;
 import reve.pe.PhysicsException;
 import reve.pe.PreparedLibrary;
 import reve.pe.Status;
@@ -25,6 +26,7 @@ import reve.worlds.Product;
 import java.nio.file.Files;
 import java.nio.file.Path;
 import java.time.Duration;
+import java.util.Map;
 import java.util.Optional;
 import java.util.regex.Matcher;
 import java.util.regex.Pattern;
@@ -168,6 +170,51 @@ class LawPythonNativeTest {
         }
     }
 
+    /** Laws on several threads take turns in the interpreter. */
+    @Test
+    void theNumberOfThreadsDoesNotChangeTheBits() throws Exception {
+        write("spin.py", SPIN);
+        write("turn.py", SPIN.replace("def spin", "def turn").replace("0.5, 0.0", "0.1, 0.7"));
+        long[] hashes = new long[2];
+        for (int i = 0; i < 2; i++) {
+            String laws =
+                    "[newton_motion, spin, turn, drag]\nframe: {threads: " + (1 + 3 * i) + "}";
+            try (Simulation simulation = simulate(laws)) {
+                simulation.loop().run(200);
+                hashes[i] = simulation.engine().stateHash();
+            }
+        }
+        assertThat(hashes[1]).isEqualTo(hashes[0]);
+    }
+
+    @Test
+    void aWorldOfSinglePrecisionHasArraysOfSinglePrecision() throws Exception {
+        write("spin.py", SPIN.replace(LINE, LINE + "\n    assert force.dtype == numpy.float32"));
+        try (Simulation simulation = simulate("[newton_motion, spin]\nprototype: si-f32")) {
+            simulation.loop().run(60);
+            assertThat(simulation.physics().laws().quarantined()).isEmpty();
+            assertThat(velocity(simulation, "stone")[0]).isNotCloseTo(3, within(0.1));
+        }
+    }
+
+    /** The columns move when their kind grows, and the arrays with them. */
+    @Test
+    void theArraysFollowTheColumns() throws Exception {
+        write("spin.py", SPIN.replace(LINE, "force[:, 1] = 0.001 * mass * len(mass)"));
+        try (Simulation simulation = simulate("[newton_motion, spin]")) {
+            simulation.loop().run(1);
+            for (int i = 0; i < 5000; i++) {
+                simulation
+                        .world()
+                        .add(ItemDefinition.named("more " + i).physics("mass", 1).build());
+            }
+            double before = velocity(simulation, "stone")[1];
+            simulation.loop().run(1);
+            assertThat(velocity(simulation, "stone")[1] - before)
+                    .isCloseTo(0.001 * 5002 * DT, within(1e-12));
+        }
+    }
+
     /** The memory of a law moves with the state of the engine. */
     @Test
     void timeAndMemoryOfTheLawsOwnAreKept() throws Exception {
@@ -235,6 +282,10 @@ class LawPythonNativeTest {
             assertThatThrownBy(() -> simulation.engine().prepareText("spin.py", SPIN.getBytes()))
                     .isInstanceOf(PhysicsException.class)
                     .hasMessageContaining("spin.py:1:1: ");
+            var text = simulation.engine().prepareText("spin.py", TWIN.getBytes());
+            simulation.physics().laws().load(0, text, Map.of());
+            simulation.loop().run(60);
+            assertThat(velocity(simulation, "stone")[0]).isNotCloseTo(3, within(0.1));
         }
         assertThat(PreparedLibrary.isText(SPIN.getBytes())).isFalse();
         assertThat(PreparedLibrary.isText(TWIN.getBytes())).isTrue();
