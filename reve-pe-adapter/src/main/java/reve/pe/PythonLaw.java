@@ -25,7 +25,7 @@ public final class PythonLaw {
                 Status.LIBRARY_LOAD_FAILED,
                 file
                         + " is in Python, and laws in Python run only in the engine's own process:"
-                        + " leave out --engine in-process, or write the law as text");
+                        + " remove --engine in-process, or write the law as text");
     }
 
     /**

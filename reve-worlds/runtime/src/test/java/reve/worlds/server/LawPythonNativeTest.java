@@ -268,7 +268,7 @@ class LawPythonNativeTest {
         WorldDescription named = world("[newton_motion, spin]");
         assertThatThrownBy(() -> new Simulation(named, Pacing.FAST, here).close())
                 .hasMessageContaining("spin.py is in Python")
-                .hasMessageContaining("leave out --engine in-process");
+                .hasMessageContaining("remove --engine in-process");
         try (Simulation other = new Simulation(world("[newton_motion]"), Pacing.FAST, here)) {
             assertThatThrownBy(() -> other.engine().prepare(SPIN.getBytes()))
                     .hasMessageContaining("laws in Python run only in the engine's own process");
