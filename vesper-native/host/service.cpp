@@ -4,13 +4,14 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
-#include <deque>
 #include <exception>
 #include <set>
 #include <string>
 #include <utility>
 
 #include "isolation.hpp"
+#include "python_laws.hpp"
+#include "received_prototype.hpp"
 
 namespace vesper::host {
 namespace {
@@ -27,52 +28,6 @@ void Check(vesper_status status) {
   if (status != VESPER_OK) throw Refused{status};
 }
 
-/// A prototype with the strings that it points to.
-class ReceivedPrototype {
- public:
-  explicit ReceivedPrototype(Reader& request) {
-    prototype_.struct_size = sizeof prototype_;
-    prototype_.name = Keep(request.Text());
-    prototype_.real_type = request.Value<uint32_t>();
-    prototype_.time_unit = request.Unit();
-    properties_.resize(request.Value<uint32_t>());
-    for (vesper_property_descriptor& property : properties_) property = Descriptor(request);
-    prototype_.property_count = static_cast<uint32_t>(properties_.size());
-    prototype_.properties = properties_.data();
-  }
-  ReceivedPrototype(const ReceivedPrototype&) = delete;
-  ReceivedPrototype& operator=(const ReceivedPrototype&) = delete;
-
-  const vesper_prototype& get() const { return prototype_; }
-  const std::vector<vesper_property_descriptor>& properties() const { return properties_; }
-
- private:
-  vesper_property_descriptor Descriptor(Reader& request) {
-    vesper_property_descriptor property{};
-    property.struct_size = sizeof property;
-    property.name = Keep(request.Text());
-    property.kind = Keep(request.Text());
-    property.scalar_type = request.Value<uint32_t>();
-    property.components = request.Value<uint32_t>();
-    property.law_access = request.Value<uint32_t>();
-    property.unit = request.Unit();
-    property.refers_to = KeepUnlessEmpty(request.Text());
-    property.initial_from = KeepUnlessEmpty(request.Text());
-    property.has_minimum = request.Value<uint32_t>();
-    property.minimum = request.Value<double>();
-    property.doc = Keep(request.Text());
-    return property;
-  }
-  const char* Keep(std::string text) { return strings_.emplace_back(std::move(text)).c_str(); }
-  const char* KeepUnlessEmpty(std::string text) {
-    return text.empty() ? nullptr : Keep(std::move(text));
-  }
-
-  std::deque<std::string> strings_;
-  std::vector<vesper_property_descriptor> properties_;
-  vesper_prototype prototype_{};
-};
-
 /// Calls `visit` for each element of an array whose stride is the first element's struct_size.
 template <class T, class Visit>
 void ForEach(const T* first, uint32_t count, Visit&& visit) {
@@ -85,6 +40,10 @@ void ForEach(const T* first, uint32_t count, Visit&& visit) {
 }
 
 }  // namespace
+
+Service::Service(int client, Control& control) : client_(client), control_(control) {}
+
+Service::~Service() = default;
 
 void Service::Answer() {
   control_.log_used = 0;
@@ -195,12 +154,12 @@ void Service::Create(Reader& request) {
   config_.log = Log;
   config_.log_user = this;
   config_.running = control_.running;
-  const ReceivedPrototype prototype(request);
-  for (const vesper_property_descriptor& property : prototype.properties()) {
+  prototype_ = std::make_unique<ReceivedPrototype>(request);
+  for (const vesper_property_descriptor& property : prototype_->properties()) {
     if ((property.law_access & VESPER_ACCUMULATE) != 0) accumulators_.emplace_back(property.name);
   }
   vesper_engine* engine = nullptr;
-  Check(vesper_engine_create(&config_, &prototype.get(), &engine, &error_));
+  Check(vesper_engine_create(&config_, &prototype_->get(), &engine, &error_));
   engine_.reset(engine);
   ProtectColumns();
 }
@@ -254,12 +213,25 @@ void Service::Touch(Reader& request) {
 
 vesper_prepared_library* Service::Open(Reader& request) {
   const std::string source = request.Text();
+  const auto form = static_cast<Form>(request.Value<uint32_t>());
   const auto descriptor = request.Value<uint32_t>();
   const Mapping bytes(client_, descriptor, request.Value<uint64_t>(), false);
   vesper_prepared_library* prepared = nullptr;
-  Check(vesper_library_prepare_bytes(&config_, bytes.data(), bytes.size(), source.c_str(),
-                                     &prepared, &error_));
-  return prepared;
+  switch (form) {
+    case Form::kNative:
+      Check(vesper_library_prepare_bytes(&config_, bytes.data(), bytes.size(), source.c_str(),
+                                         &prepared, &error_));
+      return prepared;
+    case Form::kText:
+      Check(vesper_library_prepare_text(source.c_str(), reinterpret_cast<const char*>(bytes.data()),
+                                        bytes.size(), &prepared, &error_));
+      return prepared;
+    case Form::kPython:
+      Check(
+          PreparePython(prototype_->get(), source, bytes.data(), bytes.size(), &prepared, &error_));
+      return prepared;
+  }
+  throw std::runtime_error("unknown form of a law library");
 }
 
 void Service::Prepare(Reader& request, Writer& reply) {

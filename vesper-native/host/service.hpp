@@ -38,11 +38,17 @@ enum class Request : uint32_t {
   kBindAll,
 };
 
+/// What the bytes of a law library are. reve.pe.hosted.HostedLibrary in Java has the same numbers.
+enum class Form : uint32_t { kNative, kText, kPython };
+
+class ReceivedPrototype;
+
 /// One engine and its answers to requests. A reply begins with a status (int32_t). After a failure
 /// the `vesper_error` follows, after success what the request asks for.
 class Service {
  public:
-  Service(int client, Control& control) : client_(client), control_(control) {}
+  Service(int client, Control& control);
+  ~Service();
   Service(const Service&) = delete;
   Service& operator=(const Service&) = delete;
 
@@ -84,6 +90,7 @@ class Service {
   Columns columns_;                 // outlives the engine
   std::vector<std::string> accumulators_;
   vesper_engine_config config_{};
+  std::unique_ptr<ReceivedPrototype> prototype_;
   std::unique_ptr<vesper_engine, EngineDeleter> engine_;
   std::vector<vesper_library_id> libraries_;  // in load order
   Mapping state_;                             // where the client reads saved states

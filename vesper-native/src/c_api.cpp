@@ -182,6 +182,18 @@ vesper_status vesper_library_prepare_text(const char* source, const char* text, 
   });
 }
 
+vesper_status vesper_library_prepare_table(const vesper_law_library* table,
+                                           void (*release)(void* user), void* user,
+                                           vesper_prepared_library** out,
+                                           vesper_error* error) noexcept {
+  return Guarded(error, [&] {
+    Required(out, "out");
+    auto prepared = std::make_unique<vesper_prepared_library>(Required(table, "table"));
+    prepared->ReleaseAtEnd(release, user);
+    *out = prepared.release();
+  });
+}
+
 vesper_status vesper_library_table(vesper_prepared_library* prepared,
                                    const vesper_prototype* prototype,
                                    const vesper_law_library** out, vesper_error* error) noexcept {

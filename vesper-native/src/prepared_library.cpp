@@ -38,6 +38,13 @@ Failure TooLarge(const std::string& source, uint64_t size) {
 }
 
 constexpr std::string_view kTextEnding = ".law";
+constexpr std::string_view kPythonEnding = ".py";
+
+/// Refuses a file in Python, which no program but vesper-host opens.
+void RefusePython(const std::string& source) {
+  if (!source.ends_with(kPythonEnding)) return;
+  throw LoadFailure(source, "a law in Python runs only in the engine's process, vesper-host");
+}
 
 /// Returns the file for a bare name, from the first folder of the law path that contains it.
 std::string Search(const std::string& law_path, const std::string& name) {
@@ -199,6 +206,7 @@ vesper_prepared_library::vesper_prepared_library(const vesper::Config& config,
   using namespace vesper;
   const bool is_path = library.find('/') != std::string::npos;
   const std::string file = is_path ? library : Search(config.law_path, library);
+  RefusePython(file);
   const std::vector<std::byte> bytes = ReadStable(file, ShortPath(file));
   if (file.ends_with(kTextEnding)) {
     text_ = std::make_unique<text::TextLibrary>(file.substr(file.rfind('/') + 1), TextOf(bytes));
@@ -210,6 +218,7 @@ vesper_prepared_library::vesper_prepared_library(const vesper::Config& config,
 vesper_prepared_library::vesper_prepared_library(const vesper::Config& config,
                                                  std::span<const std::byte> bytes,
                                                  const std::string& source) {
+  vesper::RefusePython(source);
   if (vesper::IsElf(bytes) || source.ends_with(".so")) {
     Map(config, bytes, source);
   } else {
@@ -219,6 +228,19 @@ vesper_prepared_library::vesper_prepared_library(const vesper::Config& config,
 
 vesper_prepared_library::vesper_prepared_library(std::string source, std::string text)
     : text_(std::make_unique<vesper::text::TextLibrary>(std::move(source), std::move(text))) {}
+
+vesper_prepared_library::vesper_prepared_library(const vesper_law_library& table) {
+  tables_.push_back(std::make_unique<vesper::LawTable>(&table, "the table of a front end"));
+}
+
+vesper_prepared_library::~vesper_prepared_library() {
+  if (release_ != nullptr) release_(released_);
+}
+
+void vesper_prepared_library::ReleaseAtEnd(void (*release)(void* user), void* user) {
+  release_ = release;
+  released_ = user;
+}
 
 void vesper_prepared_library::Map(const vesper::Config& config, std::span<const std::byte> bytes,
                                   const std::string& source) {

@@ -56,7 +56,8 @@ class MappedLibrary {
 
 }  // namespace vesper
 
-/// A library that was checked, but belongs to no engine yet: a mapped file or a text.
+/// A library that was checked, but belongs to no engine yet: a mapped file, a text,
+/// or the table of a front end.
 struct vesper_prepared_library {
   /// Opens `library`, given as in vesper_library_prepare.
   vesper_prepared_library(const vesper::Config& config, const std::string& library);
@@ -64,7 +65,14 @@ struct vesper_prepared_library {
   vesper_prepared_library(const vesper::Config& config, std::span<const std::byte> bytes,
                           const std::string& source);
   vesper_prepared_library(std::string source, std::string text);
+  /// Offers a table that a front end made.
+  explicit vesper_prepared_library(const vesper_law_library& table);
+  ~vesper_prepared_library();
+  vesper_prepared_library(const vesper_prepared_library&) = delete;
+  vesper_prepared_library& operator=(const vesper_prepared_library&) = delete;
 
+  /// Has `release(user)` called at the end of this object. Null: nothing is called.
+  void ReleaseAtEnd(void (*release)(void* user), void* user);
   const char* name() const;
   /// Returns the table, which lives as long as this object. That of a text is compiled for the
   /// prototype.
@@ -77,4 +85,6 @@ struct vesper_prepared_library {
   std::unique_ptr<vesper::MappedLibrary> mapped_;
   std::unique_ptr<vesper::text::TextLibrary> text_;
   std::vector<std::unique_ptr<vesper::LawTable>> tables_;
+  void (*release_)(void* user) = nullptr;
+  void* released_ = nullptr;
 };

@@ -83,6 +83,49 @@ TEST(LibraryTest, IsOpenedFromItsBytesWithOrWithoutAProbe) {
                  PrepareBytes(config, {bytes.begin(), bytes.begin() + 1000}));
 }
 
+/// The table of a front end lives until the engine has unloaded its laws.
+TEST(LibraryTest, TableOfAFrontEndIsLoadedAndReleased) {
+  const vesper_engine_config config = TestConfig();
+  vesper_prepared_library* origin = nullptr;
+  ASSERT_EQ(vesper_library_prepare(&config, TestLawPath("push").c_str(), &origin, nullptr), 0);
+  const vesper_law_library* table = nullptr;
+  const vesper_prototype* prototype = vesper_prototype_standard("si-f64");
+  ASSERT_NE(prototype, nullptr);
+  ASSERT_EQ(vesper_library_table(origin, prototype, &table, nullptr), VESPER_OK);
+  int released = 0;
+  const auto release = [](void* user) { ++*static_cast<int*>(user); };
+  vesper_prepared_library* made = nullptr;
+  vesper_law_library later = *table;
+  later.abi_version = 99u << 16;
+  EXPECT_REFUSED(ABI_MISMATCH, "the table of a front end", Try([&](vesper_error* e) {
+                   return vesper_library_prepare_table(&later, release, &released, &made, e);
+                 }));
+  EXPECT_EQ(released, 0) << "a refused table stays its maker's";
+  ASSERT_EQ(vesper_library_prepare_table(table, release, &released, &made, nullptr), VESPER_OK);
+  Bodies bodies(3);
+  {
+    TestEngine engine;
+    engine.AddBodies(bodies);
+    vesper_library_id id = 0;
+    ASSERT_EQ(vesper_engine_load_prepared(engine.get(), made, nullptr, 0, &id, nullptr), VESPER_OK);
+    EXPECT_OK(engine.Advance(1, 1));
+    EXPECT_EQ(released, 0);
+    EXPECT_OK(engine.Unload(id));
+    EXPECT_EQ(released, 1);
+  }
+  ASSERT_EQ(vesper_library_prepare_table(table, nullptr, nullptr, &made, nullptr), VESPER_OK);
+  vesper_library_discard(made);
+  vesper_library_discard(origin);
+}
+
+/// Only vesper-host opens files in Python: this process must not run them.
+TEST(LibraryTest, FileInPythonIsRefused) {
+  TemporaryFolder folder;
+  WriteFile(folder / "spin.py", {'#'});
+  EXPECT_REFUSED(LIBRARY_LOAD_FAILED, "spin.py: a law in Python runs only in the engine's process",
+                 Prepare(folder / "spin.py"));
+}
+
 TEST(LibraryTest, MissingLibraryIsNamed) {
   EXPECT_REFUSED(NOT_FOUND, "libvesper_law_nothing.so", Prepare("nothing"));
   EXPECT_REFUSED(NOT_FOUND, "/no/such/law.so: no such file", Prepare("/no/such/law.so"));

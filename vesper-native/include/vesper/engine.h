@@ -269,6 +269,14 @@ VESPER_API vesper_status vesper_library_prepare_bytes(const vesper_engine_config
 VESPER_API vesper_status vesper_library_prepare_text(const char* source, const char* text,
                                                      uint64_t size, vesper_prepared_library** out,
                                                      vesper_error* error) VESPER_NOEXCEPT;
+/** Offers laws whose table a front end made, for example from a file in another language, as a
+ *  prepared library. `table` is read at once; what it points to must live until `release(user)`,
+ *  which is called when the library is unloaded or discarded, on success only; null: never. Since
+ *  1.2. */
+VESPER_API vesper_status vesper_library_prepare_table(const vesper_law_library* table,
+                                                      void (*release)(void* user), void* user,
+                                                      vesper_prepared_library** out,
+                                                      vesper_error* error) VESPER_NOEXCEPT;
 /** Returns in `out` the table of a prepared library. The table of a text depends on the prototype,
  *  and this call checks the text against it; other libraries ignore `prototype`. The table lives as
  *  long as `prepared`. Since 1.2. */

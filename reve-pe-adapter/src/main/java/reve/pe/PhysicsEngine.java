@@ -52,6 +52,9 @@ public interface PhysicsEngine extends AutoCloseable {
         if (PreparedLibrary.isText(library)) {
             return prepareText("text", library);
         }
+        if (PreparedLibrary.isPython(library)) {
+            throw PythonLaw.refusedHere("a law");
+        }
         try {
             Path copy = Files.createTempFile("reve-law-", ".so");
             try {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.pe;
 
+import java.nio.charset.StandardCharsets;
+
 /**
  * A law library that is opened and checked, and can be activated quickly. The caller owns it until
  * an engine takes it. If no engine takes it, the caller closes it (any thread, before the engine
@@ -16,16 +18,37 @@ public interface PreparedLibrary extends AutoCloseable {
     /** End of the names of files with a law as text. */
     String TEXT_ENDING = ".law";
 
+    /** End of the names of files with laws in Python. */
+    String PYTHON_ENDING = ".py";
+
+    /** Beginning of a line that each file with laws in Python has, and no text can have. */
+    String PYTHON_SIGN = "@vesper.law";
+
     /**
-     * Returns whether a library is a text, which is safe by construction, and not native code: such
-     * a library begins with the sign of ELF files.
+     * Returns whether a library is a text, which is safe by construction. Native code begins with
+     * the sign of ELF files; code in Python has its own sign.
      */
     static boolean isText(byte[] library) {
-        return library.length < 4
-                || library[0] != 0x7f
-                || library[1] != 'E'
-                || library[2] != 'L'
-                || library[3] != 'F';
+        return !isNative(library) && !isPython(library);
+    }
+
+    /** Returns whether a library is a file with laws in Python. */
+    static boolean isPython(byte[] library) {
+        if (isNative(library)) {
+            return false;
+        }
+        String text = new String(library, StandardCharsets.ISO_8859_1);
+        return text.startsWith(PYTHON_SIGN)
+                || text.contains("\n" + PYTHON_SIGN)
+                || text.contains("\r" + PYTHON_SIGN);
+    }
+
+    private static boolean isNative(byte[] library) {
+        return library.length >= 4
+                && library[0] == 0x7f
+                && library[1] == 'E'
+                && library[2] == 'L'
+                && library[3] == 'F';
     }
 
     /** Returns the library's own name. */

@@ -62,7 +62,7 @@ class LawsAsTextIT {
                 laws: [gravity_field.law, newton_motion]
                 constants: {gravity: [0, -9.81, 0]}
                 items:
-                  - {name: ball, physical: {shape: sphere}, physics: {mass: 1 kg}}
+                  - {name: ball, physical: {shape: sphere, radius: 1}, physics: {mass: 1 kg}}
                 """);
         Reve.Outcome run =
                 Reve.run("run", world.toString(), "--seconds", "0.1", "--save", saved.toString());

@@ -32,9 +32,9 @@ import java.util.stream.Stream;
  * and checks libraries; the world's thread only activates prepared ones, as commands of origin
  * {@value #ORIGIN}. Each refusal becomes one "fault" event.
  *
- * <p>Files whose name ends in ".so" or ".law" count, once two scans found the same size and time. A
- * file that cannot be loaded is reported only if it is unchanged for some further scans, because it
- * may still be incomplete.
+ * <p>Files whose name ends in ".so", ".law" or ".py" count, once two scans found the same size and
+ * time. A file that cannot be loaded is reported only if it is unchanged for some further scans,
+ * because it may still be incomplete.
  */
 public final class LawFolder implements AutoCloseable {
     /** Origin of this folder's commands; agents' names cannot contain its space. */
@@ -175,7 +175,9 @@ public final class LawFolder implements AutoCloseable {
     }
 
     private static boolean isLaw(String name) {
-        return name.endsWith(".so") || name.endsWith(PreparedLibrary.TEXT_ENDING);
+        return name.endsWith(".so")
+                || name.endsWith(PreparedLibrary.TEXT_ENDING)
+                || name.endsWith(PreparedLibrary.PYTHON_ENDING);
     }
 
     private void lookAtMissing(String name, WatchedFile file) {

@@ -10,6 +10,7 @@ import reve.pe.PhysicsException;
 import reve.pe.PhysicsLaw;
 import reve.pe.PreparedLibrary;
 import reve.pe.Prototype;
+import reve.pe.PythonLaw;
 import reve.pe.Status;
 import reve.pe.posix.SharedPart;
 import reve.pe.vesper.LawText;
@@ -135,7 +136,11 @@ public final class HostedEngine implements PhysicsEngine {
             if (file.getFileName().toString().endsWith(PreparedLibrary.TEXT_ENDING)) {
                 return prepareText(file.getFileName().toString(), LawText.read(file));
             }
-            return prepare(file.toString(), LibraryFile.read(file));
+            byte[] bytes = LibraryFile.read(file);
+            if (file.getFileName().toString().endsWith(PreparedLibrary.PYTHON_ENDING)) {
+                return preparePython(file.getFileName().toString(), bytes);
+            }
+            return prepare(file.toString(), bytes, HostedLibrary.Form.NATIVE);
         } catch (IOException e) {
             throw new PhysicsException(
                     Status.LIBRARY_LOAD_FAILED, file + " cannot be read: " + e.getMessage());
@@ -144,16 +149,19 @@ public final class HostedEngine implements PhysicsEngine {
 
     @Override
     public PreparedLibrary prepare(byte[] library) {
+        if (PreparedLibrary.isPython(library)) {
+            return preparePython(PythonLaw.nameOf(library), library);
+        }
         return PreparedLibrary.isText(library)
                 ? prepareText("text", library)
-                : prepare("a law library", library);
+                : prepare("a law library", library, HostedLibrary.Form.NATIVE);
     }
 
     @Override
     public PreparedLibrary prepareText(String source, byte[] text) {
         checkOpen();
         String name = LawText.name(prototype, source, text);
-        return new HostedLibrary(source, text).named(name);
+        return new HostedLibrary(source, text, HostedLibrary.Form.TEXT).named(name);
     }
 
     @Override
@@ -162,9 +170,14 @@ public final class HostedEngine implements PhysicsEngine {
         return LawText.check(prototype, source, text);
     }
 
-    private PreparedLibrary prepare(String source, byte[] bytes) {
+    private PreparedLibrary preparePython(String source, byte[] bytes) {
+        PythonLaw.requireLaw(source, bytes);
+        return prepare(source, bytes, HostedLibrary.Form.PYTHON);
+    }
+
+    private PreparedLibrary prepare(String source, byte[] bytes, HostedLibrary.Form form) {
         checkOpen();
-        return new Trial(hosts, config, prototype).prepare(source, bytes);
+        return new Trial(hosts, config, prototype).prepare(source, bytes, form);
     }
 
     @Override

@@ -15,13 +15,22 @@ final class HostedLibrary implements PreparedLibrary {
     private final byte[] bytes;
     private final String sha256;
     private final SharedMemory memory;
+    private final Form form;
     private String name = "";
     private boolean gone;
+
+    /** What the bytes are. The host has the same numbers. */
+    enum Form {
+        NATIVE,
+        TEXT,
+        PYTHON
+    }
 
     /**
      * @param source names the library in messages
      */
-    HostedLibrary(String source, byte[] bytes) {
+    HostedLibrary(String source, byte[] bytes, Form form) {
+        this.form = form;
         this.source = source;
         this.bytes = bytes;
         this.sha256 = LibraryFile.sha256(bytes);
@@ -41,7 +50,10 @@ final class HostedLibrary implements PreparedLibrary {
 
     /** Adds the library to a request to open it. */
     Mailbox put(Mailbox request) {
-        return request.putText(source).putInt(memory.descriptor()).putLong(bytes.length);
+        return request.putText(source)
+                .putInt(form.ordinal())
+                .putInt(memory.descriptor())
+                .putLong(bytes.length);
     }
 
     @Override

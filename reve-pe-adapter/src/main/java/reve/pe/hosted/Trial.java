@@ -18,8 +18,8 @@ record Trial(Hosts hosts, VesperConfig config, Prototype prototype) {
     private static final long LIMIT_NANOS = Duration.ofSeconds(10).toNanos();
     private static final VesperLog QUIET = (level, message) -> {};
 
-    PreparedLibrary prepare(String source, byte[] bytes) {
-        HostedLibrary library = new HostedLibrary(source, bytes);
+    PreparedLibrary prepare(String source, byte[] bytes, HostedLibrary.Form form) {
+        HostedLibrary library = new HostedLibrary(source, bytes, form);
         String stage = "opening it";
         try (HostProcess host = hosts.start()) {
             Calls calls =

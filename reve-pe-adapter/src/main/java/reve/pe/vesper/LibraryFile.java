@@ -34,10 +34,14 @@ public final class LibraryFile {
             return existing(library, List.of(Path.of(library)));
         }
         String text = PreparedLibrary.TEXT_ENDING;
+        String python = PreparedLibrary.PYTHON_ENDING;
         List<String> files =
-                library.endsWith(text)
+                library.endsWith(text) || library.endsWith(python)
                         ? List.of(library)
-                        : List.of("libvesper_law_" + library + ".so", library + text);
+                        : List.of(
+                                "libvesper_law_" + library + ".so",
+                                library + text,
+                                library + python);
         return existing(
                 library,
                 lawPath.stream().flatMap(folder -> files.stream().map(folder::resolve)).toList());

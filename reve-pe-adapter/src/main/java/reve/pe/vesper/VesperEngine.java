@@ -19,6 +19,7 @@ import reve.pe.PhysicsException;
 import reve.pe.PhysicsLaw;
 import reve.pe.PreparedLibrary;
 import reve.pe.Prototype;
+import reve.pe.PythonLaw;
 import reve.pe.Status;
 import reve.pe.vesper.VesperErrors.LibraryNames;
 
@@ -135,6 +136,9 @@ public final class VesperEngine implements PhysicsEngine {
         try {
             if (file.getFileName().toString().endsWith(PreparedLibrary.TEXT_ENDING)) {
                 return prepareText(file.getFileName().toString(), LawText.read(file));
+            }
+            if (file.getFileName().toString().endsWith(PreparedLibrary.PYTHON_ENDING)) {
+                throw PythonLaw.refusedHere(file.getFileName().toString());
             }
             return prepareUnchanged(file.toAbsolutePath());
         } catch (IOException e) {

@@ -86,7 +86,7 @@ public final class CheckCommand implements Callable<Integer> {
         List<LawReference> checked = new ArrayList<>();
         for (LawReference law : description.laws()) {
             if (lawPath.needsTrust(law.name())) {
-                unchecked.add(law.place() + ": not checked: " + LawPath.untrusted(law.name()));
+                unchecked.add(law.place() + ": not checked: " + lawPath.untrusted(law.name()));
             } else {
                 checked.add(law);
             }

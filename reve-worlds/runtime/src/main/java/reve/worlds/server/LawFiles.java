@@ -85,7 +85,8 @@ final class LawFiles {
             if (!Files.isDirectory(folder)) {
                 continue;
             }
-            try (DirectoryStream<Path> libraries = Files.newDirectoryStream(folder, "*.{so,law}")) {
+            try (DirectoryStream<Path> libraries =
+                    Files.newDirectoryStream(folder, "*.{so,law,py}")) {
                 for (Path library : libraries) {
                     if (Files.isRegularFile(library)
                             && Files.isReadable(library)

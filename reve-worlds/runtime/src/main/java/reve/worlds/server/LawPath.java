@@ -53,6 +53,10 @@ public record LawPath(
     private static final String SUFFIX = ".so";
     private static final String WORLDS_OWN = "laws";
 
+    /** Endings of the files that are a law's source. */
+    private static final List<String> SOURCES =
+            List.of(PreparedLibrary.TEXT_ENDING, PreparedLibrary.PYTHON_ENDING);
+
     /** Creates a path of laws that run in this process, without validation. */
     public LawPath(Path shipped, Optional<Path> folder, Optional<Path> world, boolean trusted) {
         this(shipped, folder, world, trusted, EnginePlace.IN_PROCESS, false);
@@ -142,15 +146,18 @@ public record LawPath(
         }
     }
 
-    /** Returns a message that the law is not opened, with the reason. */
-    public static String untrusted(String name) {
+    /** Returns a message that a law of the world's own is not opened, with the reason. */
+    public String untrusted(String name) {
+        String file = find(name).file().getFileName().toString();
         return "law '"
                 + name
                 + "' comes with the world, in "
                 + WORLDS_OWN
                 + "/"
-                + filesOf(name).getFirst()
-                + ": native code, which runs with all of your rights and is opened only with "
+                + file
+                + ": "
+                + (file.endsWith(PreparedLibrary.PYTHON_ENDING) ? "a program" : "native code")
+                + ", which runs with all of your rights and is opened only with "
                 + "--trust";
     }
 
@@ -293,24 +300,22 @@ public record LawPath(
         }
         try (Stream<Path> files = Files.list(folder)) {
             return files.map(file -> file.getFileName().toString())
-                    .filter(
-                            file ->
-                                    (file.startsWith(PREFIX) && file.endsWith(SUFFIX))
-                                            || file.endsWith(PreparedLibrary.TEXT_ENDING))
-                    .map(
-                            file ->
-                                    file.startsWith(PREFIX)
-                                            ? file.substring(
-                                                    PREFIX.length(),
-                                                    file.length() - SUFFIX.length())
-                                            : file.substring(
-                                                    0,
-                                                    file.length()
-                                                            - PreparedLibrary.TEXT_ENDING.length()))
+                    .flatMap(file -> nameOf(file).stream())
                     .toList();
         } catch (IOException unreadable) {
             return List.of(); // an unreadable folder offers no suggestion
         }
+    }
+
+    /** Returns the name of the law in a file, or nothing if the file is no law. */
+    private static Optional<String> nameOf(String file) {
+        if (file.startsWith(PREFIX) && file.endsWith(SUFFIX)) {
+            return Optional.of(file.substring(PREFIX.length(), file.length() - SUFFIX.length()));
+        }
+        return SOURCES.stream()
+                .filter(file::endsWith)
+                .findFirst()
+                .map(ending -> file.substring(0, file.length() - ending.length()));
     }
 
     /** Refuses two files for one name in a folder that does not ship. */
@@ -325,20 +330,23 @@ public record LawPath(
                             + " and as "
                             + candidates.getLast()
                             + "; remove one of them, or write "
-                            + name
-                            + PreparedLibrary.TEXT_ENDING
-                            + " for the text");
+                            + candidates.getFirst().getFileName()
+                            + " or "
+                            + candidates.getLast().getFileName()
+                            + " for one of them");
         }
     }
 
     /**
      * Returns the names of the files for a law, the first before the others: the compiled library,
-     * then the text. A name that ends in ".law" is that text.
+     * then the text, then the file in Python. A name that ends in ".law" or ".py" is that file.
      */
     private static List<String> filesOf(String name) {
-        if (name.endsWith(PreparedLibrary.TEXT_ENDING)) {
-            filesOf(name.substring(0, name.length() - PreparedLibrary.TEXT_ENDING.length()));
-            return List.of(name);
+        for (String ending : SOURCES) {
+            if (name.endsWith(ending)) {
+                filesOf(name.substring(0, name.length() - ending.length()));
+                return List.of(name);
+            }
         }
         if (!NAME.matcher(name).matches()) {
             throw new PhysicsException(
@@ -348,7 +356,10 @@ public record LawPath(
                             + "' is no name of a "
                             + "law: expected letters, digits, _ and -, 47 of them at most");
         }
-        return List.of(PREFIX + name + SUFFIX, name + PreparedLibrary.TEXT_ENDING);
+        return List.of(
+                PREFIX + name + SUFFIX,
+                name + PreparedLibrary.TEXT_ENDING,
+                name + PreparedLibrary.PYTHON_ENDING);
     }
 
     private Optional<Path> worldsOwn(String name) {

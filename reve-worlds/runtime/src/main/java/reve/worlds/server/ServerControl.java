@@ -52,7 +52,7 @@ final class ServerControl implements WorldControl, AutoCloseable {
      * Permitted names of laws. Never a path, because a remote operator must not choose which files
      * the server runs.
      */
-    private static final Pattern LIBRARY = Pattern.compile("[A-Za-z0-9_]{1,64}(\\.law)?");
+    private static final Pattern LIBRARY = Pattern.compile("[A-Za-z0-9_]{1,64}(\\.law|\\.py)?");
 
     /** Permitted names of texts in messages. */
     private static final Pattern SOURCE = Pattern.compile("[A-Za-z0-9_][A-Za-z0-9_.-]{0,63}");
@@ -118,6 +118,14 @@ final class ServerControl implements WorldControl, AutoCloseable {
                             + " most");
         }
         byte[] bytes = text.getBytes(StandardCharsets.UTF_8);
+        if (source.endsWith(PreparedLibrary.PYTHON_ENDING) || PreparedLibrary.isPython(bytes)) {
+            throw new ActionRefused(
+                    "law-refused",
+                    source
+                            + " is in Python and would run with all rights of the server's account,"
+                            + " so the server takes it from no client: copy it into the server's"
+                            + " folder of --laws");
+        }
         try {
             String problems = simulation.engine().checkText(source, bytes);
             if (!problems.isEmpty()) {

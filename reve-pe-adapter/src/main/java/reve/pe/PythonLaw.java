@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.pe;
+
+import java.nio.charset.StandardCharsets;
+import java.util.regex.Matcher;
+import java.util.regex.Pattern;
+
+/** A file with laws in Python: its name in messages, and the reasons to refuse it. */
+public final class PythonLaw {
+    private static final Pattern FIRST =
+            Pattern.compile(
+                    "^@vesper\\.law\\b.*?^def\\s+(\\w{1,47})", Pattern.DOTALL | Pattern.MULTILINE);
+
+    private PythonLaw() {}
+
+    /** Returns a name for a file of which only the bytes are known, by its first law. */
+    public static String nameOf(byte[] file) {
+        Matcher first = FIRST.matcher(new String(file, StandardCharsets.UTF_8));
+        return (first.find() ? first.group(1) : "law") + PreparedLibrary.PYTHON_ENDING;
+    }
+
+    /** Returns the refusal of an engine that runs in the process of its client. */
+    public static PhysicsException refusedHere(String file) {
+        return new PhysicsException(
+                Status.LIBRARY_LOAD_FAILED,
+                file
+                        + " is in Python, and laws in Python run only in the engine's own process:"
+                        + " remove --engine in-process, or write the law as text");
+    }
+
+    /**
+     * Refuses a file that has no law.
+     *
+     * @throws PhysicsException naming the file
+     */
+    public static void requireLaw(String file, byte[] bytes) {
+        if (!PreparedLibrary.isPython(bytes)) {
+            throw new PhysicsException(
+                    Status.LIBRARY_LOAD_FAILED,
+                    file
+                            + ": no line begins with "
+                            + PreparedLibrary.PYTHON_SIGN
+                            + ", expected a function of a law behind such a line, see"
+                            + " docs/laws-in-python.md");
+        }
+    }
+}

@@ -1,0 +1,370 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.worlds.server;
+
+import static org.assertj.core.api.Assertions.assertThat;
+import static org.assertj.core.api.Assertions.assertThatThrownBy;
+import static org.assertj.core.api.Assertions.within;
+
+import org.junit.jupiter.api.AfterAll;
+import org.junit.jupiter.api.BeforeAll;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.CsvSource;
+
+import reve.core.file.WorldDescription;
+import reve.core.file.WorldFile;
+import reve.core.frame.Pacing;
+import reve.core.world.ItemDefinition;
+import reve.pe.PhysicsException;
+import reve.pe.PreparedLibrary;
+import reve.pe.Status;
+import reve.pe.adapter.Quarantined;
+import reve.pe.hosted.Hosts;
+import reve.worlds.Product;
+
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.time.Duration;
+import java.util.Map;
+import java.util.Optional;
+import java.util.regex.Matcher;
+import java.util.regex.Pattern;
+
+/** Laws in Python, in the engine's process. */
+class LawPythonNativeTest {
+    private static final double OMEGA = 0.5;
+    private static final double DT = 1.0 / 60;
+
+    /** A law, of which tests replace the last line or a declaration. */
+    private static final String SPIN =
+            """
+            import numpy
+            import vesper
+
+            OMEGA = numpy.array([0.0, 0.5, 0.0])  # rad/s
+
+
+            @vesper.law(phase="force")
+            def spin(
+                velocity: vesper.Read("body", "m/s"),
+                mass: vesper.Read("body", "kg"),
+                force: vesper.Accumulate("body", "N"),
+                dt,
+                time,
+                share: vesper.Parameter("1", default=1, least=0, most=2),
+            ):
+                "Coriolis force of a turning frame."
+                force -= share * 2 * mass[:, None] * numpy.cross(OMEGA, velocity)
+            """;
+
+    private static final String LINE =
+            "force -= share * 2 * mass[:, None] * numpy.cross(OMEGA, velocity)";
+    private static final String TWIN =
+            """
+            law twin
+              parameter omega = (0, 0.5, 0) 1/s
+              each body:
+                force -= 2 mass (omega × velocity)
+            """;
+    private static Hosts hosts;
+
+    @TempDir private Path folder;
+
+    @BeforeAll
+    static void start() {
+        hosts = new Hosts(Product.nativeFolder().resolve("vesper-host"), 0);
+    }
+
+    @AfterAll
+    static void stop() {
+        hosts.close();
+    }
+
+    private WorldDescription world(String laws) throws Exception {
+        return WorldFile.load(
+                Files.writeString(
+                        folder.resolve("world.yaml"),
+                        """
+                        reve: 1
+                        name: turning
+                        laws: %s
+                        items:
+                          - name: stone
+                            physical: {shape: sphere, radius: 1 m, location: [0, 0, 0]}
+                            physics: {mass: 2 kg, velocity: [3, 1, 4]}
+                          - name: pebble
+                            physical: {shape: sphere, radius: 1 m, location: [50, 0, 0]}
+                            physics: {mass: 0.3 kg, velocity: [-1, 0, 2]}
+                        """
+                                .formatted(laws)));
+    }
+
+    private LawPath path(boolean trusted) {
+        return new LawPath(
+                        LawPath.ofShipped().shipped(),
+                        Optional.empty(),
+                        Optional.empty(),
+                        trusted,
+                        EnginePlace.hosted(hosts, Duration.ofSeconds(10)),
+                        false)
+                .forWorld(folder);
+    }
+
+    private void write(String file, String text) throws Exception {
+        Files.writeString(Files.createDirectories(folder.resolve("laws")).resolve(file), text);
+    }
+
+    private Simulation simulate(String laws) throws Exception {
+        return new Simulation(world(laws), Pacing.FAST, path(true));
+    }
+
+    private static double[] velocity(Simulation simulation, String item) {
+        return simulation.world().find(item).orElseThrow().physics().vector("velocity");
+    }
+
+    /**
+     * In each step newton_motion multiplies vz + i vx, which turns about y, by 1 - 2 i Ω dt; its
+     * power is the closed form.
+     */
+    @Test
+    void aFreeBodyTurnsAsTheClosedFormSays() throws Exception {
+        write("spin.py", SPIN);
+        try (Simulation simulation = simulate("[newton_motion, spin]")) {
+            int steps = 600;
+            simulation.loop().run(steps);
+            double growth = Math.pow(Math.hypot(1, 2 * OMEGA * DT), steps);
+            double angle = -steps * Math.atan2(2 * OMEGA * DT, 1);
+            double z = 4 * Math.cos(angle) - 3 * Math.sin(angle);
+            double x = 4 * Math.sin(angle) + 3 * Math.cos(angle);
+            double[] found = velocity(simulation, "stone");
+            assertThat(found[0]).isCloseTo(growth * x, within(1e-11));
+            assertThat(found[1]).isEqualTo(1);
+            assertThat(found[2]).isCloseTo(growth * z, within(1e-11));
+        }
+    }
+
+    @Test
+    void itEqualsTheSameLawAsTextExceptForRounding() throws Exception {
+        write("spin.py", SPIN);
+        write("twin.law", TWIN);
+        try (Simulation python = simulate("[newton_motion, spin]");
+                Simulation text = simulate("[newton_motion, twin]")) {
+            for (Simulation each : new Simulation[] {python, text}) {
+                each.loop().run(300);
+            }
+            for (String item : new String[] {"stone", "pebble"}) {
+                assertThat(velocity(python, item))
+                        .containsExactly(velocity(text, item), within(1e-13));
+            }
+        }
+    }
+
+    @Test
+    void aParameterHasTheValueOfTheWorldFile() throws Exception {
+        write("spin.py", SPIN);
+        try (Simulation simulation =
+                simulate("[newton_motion, {name: spin, parameters: {share: 0}}]")) {
+            simulation.loop().run(60);
+            assertThat(velocity(simulation, "stone")).containsExactly(3, 1, 4);
+        }
+    }
+
+    /** Laws on several threads take turns in the interpreter. */
+    @Test
+    void theNumberOfThreadsDoesNotChangeTheBits() throws Exception {
+        write("spin.py", SPIN);
+        write("turn.py", SPIN.replace("def spin", "def turn").replace("0.5, 0.0", "0.1, 0.7"));
+        long[] hashes = new long[2];
+        for (int i = 0; i < 2; i++) {
+            String laws =
+                    "[newton_motion, spin, turn, drag]\nframe: {threads: " + (1 + 3 * i) + "}";
+            try (Simulation simulation = simulate(laws)) {
+                simulation.loop().run(200);
+                hashes[i] = simulation.engine().stateHash();
+            }
+        }
+        assertThat(hashes[1]).isEqualTo(hashes[0]);
+    }
+
+    @Test
+    void aWorldOfSinglePrecisionHasArraysOfSinglePrecision() throws Exception {
+        write("spin.py", SPIN.replace(LINE, LINE + "\n    assert force.dtype == numpy.float32"));
+        try (Simulation simulation = simulate("[newton_motion, spin]\nprototype: si-f32")) {
+            simulation.loop().run(60);
+            assertThat(simulation.physics().laws().quarantined()).isEmpty();
+            assertThat(velocity(simulation, "stone")[0]).isNotCloseTo(3, within(0.1));
+        }
+    }
+
+    /** The columns move when their kind grows, and the arrays with them. */
+    @Test
+    void theArraysFollowTheColumns() throws Exception {
+        write("spin.py", SPIN.replace(LINE, "force[:, 1] = 0.001 * mass * len(mass)"));
+        try (Simulation simulation = simulate("[newton_motion, spin]")) {
+            simulation.loop().run(1);
+            for (int i = 0; i < 5000; i++) {
+                simulation
+                        .world()
+                        .add(ItemDefinition.named("more " + i).physics("mass", 1).build());
+            }
+            double before = velocity(simulation, "stone")[1];
+            simulation.loop().run(1);
+            assertThat(velocity(simulation, "stone")[1] - before)
+                    .isCloseTo(0.001 * 5002 * DT, within(1e-12));
+        }
+    }
+
+    /** The memory of a law moves with the state of the engine. */
+    @Test
+    void timeAndMemoryOfTheLawsOwnAreKept() throws Exception {
+        write(
+                "count.py",
+                """
+                import vesper
+
+
+                @vesper.law(phase="constrain")
+                def count(
+                    velocity: vesper.ReadWrite("body", "m/s"),
+                    calls: vesper.Scratch("body", "1", components=2),
+                    time,
+                    dt,
+                ):
+                    calls[:, 0] += 1
+                    velocity[:, 0] = calls[:, 0]
+                    velocity[:, 1] = time
+                    velocity[:, 2] = dt
+                """);
+        try (Simulation simulation = simulate("[newton_motion, count]")) {
+            simulation.loop().run(7);
+            assertThat(velocity(simulation, "stone")).containsExactly(7, 6 * DT, DT);
+        }
+    }
+
+    @Test
+    void aLawOfTheWorldsOwnNeedsTrust() throws Exception {
+        write("spin.py", SPIN + "\n\nopen(" + quoted("mark") + ", 'w').close()\n");
+        WorldDescription named = world("[newton_motion, spin]");
+        assertThat(path(false).needsTrust("spin")).isTrue();
+        assertThatThrownBy(() -> new Simulation(named, Pacing.FAST, path(false)).close())
+                .hasMessageContaining("law 'spin' comes with the world, in laws/spin.py: a program")
+                .hasMessageContaining("--trust");
+        assertThat(folder.resolve("mark")).doesNotExist();
+        simulate("[newton_motion, spin.py]").close();
+        assertThat(folder.resolve("mark")).exists();
+    }
+
+    private String quoted(String file) {
+        return "'" + folder.resolve(file) + "'";
+    }
+
+    @Test
+    void anEngineInTheProcessOfItsClientRefusesIt() throws Exception {
+        write("spin.py", SPIN);
+        LawPath here =
+                new LawPath(LawPath.ofShipped().shipped(), Optional.empty(), Optional.empty(), true)
+                        .forWorld(folder);
+        WorldDescription named = world("[newton_motion, spin]");
+        assertThatThrownBy(() -> new Simulation(named, Pacing.FAST, here).close())
+                .hasMessageContaining("spin.py is in Python")
+                .hasMessageContaining("remove --engine in-process");
+        try (Simulation other = new Simulation(world("[newton_motion]"), Pacing.FAST, here)) {
+            assertThatThrownBy(() -> other.engine().prepare(SPIN.getBytes()))
+                    .hasMessageContaining("laws in Python run only in the engine's own process");
+        }
+    }
+
+    /** What a text may be called must not make it a program. */
+    @Test
+    void aTextWithTheNameOfAFileInPythonStaysAText() throws Exception {
+        try (Simulation simulation = simulate("[newton_motion]")) {
+            assertThatThrownBy(() -> simulation.engine().prepareText("spin.py", SPIN.getBytes()))
+                    .isInstanceOf(PhysicsException.class)
+                    .hasMessageContaining("spin.py:1:1: ");
+            var text = simulation.engine().prepareText("spin.py", TWIN.getBytes());
+            simulation.physics().laws().load(0, text, Map.of());
+            simulation.loop().run(60);
+            assertThat(velocity(simulation, "stone")[0]).isNotCloseTo(3, within(0.1));
+        }
+        assertThat(PreparedLibrary.isText(SPIN.getBytes())).isFalse();
+        assertThat(PreparedLibrary.isText(TWIN.getBytes())).isTrue();
+    }
+
+    /** From the frame of the fault on, the world is, to the bit, one without the law. */
+    @ParameterizedTest
+    @CsvSource(
+            delimiter = '¦',
+            quoteCharacter = '`',
+            textBlock =
+                    """
+                    raise ValueError('three')         ¦ LAW_FAILED    ¦ law spin: spin.py:18: ValueError: three
+                    mass[:, None][9]                  ¦ LAW_FAILED    ¦ law spin: spin.py:18: IndexError: index 9
+                    velocity += 1                     ¦ LAW_FAILED    ¦ law spin: spin.py:18: ValueError: output array is read-only
+                    velocity.setflags(write=True)     ¦ LAW_FAILED    ¦ law spin: spin.py:18: ValueError: cannot set WRITEABLE flag
+                    return force                      ¦ LAW_FAILED    ¦ law spin: spin.py: spin returned ndarray, expected nothing
+                    import sys; sys.exit(3)           ¦ LAW_FAILED    ¦ law spin: spin.py:18: SystemExit: 3
+                    force += numpy.nan                ¦ LAW_MISBEHAVED ¦ law spin
+                    import os; os._exit(0)            ¦ LAW_CRASHED   ¦ law spin: ended the engine's process
+                    import ctypes; ctypes.string_at(0) ¦ LAW_CRASHED  ¦ law spin: ended the engine's process: SIGSEGV
+                    """)
+    void aFaultCostsOneRepeatedFrame(String line, Status status, String message) throws Exception {
+        write("spin.py", SPIN.replace(LINE, "if time > 0.5:\n        " + line));
+        try (Simulation faulty = simulate("[newton_motion, drag, spin]");
+                Simulation without = simulate("[newton_motion, drag]")) {
+            faulty.loop().run(90);
+            without.loop().run(90);
+            assertThat(faulty.physics().laws().quarantined())
+                    .singleElement()
+                    .satisfies(
+                            reason -> {
+                                assertThat(reason.library()).isEqualTo("spin");
+                                assertThat(reason.status()).isEqualTo(status);
+                                assertThat(reason.message()).contains(message);
+                            })
+                    .extracting(Quarantined::sha256)
+                    .isEqualTo(LawFiles.sha256(Files.readAllBytes(folder.resolve("laws/spin.py"))));
+            assertThat(faulty.engine().stateHash()).isEqualTo(without.engine().stateHash());
+        }
+    }
+
+    /** A wrong file is refused when it is loaded, with its line. */
+    @ParameterizedTest
+    @CsvSource(
+            delimiter = '¦',
+            quoteCharacter = '`',
+            emptyValue = "",
+            textBlock =
+                    """
+                    velocity: vesper.Read ¦ velocty: vesper.Read ¦ spin.py:9: body has no property 'velocty'; did you mean velocity?
+                    "body", "kg"  ¦ "bodies", "kg" ¦ spin.py:10: there is no kind 'bodies' in this world; did you mean body?
+                    "kg"          ¦ "kgg"          ¦ spin.py:10: unit
+                    "kg"          ¦ 3              ¦ spin.py:10: the unit is 3, expected a text such as 'm/s'
+                    "m/s"         ¦ "N"            ¦ spin.py:9: the unit of 'velocity' is m/s, the annotation says N
+                    Read("body", "kg") ¦ Write("body", "kg") ¦ spin.py:10: the annotation of 'mass' is vesper.Write, and laws may use it as Read
+                    vesper.Accumulate ¦ vesper.ReadWrite ¦ spin.py:11: the annotation of 'externalForce' is vesper.ReadWrite
+                    dt,           ¦ step,          ¦ spin.py:12: step has no annotation, expected a column such as
+                    vesper.Parameter("1", default=1, least=0, most=2) ¦ 3 ¦ spin.py:14: share has the annotation 3, expected
+                    default=1     ¦ default=7      ¦ spin.py:14: default is 7.0, expected 0.0 to 2.0
+                    `default=1, ` ¦ ``             ¦ spin.py:14: TypeError:
+                    "force"       ¦ "froce"        ¦ spin.py:7: found phase='froce', expected @vesper.law(phase="force")
+                    (phase="force") ¦ ``           ¦ spin.py:7: found @vesper.law without brackets
+                    "force"       ¦ "observe"      ¦ spin.py:11: vesper.Accumulate is for laws of phase force, this one is observe
+                    force -= share ¦ force = -share ¦ spin.py:17: 'force = …' makes another array and leaves the column unchanged
+                    dt,           ¦ *dt,           ¦ spin.py:8: found *, ** or / among the arguments
+                    import numpy  ¦ import nmupy   ¦ spin.py:1: ModuleNotFoundError:
+                    force -=      ¦ force -==      ¦ spin.py:17:13: invalid syntax
+                    def spin(     ¦ x = spin(      ¦ spin.py:8:1: invalid syntax
+                    @vesper.law   ¦ @ vesper.law   ¦ spin.py: no line begins with @vesper.law
+                    import vesper ¦ raise SystemExit ¦ spin.py:2: SystemExit
+                    import vesper ¦ import os; os._exit(0) ¦ the library ended a trial process
+                    """)
+    void aWrongFileIsRefusedWithItsLine(String right, String wrong, String message)
+            throws Exception {
+        assertThat(SPIN).contains(right);
+        write("spin.py", SPIN.replaceFirst(Pattern.quote(right), Matcher.quoteReplacement(wrong)));
+        assertThatThrownBy(() -> simulate("[newton_motion, spin]").close())
+                .isInstanceOf(PhysicsException.class)
+                .hasMessageContaining(message);
+    }
+}

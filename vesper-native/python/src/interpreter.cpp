@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "interpreter.hpp"
+
+#include <cstdlib>
+#include <cstring>
+#include <mutex>
+#include <optional>
+
+#include "vesper/engine.h"
+
+namespace vesper::python {
+namespace {
+
+constexpr const char* kModule =
+#include "vesper_module.inc"
+    ;
+
+PyObject* module = nullptr;  // `vesper`, for the rest of the process
+
+/// parse_unit(text): the bytes of a vesper_unit.
+PyObject* ParseUnit(PyObject*, PyObject* argument) {
+  const char* text = PyUnicode_AsUTF8(argument);
+  if (text == nullptr) return nullptr;
+  vesper_unit unit{};
+  vesper_error error{};
+  if (vesper_unit_parse(text, &unit, &error) != VESPER_OK) {
+    PyErr_SetString(PyExc_ValueError, error.message);
+    return nullptr;
+  }
+  return PyBytes_FromStringAndSize(reinterpret_cast<const char*>(&unit), sizeof unit);
+}
+
+PyMethodDef functions[] = {{"parse_unit", ParseUnit, METH_O, nullptr}, {}};
+PyModuleDef definition = {
+    PyModuleDef_HEAD_INIT, "_vesper", nullptr, -1, functions, nullptr, nullptr, nullptr, nullptr};
+
+PyObject* InitModule() { return PyModule_Create(&definition); }
+
+/// Libraries of linear algebra would start threads, whose number changes the order of sums.
+void KeepToOneThread() {
+  for (const char* name : {"OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS",
+                           "BLIS_NUM_THREADS", "NUMEXPR_NUM_THREADS"}) {
+    setenv(name, "1", 1);
+  }
+}
+
+/// Starts Python without the user's variables, packages and byte code, and with fixed hashes of
+/// texts, so that a law depends on its file and the installed packages only.
+void Initialize() {
+  KeepToOneThread();
+  PyImport_AppendInittab("_vesper", InitModule);
+  PyConfig config;
+  PyConfig_InitIsolatedConfig(&config);
+  config.install_signal_handlers = 0;
+  config.write_bytecode = 0;
+  config.use_hash_seed = 1;
+  config.hash_seed = 0;
+  PyStatus status = PyConfig_SetString(&config, &config.program_name, VESPER_PYTHON_PROGRAM);
+  if (!PyStatus_Exception(status)) status = Py_InitializeFromConfig(&config);
+  PyConfig_Clear(&config);
+  if (PyStatus_Exception(status)) {
+    throw Failure(VESPER_LIBRARY_LOAD_FAILED, "Python cannot start: %s",
+                  status.err_msg == nullptr ? "no reason given" : status.err_msg);
+  }
+}
+
+/// Runs the module `vesper` and registers it, so that laws can import it.
+void RunModule() {
+  const char* name = "vesper";
+  const Object code(Py_CompileString(kModule, "vesper", Py_file_input));
+  if (code) module = PyImport_ExecCodeModule(name, code.get());
+  if (module != nullptr) return;
+  throw Raised(VESPER_LIBRARY_LOAD_FAILED, "vesper").Within("laws in Python need NumPy");
+}
+
+std::string TextOf(PyObject* object) {
+  const char* text = object == nullptr ? nullptr : PyUnicode_AsUTF8(object);
+  return text == nullptr ? "" : text;
+}
+
+/// Takes the pending exception.
+Object Fetch() {
+  PyObject *type = nullptr, *value = nullptr, *trace = nullptr;
+  PyErr_Fetch(&type, &value, &trace);
+  PyErr_NormalizeException(&type, &value, &trace);
+  if (value != nullptr && trace != nullptr) PyException_SetTraceback(value, trace);
+  Py_XDECREF(type);
+  Py_XDECREF(trace);
+  return Object(value);
+}
+
+}  // namespace
+
+void Start() {
+  static std::mutex starting;
+  static std::optional<Failure> refused;
+  const std::lock_guard<std::mutex> lock(starting);
+  if (refused) throw *refused;
+  if (module != nullptr) return;
+  try {
+    Initialize();
+    RunModule();
+    PyEval_SaveThread();  // each call takes the interpreter's lock
+  } catch (const Failure& failure) {
+    refused = failure;  // a second attempt in the same process is not possible
+    throw;
+  }
+}
+
+Object Function(const char* name) { return Object(PyObject_GetAttrString(module, name)); }
+
+std::string Versions() { return TextOf(Function("_versions").get()); }
+
+Failure Raised(vesper_status status, const std::string& source) {
+  const Object exception = Fetch();
+  std::string message;
+  if (module != nullptr && exception) {
+    const Object describe = Function("_describe");
+    const Object text(
+        describe ? PyObject_CallFunction(describe.get(), "Os", exception.get(), source.c_str())
+                 : nullptr);
+    message = TextOf(text.get());
+  } else if (exception) {
+    const Object text(PyObject_Str(exception.get()));
+    message = TextOf(text.get());
+  }
+  PyErr_Clear();
+  if (message.empty()) message = source + ": an exception that cannot be described";
+  return Failure(status, "%s", message.c_str());
+}
+
+Object Checked(PyObject* object, vesper_status status, const std::string& source) {
+  if (object == nullptr) throw Raised(status, source);
+  return Object(object);
+}
+
+}  // namespace vesper::python

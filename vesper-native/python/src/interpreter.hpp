@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// Python in this process: one interpreter, whose lock each call holds.
+#pragma once
+
+#define PY_SSIZE_T_CLEAN
+#include <Python.h>
+
+#include <cstdint>
+#include <string>
+#include <utility>
+
+#include "failure.hpp"
+
+namespace vesper::python {
+
+/// A counted reference to a Python object. Used with the interpreter's lock only.
+class Object {
+ public:
+  Object() = default;
+  /// Takes a new reference; null stays null.
+  explicit Object(PyObject* owned) : object_(owned) {}
+  Object(Object&& other) noexcept : object_(std::exchange(other.object_, nullptr)) {}
+  Object& operator=(Object&& other) noexcept {
+    std::swap(object_, other.object_);
+    return *this;
+  }
+  ~Object() { Py_XDECREF(object_); }
+
+  PyObject* get() const { return object_; }
+  PyObject* release() { return std::exchange(object_, nullptr); }
+  explicit operator bool() const { return object_ != nullptr; }
+
+ private:
+  PyObject* object_ = nullptr;
+};
+
+/// Holds the interpreter's lock.
+class Turn {
+ public:
+  Turn() : state_(PyGILState_Ensure()) {}
+  ~Turn() { PyGILState_Release(state_); }
+  Turn(const Turn&) = delete;
+  Turn& operator=(const Turn&) = delete;
+
+ private:
+  PyGILState_STATE state_;
+};
+
+/// Starts Python once, with the module `vesper`. Throws LIBRARY_LOAD_FAILED if it cannot start.
+void Start();
+
+/// Returns a function of the module `vesper`.
+Object Function(const char* name);
+
+/// Returns the versions of Python and NumPy.
+std::string Versions();
+
+/// Returns the pending exception as a failure, with the line of `source` at which it was raised,
+/// and clears it.
+Failure Raised(vesper_status status, const std::string& source);
+
+/// Returns `object`, or throws the pending exception as `Raised`.
+Object Checked(PyObject* object, vesper_status status, const std::string& source);
+
+}  // namespace vesper::python

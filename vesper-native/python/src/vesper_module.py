@@ -1,0 +1,339 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The module `vesper`, which laws in Python import; see docs/laws-in-python.md."""
+
+import ast
+import difflib
+import inspect
+import math
+import sys
+import traceback
+import types
+
+import _vesper
+import numpy
+
+_READ, _WRITE, _READ_WRITE, _ACCUMULATE, _SCRATCH = 1, 2, 3, 4, 8
+_TYPES = {1: numpy.float32, 2: numpy.float64, 3: numpy.int32, 4: numpy.uint32}
+_FIELD = 5
+_PHASES = {"force": 1, "integrate": 2, "constrain": 3, "observe": 4}
+_CLAIMS = {"momentum": 1, "angular momentum": 2, "translation": 4, "rotation": 8}
+_STEP = ("dt", "time")
+_SHORT_NAMES = {"force": "externalForce"}
+_LARGEST = sys.float_info.max
+
+_versions = f"Python {sys.version.split()[0]}, NumPy {numpy.__version__}"
+_declared = []  # by the file that runs
+
+
+class _Refused(Exception):
+    """A mistake of the file; its message needs no type."""
+
+
+def _unit(text):
+    if not isinstance(text, str):
+        raise _Refused(f"the unit is {text!r}, expected a text such as 'm/s'")
+    try:
+        return _vesper.parse_unit(text)
+    except ValueError as wrong:
+        raise _Refused(str(wrong)) from None
+
+
+def _symbol(unit):
+    return unit[16:].split(b"\0")[0].decode() or "1"
+
+
+def _number(name, value):
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+        raise _Refused(f"{name} is {value!r}, expected a finite number")
+    return float(value)
+
+
+class _Column:
+    access = 0
+    needed = 0  # bits that the property must permit
+
+    def __init__(self, kind, unit="1"):
+        if not isinstance(kind, str):
+            raise _Refused(f"the kind is {kind!r}, expected a text such as 'body'")
+        self.kind = kind
+        self.unit = _unit(unit)
+        self.components = 0
+
+
+class Read(_Column):
+    """A column that the law reads: Read("body", "m/s")."""
+
+    access = needed = _READ
+
+
+class Write(_Column):
+    """A column of which the law writes every row in each call, and reads none."""
+
+    access = needed = _WRITE
+
+
+class ReadWrite(_Column):
+    """A column that the law reads and changes in place."""
+
+    access = needed = _READ_WRITE
+
+
+class Accumulate(_Column):
+    """A column of zeros to which the law adds; the engine sums over laws. Phase force only."""
+
+    access = needed = _ACCUMULATE
+
+
+class Scratch(_Column):
+    """Memory of the law's own, one row for each row of the kind, zero at first; the engine saves it
+    and rolls it back with the world."""
+
+    access = _SCRATCH
+
+    def __init__(self, kind, unit="1", components=1):
+        super().__init__(kind, unit)
+        if not isinstance(components, int) or not 1 <= components <= 64:
+            raise _Refused(f"components is {components!r}, expected 1 to 64")
+        self.components = components
+
+
+class Parameter:
+    """A number that is given when the law is loaded: Parameter("kg/s", default=2, least=0)."""
+
+    def __init__(self, unit="1", *, default, least=-_LARGEST, most=_LARGEST, doc=""):
+        self.unit = _unit(unit)
+        self.default = _number("default", default)
+        self.least = _number("least", least)
+        self.most = _number("most", most)
+        self.doc = str(doc)
+        if not self.least <= self.default <= self.most:
+            raise _Refused(
+                f"default is {self.default}, expected {self.least} to {self.most}, which are least"
+                " and most"
+            )
+
+
+def law(phase, *, claims=(), version="1.0.0"):
+    """Declares the function that follows as a law of a phase: @vesper.law(phase="force")."""
+    if phase not in _PHASES:
+        found = "@vesper.law without brackets" if callable(phase) else f"phase={phase!r}"
+        raise _Refused(
+            f'found {found}, expected @vesper.law(phase="force") or one of the phases '
+            + ", ".join(_PHASES)
+        )
+    bits = 0
+    for claim in (claims,) if isinstance(claims, str) else claims:
+        if claim not in _CLAIMS:
+            raise _Refused(f"found the claim {claim!r}, expected " + ", ".join(_CLAIMS))
+        bits |= _CLAIMS[claim]
+
+    def declare(function):
+        if not isinstance(function, types.FunctionType):
+            raise _Refused(f"found {function!r} behind @vesper.law, expected a function (def)")
+        _declared.append((function, phase, bits, version))
+        return function
+
+    return declare
+
+
+class _File:
+    """The text of the file, for the places of problems."""
+
+    def __init__(self, source, text):
+        self.source = source
+        self.definitions = {}
+        for node in ast.walk(ast.parse(text, source)):
+            if isinstance(node, ast.FunctionDef):
+                first = node.decorator_list[0].lineno if node.decorator_list else node.lineno
+                self.definitions[node.name, first] = node
+
+    def of(self, function):
+        node = self.definitions.get((function.__name__, function.__code__.co_firstlineno))
+        if node is None or function.__code__.co_filename != self.source:
+            raise _Refused(f"the function {function.__name__} is not defined (def) in this file")
+        return node
+
+    def refuse(self, node, problem):
+        raise _Refused(f"{self.source}:{node.lineno}: {problem}")
+
+
+def _near(name, names):
+    near = difflib.get_close_matches(name, sorted(names), 1)
+    return f"; did you mean {near[0]}?" if near else "; it has " + ", ".join(sorted(names))
+
+
+class _Law:
+    """A function with what it declares, checked against the properties of the world."""
+
+    def __init__(self, declared, file, real_type, properties):
+        self.function, self.phase, self.claims, self.version = declared
+        self.name = self.function.__name__
+        self.uses = []  # (name of the argument, use, type, components)
+        self.parameters = []  # (name, Parameter)
+        self.step = []
+        self.node = file.of(self.function)
+        self.file = file
+        self.real_type = real_type
+        self.properties = {(entry[1], entry[0]): entry for entry in properties}
+        self.examine()
+
+    def examine(self):
+        node, arguments = self.node, self.node.args
+        if arguments.vararg or arguments.kwarg or arguments.posonlyargs:
+            self.file.refuse(node, "found *, ** or / among the arguments, expected names only")
+        annotations = inspect.get_annotations(self.function, eval_str=True)
+        for argument in [*arguments.args, *arguments.kwonlyargs]:
+            name, use = argument.arg, annotations.get(argument.arg)
+            if use is None and name in _STEP:
+                self.step.append(name)
+            elif isinstance(use, Parameter):
+                self.parameters.append((name, use))
+            elif isinstance(use, _Column):
+                self.uses.append(self.matched(argument, name, use))
+            else:
+                found = "no annotation" if use is None else f"the annotation {use!r}"
+                self.file.refuse(
+                    argument,
+                    f"{name} has {found}, expected a column such as vesper.Read('body', 'm/s'), "
+                    "vesper.Parameter(…), or one of the names dt and time",
+                )
+        self.forbid_rebinding()
+
+    def matched(self, argument, name, use):
+        if isinstance(use, Scratch):
+            return name, (name, use.kind, self.real_type, use.components, use.access, use.unit)
+        properties = self.properties
+        if (use.kind, name) not in properties:
+            name = _SHORT_NAMES.get(name, name)
+        found = properties.get((use.kind, name))
+        if found is None:
+            kinds = {kind for kind, _ in properties}
+            if use.kind not in kinds:
+                self.file.refuse(
+                    argument,
+                    f"there is no kind '{use.kind}' in this world" + _near(use.kind, kinds),
+                )
+            own = {other for kind, other in properties if kind == use.kind}
+            self.file.refuse(argument, f"{use.kind} has no property '{name}'" + _near(name, own))
+        _, _, scalar_type, components, permitted, unit = found
+        if scalar_type == _FIELD:
+            self.file.refuse(
+                argument,
+                f"'{name}' is a field, expected a column; write this law as text or in C++",
+            )
+        if use.unit[:7] != unit[:7]:
+            self.file.refuse(
+                argument,
+                f"the unit of '{name}' is {_symbol(unit)}, the annotation says {_symbol(use.unit)}",
+            )
+        if use.needed & ~permitted:
+            possible = [
+                each.__name__
+                for each in (Read, Write, ReadWrite, Accumulate)
+                if not each.needed & ~permitted
+            ]
+            self.file.refuse(
+                argument,
+                f"the annotation of '{name}' is vesper.{type(use).__name__}, and laws may use it as "
+                + " or ".join(possible),
+            )
+        if use.access == _ACCUMULATE and self.phase != "force":
+            self.file.refuse(
+                argument, f"vesper.Accumulate is for laws of phase force, this one is {self.phase}"
+            )
+        return argument.arg, (name, use.kind, scalar_type, components, use.access, use.unit)
+
+    def forbid_rebinding(self):
+        """Refuses `force = …`, which makes another array and leaves the column unchanged."""
+        columns = {name for name, _ in self.uses}
+        for node in ast.walk(self.node):
+            targets = node.targets if isinstance(node, ast.Assign) else []
+            for target in targets:
+                if isinstance(target, ast.Name) and target.id in columns:
+                    self.file.refuse(
+                        node,
+                        f"'{target.id} = …' makes another array and leaves the column unchanged; "
+                        f"write '{target.id}[:] = …' or '{target.id} += …'",
+                    )
+
+    def description(self):
+        doc = (self.function.__doc__ or "").strip().split("\n")[0]
+        stages = 1 if self.phase == "integrate" else 0
+        return (
+            self.name,
+            self.version,
+            doc,
+            _PHASES[self.phase],
+            self.claims,
+            stages,
+            stages,
+            [use for _, use in self.uses],
+            [(n, p.doc, p.unit, p.default, p.least, p.most) for n, p in self.parameters],
+            self,
+        )
+
+    def create(self, values):
+        return _Instance(self, values)
+
+
+class _Instance:
+    """A loaded law: its function with its arguments."""
+
+    def __init__(self, law, values):
+        self.law = law
+        self.function = law.function
+        self.arguments = {name: value for (name, _), value in zip(law.parameters, values)}
+        self.has_dt, self.has_time = (name in law.step for name in _STEP)
+
+    def bind(self, columns):
+        for (name, use), (memory, rows, components) in zip(self.law.uses, columns):
+            shape = (rows,) if components == 1 else (rows, components)
+            self.arguments[name] = numpy.ndarray(shape, _TYPES[use[2]], memory)
+
+    def advance(self, dt, time, stage):
+        arguments = self.arguments
+        if self.has_dt:
+            arguments["dt"] = dt
+        if self.has_time:
+            arguments["time"] = time
+        result = self.function(**arguments)
+        if result is not None:
+            raise _Refused(
+                f"{self.law.name} returned {type(result).__name__}, expected nothing: a law writes "
+                "to its columns in place"
+            )
+
+
+def _open(source, text, real_type, properties, most):
+    """Runs a file and returns the descriptions of its laws."""
+    _declared.clear()
+    module = types.ModuleType(source.removesuffix(".py"))
+    module.__file__ = source
+    try:
+        exec(compile(text, source, "exec", dont_inherit=True), module.__dict__)
+        if not 1 <= len(_declared) <= most:
+            raise _Refused(
+                f"{source}: has {len(_declared)} functions with @vesper.law, expected 1 to {most}"
+            )
+        file = _File(source, text)
+        laws = [_Law(declared, file, real_type, properties) for declared in _declared]
+    finally:
+        _declared.clear()
+    return [law.description() for law in laws]
+
+
+def _describe(exception, source):
+    """Returns one line: the line of the file that raised an exception, and its text."""
+    if isinstance(exception, SyntaxError) and exception.filename == source:
+        return f"{source}:{exception.lineno}:{exception.offset}: {exception.msg}"
+    text = str(exception)
+    if not isinstance(exception, _Refused):
+        text = f"{type(exception).__name__}: {text}" if text else type(exception).__name__
+    lines = [
+        line
+        for frame, line in traceback.walk_tb(exception.__traceback__)
+        if frame.f_code.co_filename == source
+    ]
+    if not text.startswith(source + ":"):
+        text = f"{source}:{lines[-1]}: {text}" if lines else f"{source}: {text}"
+    return " ".join(text.split())
