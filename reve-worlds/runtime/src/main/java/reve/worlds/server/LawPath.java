@@ -335,7 +335,7 @@ public record LawPath(
      * Returns the names of the files for a law, the first before the others: the compiled library,
      * then the text. A name that ends in ".law" is that text.
      */
-    private static List<String> filesOf(String name) {
+    public static List<String> filesOf(String name) {
         if (name.endsWith(PreparedLibrary.TEXT_ENDING)) {
             filesOf(name.substring(0, name.length() - PreparedLibrary.TEXT_ENDING.length()));
             return List.of(name);
