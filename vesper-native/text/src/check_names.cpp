@@ -270,6 +270,11 @@ void Checker::FailUnknown(const std::string& name, Span span) {
   const std::vector<std::string> names = NamesInScope();
   // Of two letters, another one says nothing.
   const std::string* nearest = name.size() > 2 ? NearestName(name, names) : nullptr;
+  const std::vector<std::string> functions = FunctionNames();
+  if (name.size() > 2 && text_.substr(span.end).starts_with("(")) {
+    const std::string* function = NearestName(name, functions);
+    if (function != nullptr) nearest = function;
+  }
   std::string hint;
   if (name == prototype_.kinds()[row_kind_ == kNone ? 0 : row_kind_] && row_kind_ != kNone) {
     hint = "write the property alone, without '" + name + ".'";

@@ -475,6 +475,8 @@ bool IsFunction(std::string_view name) {
   return std::find(std::begin(kFunctions), std::end(kFunctions), name) != std::end(kFunctions);
 }
 
+std::vector<std::string> FunctionNames() { return {std::begin(kFunctions), std::end(kFunctions)}; }
+
 bool IsReserved(std::string_view name) {
   return std::find(std::begin(kReserved), std::end(kReserved), name) != std::end(kReserved);
 }

@@ -111,6 +111,9 @@ std::vector<LawTree> Parse(std::string_view text, Problems& problems);
 
 /// Returns true for the name of a function, such as "sqrt".
 bool IsFunction(std::string_view name);
+
+/// Returns the names of all functions.
+std::vector<std::string> FunctionNames();
 /// Returns true for a word that the language keeps for itself.
 bool IsReserved(std::string_view name);
 

@@ -15,6 +15,7 @@ import java.nio.file.Path;
 import java.nio.file.StandardCopyOption;
 import java.util.Optional;
 import java.util.Set;
+import java.util.function.Consumer;
 
 /**
  * Reader of world files: YAML (including JSON) that follows the schema {@code
@@ -36,8 +37,20 @@ public final class WorldFile {
      * @throws IOException if the system cannot read it
      */
     public static WorldDescription load(Path path) throws WorldFileException, IOException {
-        var problems = new Problems(path.toString());
-        var folder = new WorldFolder(path.toAbsolutePath().getParent());
+        return load(path, path.toString(), _ -> {});
+    }
+
+    /**
+     * Reads and checks a file as {@link #load(Path)}.
+     *
+     * @param shown name of the file in problems
+     * @param found receives the paths of the files that the world file names, relative to its
+     *     folder and separated by {@code /}; a file may come more than once
+     */
+    public static WorldDescription load(Path path, String shown, Consumer<String> found)
+            throws WorldFileException, IOException {
+        var problems = new Problems(shown);
+        var folder = new WorldFolder(path.toAbsolutePath().getParent(), found);
         return new WorldReader(new Assets(folder), problems)
                 .read(WorldSource.read(path, folder, problems));
     }
@@ -49,13 +62,23 @@ public final class WorldFile {
      * @throws WorldFileException if it is a link out of the folder, or not a regular file
      */
     public static WorldDescription loadFolder(Path folder) throws WorldFileException, IOException {
+        return loadFolder(folder, _ -> {});
+    }
+
+    /**
+     * As {@link #loadFolder(Path)}.
+     *
+     * @param found as in {@link #load(Path, String, Consumer)}
+     */
+    public static WorldDescription loadFolder(Path folder, Consumer<String> found)
+            throws WorldFileException, IOException {
         Path file = folder.resolve(NAME);
         try {
             new WorldFolder(folder).find(NAME);
         } catch (AssetException refused) {
             throw new Problems(file.toString()).fatal(1, 1, refused.getMessage());
         }
-        return load(file);
+        return load(file, file.toString(), found);
     }
 
     /**

@@ -142,7 +142,12 @@ final class WorldReader {
                             ? textNode
                             : node.isMapping() ? node.get("name") : Optional.of(node);
             if (node.isMapping() && node.get("name").isPresent() == textNode.isPresent()) {
-                problems.add(node, "expected one of `name` and `text`");
+                problems.add(
+                        node,
+                        node.label()
+                                + ": found "
+                                + (textNode.isPresent() ? "both" : "neither")
+                                + ", expected one of `name` and `text`");
             }
             nameNode.flatMap(Node::text)
                     .map(given -> textNode.isPresent() ? nameInText(given) : given)

@@ -10,6 +10,7 @@ import java.nio.file.NoSuchFileException;
 import java.nio.file.Path;
 import java.util.List;
 import java.util.Optional;
+import java.util.function.Consumer;
 
 /**
  * The folder of a world file. All files that the world file names are read from this folder:
@@ -21,19 +22,30 @@ public final class WorldFolder {
     private static final int MAX_PATH_LENGTH = 1024;
 
     private final Optional<Path> folder;
+    private final Consumer<String> found;
 
     /** Gives access to the files in this folder and below. */
     public WorldFolder(Path folder) {
-        this(Optional.of(folder));
+        this(folder, _ -> {});
     }
 
-    private WorldFolder(Optional<Path> folder) {
+    /**
+     * Gives access to the files in this folder and below.
+     *
+     * @param found receives the path of each file that is found, as often as it is looked for
+     */
+    public WorldFolder(Path folder, Consumer<String> found) {
+        this(Optional.of(folder), found);
+    }
+
+    private WorldFolder(Optional<Path> folder, Consumer<String> found) {
         this.folder = folder;
+        this.found = found;
     }
 
     /** Returns an empty folder, for a world that is not read from a file. */
     public static WorldFolder none() {
-        return new WorldFolder(Optional.empty());
+        return new WorldFolder(Optional.empty(), _ -> {});
     }
 
     /**
@@ -60,6 +72,7 @@ public final class WorldFolder {
             if (!Files.isRegularFile(real, LinkOption.NOFOLLOW_LINKS)) {
                 throw new AssetException(path + ": not a regular file");
             }
+            found.accept(path);
             return real;
         } catch (NoSuchFileException missing) {
             throw new AssetException(
@@ -115,7 +128,12 @@ public final class WorldFolder {
         }
     }
 
-    private static void requireWithin(String path) throws AssetException {
+    /**
+     * Checks that a path is a sequence of names that stays within a folder; reads no file.
+     *
+     * @throws AssetException if it is absolute, or has `..`, `.`, `:`, `\\` or control characters
+     */
+    public static void requireWithin(String path) throws AssetException {
         if (path.isEmpty() || path.length() > MAX_PATH_LENGTH) {
             throw new AssetException(
                     "a path of " + path.length() + " characters, expected 1 to " + MAX_PATH_LENGTH);

@@ -46,7 +46,7 @@ class WorldFileProblemsTest {
                     doc: 3                                ! 6  ! doc: found number 3, expected a text; put it in quotes
                     laws: hooke                           ! 7  ! laws: found text `hooke`, expected a list
                     laws: [a, b, a]                       ! 14 ! duplicate law `a`, first on line 6
-                    laws: [{parameters: {}}]              ! 8  ! expected one of `name` and `text`
+                    laws: [{parameters: {}}]              ! 8  ! laws[0]: found neither, expected one of `name` and `text`
                     laws: [{name: a, parameters: {x: [1]}}]! 34 ! x: found a list of 1, expected a number or a text
                     laws: [{name: a, parameters: {x: 3 q}}]! 34 ! x: unit `q`: `q` is not a unit that is known here
                     laws: [{name: a, parameters: {x: 1 2}}]! 34 ! x: found 2 numbers, expected one

@@ -8,6 +8,7 @@ import picocli.CommandLine.Option;
 import picocli.CommandLine.Spec;
 
 import reve.core.file.LawReference;
+import reve.core.file.PackException;
 import reve.core.file.Problem;
 import reve.core.file.WorldDescription;
 import reve.core.file.WorldFileException;
@@ -46,14 +47,23 @@ public final class CheckCommand implements Callable<Integer> {
 
     @Override
     public Integer call() throws Exception {
-        LawPath lawPath = laws.path(spec).forWorld(world.folder());
+        LawPath lawPath = laws.path(spec);
         List<Map<String, Object>> problems = new ArrayList<>();
         List<Map<String, Object>> warnings = new ArrayList<>();
         List<String> unchecked = new ArrayList<>();
-        int code = check(lawPath, problems, warnings, unchecked);
+        int code;
+        try {
+            code = check(lawPath.forWorld(world.folder()), problems, warnings, unchecked);
+        } catch (PackException unfit) {
+            if (!json) {
+                throw unfit;
+            }
+            problems.add(Map.of("message", String.valueOf(unfit.getMessage())));
+            code = ExitCode.INVALID_WORLD;
+        }
         if (json) {
             Map<String, Object> result = new LinkedHashMap<>();
-            result.put("world", world.file().toString());
+            result.put("world", world.shown().toString());
             result.put("valid", problems.isEmpty() && !(strict && !warnings.isEmpty()));
             result.put("problems", problems);
             result.put("warnings", warnings);
@@ -105,7 +115,7 @@ public final class CheckCommand implements Callable<Integer> {
                 unchecked.forEach(err::println);
                 out.printf(
                         "%s: %s, %d items, %d laws%s%s%n",
-                        world.file(),
+                        world.shown(),
                         refused ? "refused by --strict" : "valid",
                         description.items().size(),
                         simulation.physics().laws().loaded().size(),

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.worlds.cli;
 
+import reve.core.file.PackException;
 import reve.core.file.WorldFileException;
 import reve.pe.PhysicsException;
 
@@ -43,6 +44,7 @@ public final class ExitCode {
     public static int of(Throwable failure) {
         return switch (failure) {
             case WorldFileException invalid -> INVALID_WORLD;
+            case PackException unfit -> INVALID_WORLD;
             case PhysicsException physics -> PHYSICS;
             case BindException bind -> CANNOT_BIND;
             default -> FAILURE;

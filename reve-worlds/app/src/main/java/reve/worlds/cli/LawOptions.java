@@ -99,11 +99,7 @@ final class LawOptions {
      * @param usual deadline of a frame, if {@code --law-deadline} gives none
      */
     LawPath path(CommandSpec spec, Duration usual) {
-        try {
-            folder.ifPresent(LawFolder::require);
-        } catch (IllegalArgumentException unfit) {
-            throw new ParameterException(spec.commandLine(), "--laws: " + unfit.getMessage());
-        }
+        require(spec, folder);
         return new LawPath(
                 Product.nativeFolder().resolve("laws"),
                 folder,
@@ -111,6 +107,20 @@ final class LawOptions {
                 trust,
                 enginePlace(spec, usual),
                 false);
+    }
+
+    /** Returns a path that finds laws by their names, to copy their files; it opens none. */
+    static LawPath named(CommandSpec spec, Optional<Path> folder) {
+        require(spec, folder);
+        return new LawPath(Product.nativeFolder().resolve("laws"), folder, Optional.empty(), false);
+    }
+
+    private static void require(CommandSpec spec, Optional<Path> folder) {
+        try {
+            folder.ifPresent(LawFolder::require);
+        } catch (IllegalArgumentException unfit) {
+            throw new ParameterException(spec.commandLine(), "--laws: " + unfit.getMessage());
+        }
     }
 
     private EnginePlace enginePlace(CommandSpec spec, Duration usual) {

@@ -47,6 +47,7 @@ import java.util.stream.Stream;
             TokenCommand.class,
             StoreCommand.class,
             NewCommand.class,
+            PackCommand.class,
             CommandLine.HelpCommand.class,
         },
         footer = {

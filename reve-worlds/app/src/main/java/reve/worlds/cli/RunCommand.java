@@ -97,6 +97,7 @@ public final class RunCommand implements Callable<Integer> {
                                     spec, "--save", save.get(), "reve:", "a world file"));
         }
         Optional<RecordingPlan> recording = record.plan();
+        world.requireLasting(spec, "--record", record.file().isPresent());
         LawPath lawPath = engine.of(laws.path(spec)).forWorld(world.folder());
         WorldDescription description = engine.of(spec, world.read());
         long frames = Frames.of(spec, "--seconds", seconds, description.timing());

@@ -263,6 +263,8 @@ public final class ServeCommand implements Callable<Integer> {
         Map<String, WorldPlan> plans = new LinkedHashMap<>();
         for (Path path : paths) {
             WorldArgument world = new WorldArgument(path);
+            world.requireLasting(spec, "--store", store.isPresent());
+            world.requireLasting(spec, "--record", record.file().isPresent());
             WorldDescription description = engine.of(spec, world.read());
             if (plans.put(description.name(), plan(description, world.folder(), lawPath)) != null) {
                 throw new ParameterException(
@@ -285,7 +287,7 @@ public final class ServeCommand implements Callable<Integer> {
             }
         }
         for (Path path : paths) {
-            taken.put(real(new WorldArgument(path).file()), "the world " + path);
+            taken.put(real(new WorldArgument(path).shown()), "the world " + path);
         }
         requireOwn(taken, "--store", store);
         requireOwn(taken, "--record", record.file());

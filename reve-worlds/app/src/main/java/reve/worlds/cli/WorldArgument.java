@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.worlds.cli;
 
+import picocli.CommandLine.Model.CommandSpec;
+import picocli.CommandLine.ParameterException;
 import picocli.CommandLine.Parameters;
 
 import reve.core.file.WorldDescription;
 import reve.core.file.WorldFile;
 import reve.core.file.WorldFileException;
+import reve.core.file.WorldPack;
 import reve.core.text.Suggestion;
 
 import java.io.IOException;
@@ -18,6 +21,8 @@ import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.Collections;
 import java.util.List;
+import java.util.Optional;
+import java.util.function.Consumer;
 
 /** The argument WORLD of most commands. */
 final class WorldArgument {
@@ -26,8 +31,12 @@ final class WorldArgument {
 
     @Parameters(
             paramLabel = "WORLD",
-            description = "A world file, or a folder that contains a world.yaml.")
+            description =
+                    "A world file, a folder that contains a world.yaml, or a pack (reve pack).")
     private Path path;
+
+    /** The folder into which a pack was unpacked. */
+    private Optional<Path> unpacked = Optional.empty();
 
     WorldArgument() {
         this(Path.of(""));
@@ -47,7 +56,9 @@ final class WorldArgument {
         try (DirectoryStream<Path> all = Files.newDirectoryStream(parent)) {
             for (Path each : all) {
                 String name = String.valueOf(each.getFileName());
-                if (Files.isRegularFile(each.resolve(WorldFile.NAME)) || name.endsWith(".yaml")) {
+                if (Files.isRegularFile(each.resolve(WorldFile.NAME))
+                        || name.endsWith(".yaml")
+                        || name.endsWith(WorldPack.ENDING)) {
                     names.add(name);
                 }
             }
@@ -66,13 +77,45 @@ final class WorldArgument {
                                 + String.join(", ", names.subList(0, Math.min(MOST, names.size())));
     }
 
-    /** Returns the path of the world file. */
-    Path file() {
+    /** Returns whether the argument names a pack. */
+    boolean isPack() {
+        return WorldPack.isPack(path);
+    }
+
+    /** Returns the file that the user has named or chosen: a world file or a pack. */
+    Path shown() {
         return Files.isDirectory(path) ? path.resolve(WorldFile.NAME) : path;
     }
 
+    /** Returns the path of the world file; that of a pack after the pack was unpacked. */
+    Path file() throws IOException {
+        if (!isPack()) {
+            return shown();
+        }
+        if (unpacked.isEmpty()) {
+            unpacked = Optional.of(PackFolder.open(path));
+        }
+        return unpacked.get().resolve(WorldFile.NAME);
+    }
+
+    /**
+     * Refuses an option whose file would keep the name of the world's folder, which for a pack is
+     * removed at the end.
+     */
+    void requireLasting(CommandSpec spec, String option, boolean given) {
+        if (given && isPack()) {
+            throw new ParameterException(
+                    spec.commandLine(),
+                    option
+                            + " keeps the name of the world's folder, and "
+                            + path
+                            + " is a pack, whose folder is removed at the end; unpack it, for"
+                            + " example with unzip, and name the folder");
+        }
+    }
+
     /** Returns the folder of the world file and of the files that it refers to. */
-    Path folder() {
+    Path folder() throws IOException {
         Path parent = file().toAbsolutePath().getParent();
         return parent == null ? Path.of("/") : parent;
     }
@@ -87,6 +130,16 @@ final class WorldArgument {
 
     /** Reads and checks the file. */
     WorldDescription read() throws IOException, WorldFileException {
+        return read(_ -> {});
+    }
+
+    /**
+     * Reads and checks the file.
+     *
+     * @param found receives the files that it names, as {@link WorldFile#load(Path, String,
+     *     Consumer)}
+     */
+    WorldDescription read(Consumer<String> found) throws IOException, WorldFileException {
         Path file = file();
         if (!Files.exists(file)) {
             throw new NoSuchFileException(
@@ -95,8 +148,12 @@ final class WorldArgument {
                             + "; name a file, or a folder that holds a world.yaml"
                             + others());
         }
-        try (Patience _ = new Patience(System.err, "reading " + file)) {
-            return Files.isDirectory(path) ? WorldFile.loadFolder(path) : WorldFile.load(file);
+        try (Patience _ = new Patience(System.err, "reading " + shown())) {
+            if (Files.isDirectory(path)) {
+                return WorldFile.loadFolder(path, found);
+            }
+            String name = isPack() ? path.resolve(WorldFile.NAME).toString() : file.toString();
+            return WorldFile.load(file, name, found);
         }
     }
 }

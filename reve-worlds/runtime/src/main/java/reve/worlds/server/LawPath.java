@@ -341,7 +341,7 @@ public record LawPath(
      * Returns the names of the files for a law, the first before the others: the compiled library,
      * then the text, then the file in Python. A name that ends in ".law" or ".py" is that file.
      */
-    private static List<String> filesOf(String name) {
+    public static List<String> filesOf(String name) {
         for (String ending : SOURCES) {
             if (name.endsWith(ending)) {
                 filesOf(name.substring(0, name.length() - ending.length()));

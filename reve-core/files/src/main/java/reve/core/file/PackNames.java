@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.core.file;
+
+import reve.core.mesh.AssetException;
+import reve.core.mesh.WorldFolder;
+
+import java.nio.file.Path;
+import java.text.Normalizer;
+import java.util.HashMap;
+import java.util.Locale;
+import java.util.Map;
+
+/**
+ * The names and the size of the files of one pack, held to its limits. The same checks apply when a
+ * pack is made and when it is opened. For one thread.
+ */
+final class PackNames {
+    private final Path pack;
+
+    /** The names of files and their folders, by the form in which file systems may join them. */
+    private final Map<String, String> taken = new HashMap<>();
+
+    private final Map<String, String> files = new HashMap<>();
+    private long bytes;
+
+    PackNames(Path pack) {
+        this.pack = pack;
+    }
+
+    /** Checks the name of a file or, with a slash at its end, of a folder. */
+    void add(String entry) throws PackException {
+        boolean isFolder = entry.endsWith("/");
+        String name = isFolder ? entry.substring(0, entry.length() - 1) : entry;
+        try {
+            WorldFolder.requireWithin(name);
+        } catch (AssetException refused) {
+            throw new PackException(pack + ": " + refused.getMessage(), refused);
+        }
+        for (int end = name.indexOf('/'); end >= 0; end = name.indexOf('/', end + 1)) {
+            addFolder(name.substring(0, end));
+        }
+        if (isFolder) {
+            addFolder(name);
+            return;
+        }
+        String other = taken.putIfAbsent(joined(name), name);
+        if (other != null) {
+            throw collision(other, name);
+        }
+        files.put(joined(name), name);
+        if (files.size() > WorldPack.MAX_FILES) {
+            throw WorldPack.tooMany(pack, files.size());
+        }
+    }
+
+    private void addFolder(String name) throws PackException {
+        String other = taken.putIfAbsent(joined(name), name);
+        if (other != null && (!other.equals(name) || files.containsKey(joined(name)))) {
+            throw collision(other, name);
+        }
+    }
+
+    /** Counts bytes of the files' content. */
+    void take(String name, long count) throws PackException {
+        bytes += count;
+        if (bytes > WorldPack.MAX_BYTES) {
+            throw new PackException(
+                    pack
+                            + ": its files have more than "
+                            + (WorldPack.MAX_BYTES >> 20)
+                            + " MiB together, of which at most this many are packed and opened ("
+                            + name
+                            + " exceeds them)");
+        }
+    }
+
+    private PackException collision(String one, String other) {
+        return new PackException(
+                pack
+                        + ": `"
+                        + Node.shorten(one)
+                        + "` and `"
+                        + Node.shorten(other)
+                        + "` are one name on some machines; expected names that differ in more"
+                        + " than case, rename one of them");
+    }
+
+    private static String joined(String name) {
+        return Normalizer.normalize(name, Normalizer.Form.NFKC).toLowerCase(Locale.ROOT);
+    }
+}
