@@ -55,6 +55,31 @@ static void on_signal(int signal) {
   }
 }
 
+/* What a law builds before it can act: once in a process, for more rows, and for an earlier time.
+ */
+static void build(struct vesper_law* law, uint64_t step) {
+  static uint64_t rows, last;
+  if (law->force.row_count > rows || step < last) usleep(600000);
+  if (law->force.row_count > rows) rows = law->force.row_count;
+  last = step;
+}
+
+/* Takes all memory, so that the engine itself finds none. */
+static void hoard(void) {
+  for (size_t size = 1 << 20; size >= 16; size = size > 1024 ? size / 2 : size - 16) {
+    while (malloc(size) != NULL) {
+    }
+  }
+}
+
+/* Ends the process as another program would: not again in the process that follows. */
+static void kill_once(void) {
+  char mark[64];
+  snprintf(mark, sizeof mark, "/tmp/reve-kill-once-%d", (int)getppid());
+  const int file = open(mark, O_CREAT | O_EXCL | O_WRONLY, 0600);
+  if (file >= 0) raise(SIGKILL);
+}
+
 static void harm(struct vesper_law* law) {
   double* m = law != NULL ? law->mass.data : NULL;
   double* f = law != NULL ? law->force.data : NULL;
@@ -133,6 +158,8 @@ static void harm(struct vesper_law* law) {
     pthread_t thread;
     pthread_create(&thread, NULL, IS("wild_thread") ? wild_thread : quiet_thread, law);
   }
+  if (IS("kill_once")) kill_once();
+  if (IS("hoard")) hoard();
   if (IS("divide")) depth = 7 / zero;
   if (IS("illegal")) __builtin_trap();
   if (IS("free_twice")) {
@@ -173,6 +200,7 @@ static vesper_status advance(vesper_law* law, const vesper_step* step, vesper_er
   (void)error;
   double* force = law->force.data;
   for (uint64_t i = 0; i < law->force.row_count; ++i) force[3 * i] += 1;
+  if (IS("build")) build(law, step->index);
   if (step->index >= HOSTILE_STEP) harm_in("advance", law);
   return VESPER_OK;
 }

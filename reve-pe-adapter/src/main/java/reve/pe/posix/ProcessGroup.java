@@ -10,6 +10,9 @@ public final class ProcessGroup {
     private static final int SIGKILL = 9;
     private static final int CPUCLOCK_SCHED = 2;
 
+    /** Not: R, D (waits for a disk or for memory), Z and X (ended). */
+    private static final String IDLE_STATES = "STt";
+
     private final int leader;
     private final Path status;
 
@@ -36,12 +39,12 @@ public final class ProcessGroup {
         return Posix.clockNanos((~leader << 3) | CPUCLOCK_SCHED);
     }
 
-    /** Returns whether the main thread runs, or could run if it had a processor. */
-    public boolean isRunnable() {
+    /** Returns whether the main thread sleeps by its own will, or was stopped. */
+    public boolean isIdle() {
         try {
             String text = Files.readString(status);
             int state = text.lastIndexOf(')') + 2;
-            return state < text.length() && text.charAt(state) == 'R';
+            return state < text.length() && IDLE_STATES.indexOf(text.charAt(state)) >= 0;
         } catch (IOException ended) {
             return false;
         }
