@@ -18,6 +18,10 @@
 #define HOSTILE_STEP 50
 #endif
 
+#ifndef HOSTILE_LIBRARY
+#define HOSTILE_LIBRARY "hostile"
+#endif
+
 #define IS(name) (strcmp(HOSTILE, name) == 0)
 
 struct vesper_law {
@@ -236,7 +240,7 @@ const vesper_law_library* vesper_law_library_entry(void) {
   law.destroy = destroy;
   library.struct_size = sizeof library;
   library.abi_version = VESPER_ABI_VERSION;
-  library.name = "hostile";
+  library.name = HOSTILE_LIBRARY;
   library.law_count = 1;
   library.laws = &law;
   return &library;

@@ -169,6 +169,20 @@ class HostLossNativeTest {
         }
     }
 
+    /** The server ends if a frame takes 5 s, with all laws that loop in it. */
+    @Test
+    void lawsThatLoopInOneFrameTakeLessTimeThanAWatchdog() {
+        try (HostedFixture hosted = new HostedFixture()) {
+            hosted.world.load("newton_motion", "hostile_loop_in_bind", "hostile_other_loop");
+            hosted.world.run(1);
+            assertThat(hosted.world.events("fault"))
+                    .extracting(fault -> fault.fields().get("message"))
+                    .containsExactly(
+                            "law hostile: no answer within 3000 ms of its frame",
+                            "law hostile: no answer within 1000 ms of its frame");
+        }
+    }
+
     /** The names of the columns that differ. */
     private static List<String> differing(AdapterFixture one, AdapterFixture other) {
         var bytes = other.bytes();
