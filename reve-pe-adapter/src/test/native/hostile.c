@@ -128,6 +128,7 @@ static void harm(struct vesper_law* law) {
   }
   if (IS("pthread_exit")) pthread_exit(NULL);
   if (IS("stop")) raise(SIGSTOP);
+  if (IS("stop_once") && depth++ == 0) raise(SIGSTOP);
   if (IS("terminate")) raise(SIGTERM);
   if (IS("kill")) raise(SIGKILL);
   if (IS("handler_loops")) {

@@ -181,6 +181,7 @@ final class HostProcess implements AutoCloseable {
         private long cpu = startCpu;
         private long idle;
         private long wall;
+        private boolean continued;
 
         Wait(int number, long limitNanos) {
             this.number = number;
@@ -212,12 +213,22 @@ final class HostProcess implements AutoCloseable {
             return Math.min(cpu - startCpu + idle, System.nanoTime() - start);
         }
 
-        /** A host that waits for a processor or a disk is not idle: others keep it from working. */
+        /**
+         * A host that waits for a processor or a disk is not idle: others keep it from working. One
+         * that was stopped continues, once in a call, because other programs can stop it, too.
+         */
         private void count(long elapsed) {
             long before = cpu;
             cpu = Math.max(before, group.cpuNanos());
             wall += elapsed;
-            if (cpu - before < IDLE_NANOS && group.isIdle()) {
+            if (cpu - before >= IDLE_NANOS) {
+                return;
+            }
+            ProcessGroup.State state = group.state();
+            if (state == ProcessGroup.State.STOPPED && !continued) {
+                continued = true;
+                group.proceed();
+            } else if (state != ProcessGroup.State.OTHER) {
                 idle += elapsed;
             }
         }

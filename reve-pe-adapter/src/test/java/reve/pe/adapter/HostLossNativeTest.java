@@ -173,13 +173,26 @@ class HostLossNativeTest {
     @Test
     void lawsThatLoopInOneFrameTakeLessTimeThanAWatchdog() {
         try (HostedFixture hosted = new HostedFixture()) {
-            hosted.world.load("newton_motion", "hostile_loop_in_bind", "hostile_other_loop");
+            hosted.world.load(
+                    "newton_motion", "hostile_loop_in_bind", "hostile_other_loop_in_bind");
             hosted.world.run(1);
             assertThat(hosted.world.events("fault"))
                     .extracting(fault -> fault.fields().get("message"))
                     .containsExactly(
                             "law hostile: no answer within 3000 ms of its frame",
                             "law hostile: no answer within 1000 ms of its frame");
+        }
+    }
+
+    /** What laws build in their first frame does not lengthen the deadline of later ones. */
+    @Test
+    void theDeadlineGrowsWithFramesInWhichLawsBuildNothing() {
+        try (HostedFixture hosted = new HostedFixture()) {
+            hosted.world.load("newton_motion", "hostile_build", "hostile_other_loop_in_advance");
+            hosted.world.run(BAD_FRAME);
+            assertThat(hosted.world.events("fault"))
+                    .extracting(fault -> fault.fields().get("message"))
+                    .containsExactly("law hostile: no answer within 300 ms of its frame");
         }
     }
 

@@ -105,6 +105,7 @@ class HostileLawsNativeTest {
                 "terminate",
                 "fork",
                 "quiet_thread",
+                "stop_once",
                 "print"
             })
     void aLawThatHarmsNothingElseActsOn(String kind) {
