@@ -18,6 +18,10 @@
 #define HOSTILE_STEP 50
 #endif
 
+#ifndef HOSTILE_LIBRARY
+#define HOSTILE_LIBRARY "hostile"
+#endif
+
 #define IS(name) (strcmp(HOSTILE, name) == 0)
 
 struct vesper_law {
@@ -53,6 +57,31 @@ static void on_signal(int signal) {
   (void)signal;
   for (;;) {
   }
+}
+
+/* What a law builds before it can act: once in a process, for more rows, and for an earlier time.
+ */
+static void build(struct vesper_law* law, uint64_t step) {
+  static uint64_t rows, last;
+  if (law->force.row_count > rows || step < last) usleep(600000);
+  if (law->force.row_count > rows) rows = law->force.row_count;
+  last = step;
+}
+
+/* Takes all memory, so that the engine itself finds none. */
+static void hoard(void) {
+  for (size_t size = 1 << 20; size >= 16; size = size > 1024 ? size / 2 : size - 16) {
+    while (malloc(size) != NULL) {
+    }
+  }
+}
+
+/* Ends the process as another program would: not again in the process that follows. */
+static void kill_once(void) {
+  char mark[64];
+  snprintf(mark, sizeof mark, "/tmp/reve-kill-once-%d", (int)getppid());
+  const int file = open(mark, O_CREAT | O_EXCL | O_WRONLY, 0600);
+  if (file >= 0) raise(SIGKILL);
 }
 
 static void harm(struct vesper_law* law) {
@@ -99,6 +128,7 @@ static void harm(struct vesper_law* law) {
   }
   if (IS("pthread_exit")) pthread_exit(NULL);
   if (IS("stop")) raise(SIGSTOP);
+  if (IS("stop_once") && depth++ == 0) raise(SIGSTOP);
   if (IS("terminate")) raise(SIGTERM);
   if (IS("kill")) raise(SIGKILL);
   if (IS("handler_loops")) {
@@ -133,6 +163,8 @@ static void harm(struct vesper_law* law) {
     pthread_t thread;
     pthread_create(&thread, NULL, IS("wild_thread") ? wild_thread : quiet_thread, law);
   }
+  if (IS("kill_once")) kill_once();
+  if (IS("hoard")) hoard();
   if (IS("divide")) depth = 7 / zero;
   if (IS("illegal")) __builtin_trap();
   if (IS("free_twice")) {
@@ -173,6 +205,7 @@ static vesper_status advance(vesper_law* law, const vesper_step* step, vesper_er
   (void)error;
   double* force = law->force.data;
   for (uint64_t i = 0; i < law->force.row_count; ++i) force[3 * i] += 1;
+  if (IS("build")) build(law, step->index);
   if (step->index >= HOSTILE_STEP) harm_in("advance", law);
   return VESPER_OK;
 }
@@ -208,7 +241,7 @@ const vesper_law_library* vesper_law_library_entry(void) {
   law.destroy = destroy;
   library.struct_size = sizeof library;
   library.abi_version = VESPER_ABI_VERSION;
-  library.name = "hostile";
+  library.name = HOSTILE_LIBRARY;
   library.law_count = 1;
   library.laws = &law;
   return &library;

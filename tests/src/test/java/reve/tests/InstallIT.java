@@ -84,6 +84,7 @@ class InstallIT {
         refusesToOverwrite();
         assertThat(Files.readString(installed.resolve("reve.service")))
                 .contains("ExecStart=" + installed + "/bin/reve serve " + installed + "/worlds/")
+                .contains("OOMPolicy=continue")
                 .doesNotContain("@HOME@");
         namesWhatIsMissing();
     }

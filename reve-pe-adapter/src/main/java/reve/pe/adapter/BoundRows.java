@@ -38,6 +38,9 @@ final class BoundRows {
                 engine.moveRow(table.kind(), from > row ? from : row, row);
             }
         }
+        for (int row = now.length; row < items.length; row++) {
+            engine.moveRow(table.kind(), row, row); // before another item gets this row
+        }
         items = now;
     }
 }

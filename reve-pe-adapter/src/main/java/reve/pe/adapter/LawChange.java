@@ -18,4 +18,10 @@ public sealed interface LawChange {
 
     /** A law failed in PHYSICS at an item, which was made unreachable for laws. */
     record Arrested(ItemId item) implements LawChange {}
+
+    /** A library's bytes were released from quarantine. */
+    record Released(String sha256) implements LawChange {}
+
+    /** PHYSICS failed and no law was the cause: the laws did not act in this frame. */
+    record Unmoved() implements LawChange {}
 }

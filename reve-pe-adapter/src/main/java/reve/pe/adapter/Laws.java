@@ -42,6 +42,7 @@ public final class Laws {
     private final List<Consumer<LawChange>> listeners = new ArrayList<>();
     private NameGuard guard = (name, file, library) -> {};
     private long version;
+    private boolean unmoved;
 
     Laws(World world, PhysicsEngine engine) {
         this.world = world;
@@ -167,6 +168,7 @@ public final class Laws {
      */
     public void setParameters(long frame, String library, Map<String, Double> changed) {
         List<LawLibrary> before = libraries();
+        List<Quarantined> out = quarantined();
         List<LawLibrary> after = new ArrayList<>(before);
         int place = 0;
         while (place < before.size() && !before.get(place).name().equals(library)) {
@@ -177,9 +179,9 @@ public final class Laws {
         }
         after.set(place, before.get(place).with(changed));
         try {
-            restore(frame, after, quarantined());
+            restore(frame, after, out);
         } catch (PhysicsException refused) {
-            restore(frame, before, quarantined());
+            restore(frame, before, out);
             throw refused;
         }
     }
@@ -201,7 +203,11 @@ public final class Laws {
 
     /** Permits a quarantined library's bytes again. Returns false if they were not quarantined. */
     public boolean release(String sha256) {
-        return quarantined.remove(sha256) != null;
+        if (quarantined.remove(sha256) == null) {
+            return false;
+        }
+        tell(new LawChange.Released(sha256));
+        return true;
     }
 
     /** Returns the loaded libraries by their ids, in the order of loading. */
@@ -260,6 +266,8 @@ public final class Laws {
     public void apply(long frame, LawChange change) {
         switch (change) {
             case LawChange.Loaded added -> {
+                // Journals of earlier versions have no releases.
+                quarantined.remove(added.library().sha256());
                 try (PreparedLibrary prepared = engine.prepare(added.library().bytes())) {
                     leaveToFolder(load(frame, prepared, added.library().parameters()));
                 }
@@ -271,7 +279,21 @@ public final class Laws {
             }
             case LawChange.Arrested arrested ->
                     world.find(arrested.item()).ifPresent(world.arrests()::arrest);
+            case LawChange.Released released -> release(released.sha256());
+            case LawChange.Unmoved _ -> unmoved = true;
         }
+    }
+
+    /** Notes that the laws did not act in this frame, because PHYSICS failed. */
+    void failed() {
+        tell(new LawChange.Unmoved());
+    }
+
+    /** Returns whether the laws must not act in this frame, as in the world of a change. */
+    boolean takeUnmoved() {
+        boolean taken = unmoved;
+        unmoved = false;
+        return taken;
     }
 
     /**
@@ -290,6 +312,7 @@ public final class Laws {
             unload(frame, id);
         }
         quarantined.clear();
+        unmoved = false;
         for (LawLibrary library : wanted.subList(same, wanted.size())) {
             apply(frame, new LawChange.Loaded(library));
         }

@@ -31,9 +31,9 @@ import java.util.stream.Collectors;
  * <p>A failing law costs one repeated frame: the columns are restored, the law's library is
  * quarantined and reported as a "fault" event, and the frame is repeated without it. From that
  * frame on the world is, to the bit, one that runs without that law. A failure that no loaded law
- * caused is thrown after the columns were restored; that frame has no physics. If the process of an
- * engine was lost while no law ran, the frame is repeated; if that does not help, the library that
- * was loaded last is quarantined.
+ * caused is thrown after the columns were restored: that frame has no physics, which is a {@link
+ * LawChange}, so that a journal repeats it. If the process of an engine was lost while no law ran,
+ * the frame is repeated; if that does not help, the library that was loaded last is quarantined.
  *
  * <p>Before a law is quarantined, items that actions or edits changed are arrested: the one at
  * which the law failed, otherwise the one with the most extreme numbers, then all of them. If the
@@ -109,6 +109,22 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
 
     @Override
     public void onFrame(FrameEvent frame) {
+        boolean moved = false;
+        try {
+            if (laws.takeUnmoved()) {
+                bind();
+            } else {
+                move(frame);
+            }
+            moved = true;
+        } finally {
+            if (!moved) {
+                laws.failed();
+            }
+        }
+    }
+
+    private void move(FrameEvent frame) {
         long start = System.nanoTime();
         bind();
         keepWhatLawsMayWrite();
@@ -202,19 +218,27 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
             return true;
         } catch (PhysicsException failure) {
             List<Arrested> tried = List.copyOf(arrests);
-            tried.forEach(one -> one.release.run());
-            arrests.clear();
-            rollback.restore();
+            undo();
             engine.clearFault();
             if (failure.status() == Status.ENGINE_LOST && losses++ < MOST_LOSSES) {
                 tried.forEach(one -> arrest(one.item, one.failure));
             } else if (!arrestFor(failure, tried)) {
                 laws.quarantine(frame.frame(), blamed(failure), itemOf(failure));
+                losses = 0;
             }
             return false;
+        } catch (RuntimeException failure) {
+            undo();
+            throw failure;
         } finally {
             world.activity().end();
         }
+    }
+
+    private void undo() {
+        arrests.forEach(one -> one.release.run());
+        arrests.clear();
+        rollback.restore();
     }
 
     /** Returns the failure; that of the library loaded last, if the engine knows no culprit. */

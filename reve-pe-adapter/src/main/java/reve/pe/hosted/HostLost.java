@@ -7,8 +7,14 @@ import java.util.List;
 final class HostLost extends Exception {
     private static final long serialVersionUID = 1L;
 
-    /** Whether the client ended it, because it did not answer in time. */
-    final boolean late;
+    /**
+     * The time limit after which the client ended it, because it did not answer [ns]; 0 if it ended
+     * by itself.
+     */
+    final long lateNanos;
+
+    /** Whether SIGKILL ended it, which the system and other programs send, too. */
+    final boolean killed;
 
     /** The laws that its threads were calling: id in the upper, 1 + index in the lower half. */
     final transient List<Long> running;
@@ -23,11 +29,23 @@ final class HostLost extends Exception {
     /**
      * @param message how it ended, for example "SIGSEGV"
      */
-    HostLost(String message, boolean late, List<Long> running, String property, long offset) {
+    HostLost(
+            String message,
+            long lateNanos,
+            boolean killed,
+            List<Long> running,
+            String property,
+            long offset) {
         super(message, null, false, false);
-        this.late = late;
+        this.lateNanos = lateNanos;
+        this.killed = killed;
         this.running = running;
         this.property = property;
         this.offset = offset;
+    }
+
+    /** Whether the client ended it. */
+    boolean isLate() {
+        return lateNanos > 0;
     }
 }

@@ -54,6 +54,12 @@ final class HostProcess implements AutoCloseable {
     /** Processor time in one look below which a host only waits [ns]. */
     private static final long IDLE_NANOS = LOOK_NANOS / 20;
 
+    /**
+     * Maximum time that one look counts [ns]: after a longer one this process, and perhaps the
+     * host, did not run.
+     */
+    private static final long MOST_LOOK_NANOS = 10 * LOOK_NANOS;
+
     /** Multiple of the time limit after which a host is ended even if it had no processor. */
     private static final int MOST_WALL = 20;
 
@@ -62,6 +68,7 @@ final class HostProcess implements AutoCloseable {
                     4, "SIGILL", 5, "SIGTRAP", 6, "SIGABRT", 7, "SIGBUS", 8, "SIGFPE", 9, "SIGKILL",
                     11, "SIGSEGV", 24, "SIGXCPU", 25, "SIGXFSZ", 31, "SIGSYS");
     private static final int FIRST_SIGNAL = 128;
+    private static final int SIGKILL = 9;
 
     /** Variables that loaders and drivers need; others may contain secrets. */
     private static final Set<String> KEPT_VARIABLES = Set.of("HOME", "PATH", "TMPDIR", "LANG");
@@ -77,6 +84,7 @@ final class HostProcess implements AutoCloseable {
     private final SharedWord reply;
     private final Mailbox mailbox;
     private int requests;
+    private long spentNanos;
 
     /**
      * Starts a host.
@@ -89,16 +97,21 @@ final class HostProcess implements AutoCloseable {
         request = word(memory, REQUEST);
         reply = word(memory, REPLY);
         mailbox = new Mailbox(memory.asSlice(MAILBOX));
+        Process started = null;
         try {
-            process = start(program, control.descriptor(), memoryBytes);
-        } catch (IOException e) {
+            started = start(program, control.descriptor(), memoryBytes);
+            Thread.ofVirtual().name("output of laws").start(new OutputOfLaws(started, LOG));
+        } catch (IOException | OutOfMemoryError e) { // an error: the system has no further thread
+            if (started != null) {
+                started.destroyForcibly();
+            }
             control.close();
             arena.close();
             throw new IllegalStateException(
                     "the engine's process " + program + " cannot be started: " + e.getMessage(), e);
         }
+        process = started;
         group = new ProcessGroup(process.pid());
-        Thread.ofVirtual().name("output of laws").start(new OutputOfLaws(process, LOG));
     }
 
     private SharedWord word(MemorySegment memory, long offset) {
@@ -141,15 +154,22 @@ final class HostProcess implements AutoCloseable {
     Mailbox call(long limitNanos, VesperLog log) throws HostLost {
         mailbox.end();
         int number = ++requests;
+        long start = System.nanoTime();
         request.announce(number);
         reply.await(number - 1, LOOK_NANOS);
+        spentNanos = Math.min(System.nanoTime() - start, LOOK_NANOS);
         if (reply.get() != number) {
-            new Wait(number, limitNanos).untilAnswered(log);
+            spentNanos += new Wait(number, limitNanos).untilAnswered(log);
         }
         if (control.segment().get(JAVA_INT, LOG_USED) != 0) {
             passLog(log);
         }
         return mailbox.reply();
+    }
+
+    /** Returns the time of the last call, counted as for the limit of {@link #call} [ns]. */
+    long spentNanos() {
+        return spentNanos;
     }
 
     /** The wait for an answer that takes longer than one look. */
@@ -160,40 +180,63 @@ final class HostProcess implements AutoCloseable {
         private final long startCpu = group.cpuNanos();
         private long cpu = startCpu;
         private long idle;
+        private long wall;
+        private boolean continued;
 
         Wait(int number, long limitNanos) {
             this.number = number;
             this.limitNanos = limitNanos;
         }
 
-        void untilAnswered(VesperLog log) throws HostLost {
+        /** Returns the time that counts for the limit [ns]. */
+        long untilAnswered(VesperLog log) throws HostLost {
             for (long last = start; reply.get() != number; ) {
                 if (!process.isAlive()) {
-                    throw lost(ending(), false, log);
+                    throw lost(ending(), 0, log);
                 }
                 long now = System.nanoTime();
-                countIdle(now - last);
+                count(Math.min(now - last, MOST_LOOK_NANOS));
                 last = now;
-                if (cpu - startCpu + idle >= limitNanos || now - start >= MOST_WALL * limitNanos) {
+                if (spent() >= limitNanos || wall >= MOST_WALL * limitNanos) {
                     kill();
-                    throw lost("no answer within " + limitNanos / 1_000_000 + " ms", true, log);
+                    throw lost(
+                            "no answer within " + limitNanos / 1_000_000 + " ms", limitNanos, log);
                 }
                 reply.await(number - 1, LOOK_NANOS);
             }
+            cpu = Math.max(cpu, group.cpuNanos());
+            return spent();
         }
 
-        /** A host that waits for a processor is not idle: other processes keep it from working. */
-        private void countIdle(long elapsed) {
+        /** Several threads use more processor time than passes. */
+        private long spent() {
+            return Math.min(cpu - startCpu + idle, System.nanoTime() - start);
+        }
+
+        /**
+         * A host that waits for a processor or a disk is not idle: others keep it from working. One
+         * that was stopped continues, once in a call, because other programs can stop it, too.
+         */
+        private void count(long elapsed) {
             long before = cpu;
             cpu = Math.max(before, group.cpuNanos());
-            if (cpu - before < IDLE_NANOS && !group.isRunnable()) {
+            wall += elapsed;
+            if (cpu - before >= IDLE_NANOS) {
+                return;
+            }
+            ProcessGroup.State state = group.state();
+            if (state == ProcessGroup.State.STOPPED && !continued) {
+                continued = true;
+                group.proceed();
+            } else if (state != ProcessGroup.State.OTHER) {
                 idle += elapsed;
             }
         }
     }
 
-    private HostLost lost(String how, boolean late, VesperLog log) {
+    private HostLost lost(String how, long lateNanos, VesperLog log) {
         passLog(log);
+        boolean killed = lateNanos == 0 && process.exitValue() == FIRST_SIGNAL + SIGKILL;
         List<Long> running = new ArrayList<>();
         for (int thread = 0; thread < MAX_THREADS; thread++) {
             long law = control.segment().get(JAVA_LONG, RUNNING + (long) thread * Long.BYTES);
@@ -205,7 +248,7 @@ final class HostProcess implements AutoCloseable {
                 new Mailbox(control.segment().asSlice(WROTE, WROTE_BYTES)).getField(WROTE_BYTES);
         long offset = control.segment().get(JAVA_LONG, WROTE_OFFSET);
         close();
-        return new HostLost(how, late, running, wrote, offset);
+        return new HostLost(how, lateNanos, killed, running, wrote, offset);
     }
 
     private String ending() {

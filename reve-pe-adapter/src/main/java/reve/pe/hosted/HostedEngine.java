@@ -16,7 +16,6 @@ import reve.pe.posix.SharedPart;
 import reve.pe.vesper.LawText;
 import reve.pe.vesper.LibraryFile;
 import reve.pe.vesper.VesperConfig;
-import reve.pe.vesper.VesperLog;
 
 import java.io.IOException;
 import java.lang.foreign.MemorySegment;
@@ -25,7 +24,6 @@ import java.time.Duration;
 import java.util.ArrayList;
 import java.util.List;
 import java.util.Map;
-import java.util.Optional;
 import java.util.function.Consumer;
 import java.util.function.Function;
 
@@ -41,20 +39,29 @@ import java.util.function.Function;
  * cause; the call can be repeated.
  */
 public final class HostedEngine implements PhysicsEngine {
-    /** Time for a request that is not an advance, such as the creation of a law. */
-    private static final Duration REQUEST = Duration.ofSeconds(10);
+    /**
+     * Time for a request that is not an advance, such as the creation of a law. Like all times
+     * here, it is less than the 5 s after which a watchdog reports the world.
+     */
+    private static final long REQUEST_NANOS = Duration.ofSeconds(3).toNanos();
 
-    /** Time for the first advance; laws may have much to build. */
-    private static final Duration FIRST_ADVANCE = Duration.ofSeconds(10);
+    /** Time for a new host to create its engine. */
+    private static final long CREATE_NANOS = Duration.ofSeconds(1).toNanos();
+
+    /** Time for advances in which laws may have much to build. */
+    private static final long BUILD_NANOS = Duration.ofSeconds(3).toNanos();
+
+    /** Advances with that time: in the first one laws build, the second one is measured. */
+    private static final int BUILD_ADVANCES = 2;
+
+    /** Maximum number of hosts that are started for one call. */
+    private static final int STARTS = 3;
 
     /** A frame may take this many times the longest one of the last frames. */
     private static final int GROWTH = 8;
 
     /** Number of frames after which a long one counts about a third. */
     private static final int MEMORY = 256;
-
-    private static final List<String> OTHER_LINES =
-            List.of("client", "ground", "unloaded", "total");
 
     private final Hosts hosts;
     private final Duration frameLimit;
@@ -71,11 +78,12 @@ public final class HostedEngine implements PhysicsEngine {
     private int nextId = 1;
     private boolean ledger;
 
-    /** Whether laws run one after the other, to find out which of several ended the last host. */
-    private boolean alone;
-
+    private final Losses losses;
     private long longestNanos;
-    private boolean advancedBefore;
+
+    /** Advances left in which laws may build. */
+    private int building = BUILD_ADVANCES;
+
     private volatile boolean closed;
 
     private record Move(String kind, long from, long to) {}
@@ -85,8 +93,8 @@ public final class HostedEngine implements PhysicsEngine {
      *
      * @param hosts starts its processes; closed after this object
      * @param frameLimit time that all laws together may take for an advance: processor time, and
-     *     time in which they only wait. The first advance may take at least ten seconds, and others
-     *     eight times the longest of the last frames
+     *     time in which they only wait. An advance in which laws may build may take at least three
+     *     seconds, and others eight times the longest of the last frames, up to three seconds
      * @param parts returns where hosts find memory that is lent to the engine, and throws
      *     IllegalArgumentException for other memory
      * @throws PhysicsException if the engine refuses the prototype
@@ -103,12 +111,9 @@ public final class HostedEngine implements PhysicsEngine {
         this.config = config;
         this.prototype = prototype;
         this.provider = new HostedProvider(this, prototype, parts);
+        this.losses = new Losses(provider, libraries);
         try {
             host();
-        } catch (HostLost lost) {
-            close();
-            throw new IllegalStateException(
-                    "the engine's process ended as soon as it was started: " + lost.getMessage());
         } catch (RuntimeException refused) {
             close();
             throw refused;
@@ -197,47 +202,32 @@ public final class HostedEngine implements PhysicsEngine {
             library.taken();
             libraries.add(added);
             nextId++;
-            state.keep(calls);
+            keep(calls);
+            expectBuilding();
             return added.id;
         } catch (HostLost lost) {
             lose();
             throw new PhysicsException(
-                    statusOf(lost),
+                    Losses.statusOf(lost),
                     "library "
                             + library.name()
                             + ": "
                             + lost.getMessage()
                             + " while it was loaded"
-                            + (lost.late ? "" : "; the engine goes on in a new process"));
+                            + (lost.isLate() ? "" : "; the engine goes on in a new process"));
         }
     }
 
     /** Loads a library; the refusal of a text has all its problems. */
     private void loadWithReport(Calls calls, Loaded added) throws HostLost {
         try {
-            load(calls, added);
+            added.load(calls);
         } catch (PhysicsException refused) {
             throw PreparedLibrary.isText(added.library.bytes())
                     ? LawText.withReport(
                             prototype, added.library.source(), added.library.bytes(), refused)
                     : refused;
         }
-    }
-
-    private static void load(Calls calls, Loaded library) throws HostLost {
-        Mailbox reply =
-                calls.call(
-                        to -> {
-                            Mailbox request =
-                                    library.library
-                                            .put(to.begin(Request.LOAD))
-                                            .putInt(library.parameters.size());
-                            library.parameters.forEach(
-                                    (name, value) -> request.putText(name).putDouble(value));
-                        });
-        library.threads = reply.getInt();
-        library.hostId = reply.getInt();
-        library.read(reply);
     }
 
     @Override
@@ -255,10 +245,10 @@ public final class HostedEngine implements PhysicsEngine {
         HostProcess current = host;
         if (current != null) {
             try {
-                Calls calls = calls(current, REQUEST.toNanos(), config.log());
+                Calls calls = calls(current);
                 int threads =
                         calls.call(to -> to.begin(Request.UNLOAD).putInt(old.hostId)).getInt();
-                state.keep(calls);
+                keep(calls);
                 if (threads > old.threads) {
                     lose(); // a thread that the library left might still write
                 }
@@ -289,8 +279,7 @@ public final class HostedEngine implements PhysicsEngine {
             if (host != null) {
                 try {
                     library.read(
-                            calls(host, REQUEST.toNanos(), config.log())
-                                    .call(to -> to.begin(Request.LAWS).putInt(library.hostId)));
+                            calls(host).call(to -> to.begin(Request.LAWS).putInt(library.hostId)));
                 } catch (HostLost lost) {
                     lose();
                 }
@@ -307,35 +296,60 @@ public final class HostedEngine implements PhysicsEngine {
         try {
             HostProcess current = host();
             if (provider.hasPending()) {
-                provider.flush(calls(current, REQUEST.toNanos(), config.log()));
+                provider.flush(calls(current));
             }
             provider.flushTouches();
+            advance(current, dt, steps);
+            if (building < BUILD_ADVANCES) {
+                longestNanos = Math.max(current.spentNanos(), longestNanos - longestNanos / MEMORY);
+            }
+            building = Math.max(0, building - 1);
+            losses.forget();
+        } catch (HostLost lost) {
+            throw lost(lost);
+        }
+    }
+
+    private void advance(HostProcess current, double dt, int steps) throws HostLost {
+        try {
             current.begin(Request.ADVANCE).putDouble(dt).putInt(steps);
-            long start = System.nanoTime();
             Mailbox reply = current.call(frameLimit(), config.log());
             requireOk(reply);
             boolean kept = state.keep(reply);
             for (int i = 0; i < libraries.size(); i++) { // an iterator would be allocated
                 libraries.get(i).count(reply);
             }
+            moves.clear();
             if (!kept) {
-                Calls calls = calls(current, REQUEST.toNanos(), config.log());
+                Calls calls = calls(current);
                 state.lend(calls);
                 state.keep(calls);
             }
-            longestNanos =
-                    Math.max(System.nanoTime() - start, longestNanos - longestNanos / MEMORY);
-            moves.clear();
-            advancedBefore = true;
-        } catch (HostLost lost) {
-            throw lost(lost);
+        } catch (RuntimeException failed) {
+            if (failed instanceof PhysicsException refused
+                    && (refused.libraryId() != 0 || refused.status() != Status.INTERNAL)) {
+                throw refused;
+            }
+            // The host may have made the steps, whose state is not kept.
+            lose();
+            throw new PhysicsException(
+                    Status.ENGINE_LOST,
+                    "the engine's process could not end the frame, and was replaced: "
+                            + failed.getMessage());
         }
     }
 
     private long frameLimit() {
-        return Math.max(
-                advancedBefore ? GROWTH * longestNanos : FIRST_ADVANCE.toNanos(),
-                frameLimit.toNanos());
+        long usual =
+                building > 0
+                        ? losses.left(BUILD_NANOS)
+                        : Math.min(GROWTH * longestNanos, BUILD_NANOS);
+        return Math.max(usual, frameLimit.toNanos());
+    }
+
+    /** Gives the next advance the time in which laws may build. */
+    void expectBuilding() {
+        building = BUILD_ADVANCES;
     }
 
     @Override
@@ -348,8 +362,21 @@ public final class HostedEngine implements PhysicsEngine {
 
     @Override
     public void moveRow(String kind, long from, long to) {
-        ask(host -> put(host, new Move(kind, from, to)));
-        moves.add(new Move(kind, from, to));
+        checkOpen();
+        Move move = new Move(kind, from, to);
+        HostProcess current = host;
+        if (current != null) {
+            try {
+                Calls calls = calls(current);
+                if (provider.hasPending()) {
+                    provider.flush(calls);
+                }
+                calls.call(request -> put(request, move));
+            } catch (HostLost lost) {
+                lose();
+            }
+        }
+        moves.add(move); // a new host makes it, too
     }
 
     private static void put(HostProcess host, Move move) {
@@ -387,23 +414,27 @@ public final class HostedEngine implements PhysicsEngine {
     @Override
     public void loadState(byte[] saved) {
         checkOpen();
-        try {
-            Calls calls = connected();
-            state.load(saved, List.of(), calls);
-            state.keep(calls);
-            moves.clear();
-        } catch (HostLost lost) {
-            throw lost(lost);
-        }
+        withRetry(
+                calls -> {
+                    state.load(saved, List.of(), calls);
+                    keep(calls);
+                    return calls;
+                });
+        expectBuilding();
     }
 
     private void keepState() {
-        try {
-            state.keep(connected());
-            moves.clear();
-        } catch (HostLost lost) {
-            throw lost(lost);
-        }
+        withRetry(
+                calls -> {
+                    keep(calls);
+                    return calls;
+                });
+    }
+
+    /** Keeps the state of the host, to which the moves of rows so far belong. */
+    private void keep(Calls calls) throws HostLost {
+        state.keep(calls);
+        moves.clear();
     }
 
     @Override
@@ -417,27 +448,8 @@ public final class HostedEngine implements PhysicsEngine {
         checkOpen();
         provider.checkArraysAlive();
         provider.flushTouches();
-        int laws = libraries.stream().mapToInt(library -> library.laws().size()).sum();
-        Mailbox reply =
-                ask(
-                        to -> {
-                            Mailbox request =
-                                    to.begin(Request.LEDGER).putInt(laws + OTHER_LINES.size());
-                            for (Loaded library : libraries) {
-                                for (int law = 0; law < library.laws().size(); law++) {
-                                    request.putInt(library.hostId).putInt(law);
-                                }
-                            }
-                            for (int line = 0; line < OTHER_LINES.size(); line++) {
-                                request.putInt(0).putInt(line);
-                            }
-                        });
-        List<LedgerLine> lines = new ArrayList<>();
-        for (Loaded library : libraries) {
-            library.laws().forEach(law -> lines.add(Wire.line(reply, law.name(), true)));
-        }
-        OTHER_LINES.forEach(name -> lines.add(Wire.line(reply, name, false)));
-        return lines;
+        return Wire.ledger(
+                ask(to -> Wire.putLedger(to.begin(Request.LEDGER), libraries)), libraries);
     }
 
     @Override
@@ -460,15 +472,25 @@ public final class HostedEngine implements PhysicsEngine {
     /** Sends a request that does not depend on the arrays; once more if the host was lost. */
     Mailbox ask(Consumer<HostProcess> request) {
         checkOpen();
+        return withRetry(calls -> calls.call(request));
+    }
+
+    /** Requests to a host, which can be repeated. */
+    private interface Exchange<T> {
+        T with(Calls calls) throws HostLost;
+    }
+
+    /** Makes an exchange with the host; once more if the host was lost while no law ran. */
+    private <T> T withRetry(Exchange<T> exchange) {
         try {
             try {
-                return connected().call(request);
+                return exchange.with(connected());
             } catch (HostLost lost) {
                 if (!lost.running.isEmpty()) {
                     throw lost;
                 }
                 lose();
-                return connected().call(request);
+                return exchange.with(connected());
             }
         } catch (HostLost lost) {
             throw lost(lost);
@@ -477,17 +499,21 @@ public final class HostedEngine implements PhysicsEngine {
 
     /** Returns a connection to the host, which has the present arrays. */
     private Calls connected() throws HostLost {
-        Calls calls = calls(host(), REQUEST.toNanos(), config.log());
+        Calls calls = calls(host());
         if (provider.hasPending()) {
             provider.flush(calls);
         }
         return calls;
     }
 
-    private Calls calls(HostProcess to, long limitNanos, VesperLog log) {
+    private Calls calls(HostProcess to) {
+        return calls(to, REQUEST_NANOS);
+    }
+
+    private Calls calls(HostProcess to, long limitNanos) {
         return request -> {
             request.accept(to);
-            Mailbox reply = to.call(limitNanos, log);
+            Mailbox reply = to.call(Math.max(limitNanos, frameLimit.toNanos()), config.log());
             requireOk(reply);
             return reply;
         };
@@ -495,53 +521,68 @@ public final class HostedEngine implements PhysicsEngine {
 
     private void requireOk(Mailbox reply) {
         if (reply.getInt() != 0) {
-            throw failure(Wire.Failure.read(reply));
+            throw losses.of(Wire.Failure.read(reply));
         }
     }
 
-    /** Returns the host; if it was lost, a new one in the state that was kept. */
-    private HostProcess host() throws HostLost {
+    /**
+     * Returns the host; if it was lost, a new one in the state that was kept.
+     *
+     * @throws IllegalStateException if no process can be started, or each ends at once; no law is
+     *     the cause
+     */
+    private HostProcess host() {
         if (host != null && host.isAlive()) {
             return host;
         }
         lose();
-        HostProcess fresh = hosts.take();
-        try {
-            Calls calls = calls(fresh, REQUEST.toNanos(), config.log());
-            calls.create(config, alone ? 1 : config.threads(), prototype);
-            provider.bindAll(calls);
-            for (Loaded library : libraries) {
-                reload(calls, library);
-            }
-            state.lend(calls);
-            state.restore(calls);
-            for (Move move : moves) {
-                calls.call(to -> put(to, move));
-            }
-            if (ledger) {
-                calls.call(to -> to.begin(Request.SET_LEDGER).putInt(1));
-                if (state.steps() > 0) {
-                    config.log().log(
-                            System.Logger.Level.WARNING,
-                            "the ledger begins again, with the engine's new process");
+        for (int starts = 1; ; starts++) {
+            HostProcess fresh = hosts.take();
+            try {
+                setUp(fresh);
+                host = fresh;
+                expectBuilding();
+                hosts.refill(); // now, because the start would have delayed this host
+                return fresh;
+            } catch (HostLost lost) {
+                fresh.close();
+                if (lost.isLate() || starts == STARTS) {
+                    throw new IllegalStateException(
+                            "the engine's process ended before it had the world ("
+                                    + lost.getMessage()
+                                    + "); the next frame starts another one");
                 }
+            } catch (RuntimeException failed) {
+                fresh.close();
+                throw failed;
             }
-        } catch (HostLost | RuntimeException failed) {
-            fresh.close();
-            throw failed;
         }
-        host = fresh;
-        hosts.refill(); // now, because the start would have delayed this host
-        return fresh;
     }
 
-    /** Loads a library into a new host; what goes wrong here is the library's fault. */
-    private static void reload(Calls calls, Loaded library) throws HostLost {
-        try {
-            load(calls, library);
-        } catch (HostLost lost) {
-            throw exception(
-                    statusOf(lost), library, 0, "", -1, lost.getMessage() + " while it was loaded");
+    private void setUp(HostProcess fresh) throws HostLost {
+        calls(fresh, CREATE_NANOS)
+                .create(config, losses.isAlone() ? 1 : config.threads(), prototype);
+        Calls calls = calls(fresh);
+        provider.bindAll(calls);
+        for (Loaded library : libraries) {
+            try {
+                library.load(calls);
+            } catch (HostLost lost) {
+                throw losses.blameForLoad(lost, library);
+            }
+        }
+        state.lend(calls);
+        state.restore(calls);
+        for (Move move : moves) {
+            calls.call(to -> put(to, move));
+        }
+        if (ledger) {
+            calls.call(to -> to.begin(Request.SET_LEDGER).putInt(1));
+            if (state.steps() > 0) {
+                config.log().log(
+                        System.Logger.Level.WARNING,
+                        "the ledger begins again, with the engine's new process");
+            }
         }
     }
 
@@ -554,74 +595,8 @@ public final class HostedEngine implements PhysicsEngine {
         }
     }
 
-    /** Returns the failure of the law that ended the host, or did not return. */
     private PhysicsException lost(HostLost lost) {
         lose();
-        List<Loaded> running =
-                lost.running.stream()
-                        .map(word -> (int) (word >>> Integer.SIZE))
-                        .distinct()
-                        .flatMap(id -> byHostId(id).stream())
-                        .toList();
-        alone = running.size() > 1;
-        if (running.size() != 1) {
-            return new PhysicsException(
-                    Status.ENGINE_LOST,
-                    "the engine's process was lost ("
-                            + lost.getMessage()
-                            + ") while "
-                            + (running.isEmpty() ? "no law" : running.size() + " libraries")
-                            + " ran");
-        }
-        int law = (int) (lost.running.getFirst() & 0xFFFFFFFFL) - 1;
-        long row = provider.row(lost.property, lost.offset);
-        return exception(
-                statusOf(lost),
-                running.getFirst(),
-                law,
-                row < 0 ? "" : lost.property,
-                row,
-                lost.late
-                        ? lost.getMessage() + " of its frame"
-                        : "ended the engine's process: "
-                                + lost.getMessage()
-                                + (row < 0
-                                        ? ""
-                                        : "; it wrote property "
-                                                + lost.property
-                                                + ", row "
-                                                + row
-                                                + ", which no loaded law declares to write"));
-    }
-
-    private Optional<Loaded> byHostId(int id) {
-        return libraries.stream().filter(library -> library.hostId == id).findFirst();
-    }
-
-    private static Status statusOf(HostLost lost) {
-        return lost.late ? Status.LAW_TIMED_OUT : Status.LAW_CRASHED;
-    }
-
-    private static PhysicsException exception(
-            Status status, Loaded library, int law, String property, long row, String message) {
-        String name = library.lawName(law);
-        return new PhysicsException(
-                status,
-                library.id,
-                library.library.name(),
-                name,
-                property,
-                row,
-                (name.isEmpty() ? "library " + library.library.name() : "law " + name)
-                        + ": "
-                        + message);
-    }
-
-    private PhysicsException failure(Wire.Failure failure) {
-        Optional<Loaded> library = byHostId(failure.library());
-        return failure.exception(
-                library.map(found -> found.id).orElse(0),
-                library.map(found -> found.library.name()).orElse(""),
-                library.map(found -> found.lawName(failure.law())).orElse(""));
+        return losses.blame(lost);
     }
 }

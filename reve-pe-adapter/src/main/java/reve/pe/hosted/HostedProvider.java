@@ -13,6 +13,7 @@ import reve.pe.Status;
 import reve.pe.posix.SharedPart;
 
 import java.lang.foreign.MemorySegment;
+import java.util.HashMap;
 import java.util.HashSet;
 import java.util.LinkedHashMap;
 import java.util.LinkedHashSet;
@@ -43,6 +44,9 @@ final class HostedProvider implements PhysicalPropertyProvider {
 
     /** The properties that were rebound since, of which the host is told with the next call. */
     private final Set<String> pending = new LinkedHashSet<>();
+
+    /** The most rows so far, by kind: laws may build more for more rows. */
+    private final Map<String, Long> mostRows = new HashMap<>();
 
     private MemorySegment.Scope[] lifetimes = {};
     private boolean lifetimesKnown = true;
@@ -104,6 +108,10 @@ final class HostedProvider implements PhysicalPropertyProvider {
         touched.remove(name);
         bound.put(name, arrays);
         lifetimesKnown = false;
+        if (arrays.objectCount > mostRows.getOrDefault(property.kind(), 0L)) {
+            mostRows.put(property.kind(), arrays.objectCount);
+            engine.expectBuilding();
+        }
     }
 
     /** Returns whether arrays were lent that the host does not have yet. */

@@ -2,17 +2,29 @@
 package reve.pe.hosted;
 
 import org.jspecify.annotations.Nullable;
+import org.slf4j.Logger;
+import org.slf4j.LoggerFactory;
 
 import java.nio.file.Path;
 import java.util.concurrent.CompletableFuture;
+import java.util.concurrent.ExecutionException;
+import java.util.concurrent.Executor;
+import java.util.concurrent.TimeUnit;
+import java.util.concurrent.TimeoutException;
+import java.util.function.Supplier;
 
 /**
  * Starts the processes of engines. One of them waits warm, so that the successor of a lost process
  * is there at once. Any thread; engines that share one of these also share the warm process.
  */
 public final class Hosts implements AutoCloseable {
-    private final Path program;
-    private final long memoryBytes;
+    private static final Logger LOG = LoggerFactory.getLogger("laws");
+
+    /** Maximum wait for the warm process, if its start is not finished [s]. */
+    private static final long PATIENCE_SECONDS = 1;
+
+    private final Supplier<HostProcess> starter;
+    private final Executor later;
     private @Nullable CompletableFuture<HostProcess> warm;
     private boolean closed;
 
@@ -21,8 +33,18 @@ public final class Hosts implements AutoCloseable {
      * @param memoryBytes maximum private memory of each process; 0: no limit
      */
     public Hosts(Path program, long memoryBytes) {
-        this.program = program;
-        this.memoryBytes = memoryBytes;
+        this(
+                () -> new HostProcess(program, memoryBytes),
+                start -> Thread.ofPlatform().daemon().name("starts a host").start(start));
+    }
+
+    /**
+     * @param starter starts a process
+     * @param later runs the start of the warm process
+     */
+    Hosts(Supplier<HostProcess> starter, Executor later) {
+        this.starter = starter;
+        this.later = later;
     }
 
     /** Returns the warm process, or a new one. */
@@ -34,43 +56,50 @@ public final class Hosts implements AutoCloseable {
         }
         if (ready != null) {
             try {
-                HostProcess host = ready.join();
+                HostProcess host = ready.get(PATIENCE_SECONDS, TimeUnit.SECONDS);
                 if (host.isAlive()) {
                     return host;
                 }
                 host.close();
-            } catch (RuntimeException notStarted) {
-                // the caller's own attempt gives the reason
+            } catch (ExecutionException | TimeoutException notStarted) {
+                ready.thenAccept(HostProcess::close); // the caller's own attempt gives the reason
+            } catch (InterruptedException e) {
+                ready.thenAccept(HostProcess::close);
+                Thread.currentThread().interrupt();
             }
         }
         return start();
     }
 
-    /** Starts the next warm process on another thread, unless there is one. */
+    /**
+     * Starts the next warm process on another thread, unless there is one. Without a warm process a
+     * lost one is replaced later, so a failure is only logged.
+     */
     synchronized void refill() {
         if (warm == null && !closed) {
-            warm = startLater();
+            try {
+                warm = startLater();
+            } catch (OutOfMemoryError noThread) {
+                LOG.warn("no process waits for the next fault of a law: {}", noThread.getMessage());
+            }
         }
     }
 
     /** Starts a process for one use. */
     HostProcess start() {
-        return new HostProcess(program, memoryBytes);
+        return starter.get();
     }
 
     private CompletableFuture<HostProcess> startLater() {
         CompletableFuture<HostProcess> next = new CompletableFuture<>();
-        Thread.ofPlatform()
-                .daemon()
-                .name("starts a host")
-                .start(
-                        () -> {
-                            try {
-                                next.complete(start());
-                            } catch (RuntimeException refused) {
-                                next.completeExceptionally(refused);
-                            }
-                        });
+        later.execute(
+                () -> {
+                    try {
+                        next.complete(start());
+                    } catch (Throwable refused) { // otherwise the world would wait for the result
+                        next.completeExceptionally(refused);
+                    }
+                });
         return next;
     }
 

@@ -8,6 +8,7 @@ import java.lang.foreign.ValueLayout;
 import java.util.ArrayList;
 import java.util.Arrays;
 import java.util.List;
+import java.util.Objects;
 
 /**
  * The state of the engine that is in no column, as of the last successful call that changed it. A
@@ -46,7 +47,7 @@ final class KeptState {
      * @return false if it did not fit into the shared memory, which is larger now
      */
     boolean keep(Mailbox reply) {
-        steps = reply.getLong();
+        long counted = reply.getLong();
         long bytes = reply.getLong();
         if (reply.getInt() == 0) {
             SharedMemory larger =
@@ -56,7 +57,9 @@ final class KeptState {
             shared = larger;
             return false;
         }
-        size = Math.toIntExact(bytes);
+        Objects.checkIndex(bytes, Math.min(shared.segment().byteSize(), Integer.MAX_VALUE) + 1);
+        steps = counted;
+        size = (int) bytes;
         if (copy.length < size) {
             copy = new byte[Math.max(size, 2 * copy.length)];
         }

@@ -34,6 +34,21 @@ final class Loaded {
         this.parameters = new TreeMap<>(parameters);
     }
 
+    /** Loads the library into a host. */
+    void load(Calls host) throws HostLost {
+        Mailbox reply =
+                host.call(
+                        to -> {
+                            Mailbox request =
+                                    library.put(to.begin(Request.LOAD)).putInt(parameters.size());
+                            parameters.forEach(
+                                    (name, value) -> request.putText(name).putDouble(value));
+                        });
+        threads = reply.getInt();
+        hostId = reply.getInt();
+        read(reply);
+    }
+
     /** Reads the laws as the current host describes them. */
     void read(Mailbox from) {
         laws = Wire.laws(from, id);

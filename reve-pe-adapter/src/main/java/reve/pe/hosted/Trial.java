@@ -41,7 +41,7 @@ record Trial(Hosts hosts, VesperConfig config, Prototype prototype) {
             throw new PhysicsException(
                     Status.LIBRARY_LOAD_FAILED,
                     source
-                            + (lost.late
+                            + (lost.isLate()
                                     ? ": the library gave "
                                     : ": the library ended a trial process, ")
                             + lost.getMessage()

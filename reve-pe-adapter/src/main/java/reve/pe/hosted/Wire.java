@@ -22,6 +22,8 @@ import java.util.Set;
 
 /** The form of prototypes, laws, failures and ledger lines in messages. */
 final class Wire {
+    private static final List<String> OTHER_LINES =
+            List.of("client", "ground", "unloaded", "total");
     private static final int USE_OPTIONAL = 1;
     private static final int PROPERTY_BYTES = 48;
     private static final int MESSAGE_BYTES = 184;
@@ -137,7 +139,31 @@ final class Wire {
         }
     }
 
-    static LedgerLine line(Mailbox from, String name, boolean law) {
+    /** Requests the lines of a ledger: of all laws, and the others. */
+    static void putLedger(Mailbox to, List<Loaded> libraries) {
+        int laws = libraries.stream().mapToInt(library -> library.laws().size()).sum();
+        to.putInt(laws + OTHER_LINES.size());
+        for (Loaded library : libraries) {
+            for (int law = 0; law < library.laws().size(); law++) {
+                to.putInt(library.hostId).putInt(law);
+            }
+        }
+        for (int line = 0; line < OTHER_LINES.size(); line++) {
+            to.putInt(0).putInt(line);
+        }
+    }
+
+    /** Reads the lines that {@link #putLedger} requests. */
+    static List<LedgerLine> ledger(Mailbox from, List<Loaded> libraries) {
+        List<LedgerLine> lines = new ArrayList<>();
+        for (Loaded library : libraries) {
+            library.laws().forEach(law -> lines.add(line(from, law.name(), true)));
+        }
+        OTHER_LINES.forEach(name -> lines.add(line(from, name, false)));
+        return lines;
+    }
+
+    private static LedgerLine line(Mailbox from, String name, boolean law) {
         from.getInt(); // the size of the struct
         boolean hasPotential = from.getInt() != 0;
         return new LedgerLine(

@@ -8,6 +8,7 @@ import java.nio.file.Path;
 /** A child process that leads a process group of its own. Linux only; any thread. */
 public final class ProcessGroup {
     private static final int SIGKILL = 9;
+    private static final int SIGCONT = 18;
     private static final int CPUCLOCK_SCHED = 2;
 
     private final int leader;
@@ -36,14 +37,33 @@ public final class ProcessGroup {
         return Posix.clockNanos((~leader << 3) | CPUCLOCK_SCHED);
     }
 
-    /** Returns whether the main thread runs, or could run if it had a processor. */
-    public boolean isRunnable() {
+    /** The state of the main thread of a process. */
+    public enum State {
+        /** Waits for an event, by its own will. */
+        SLEEPS,
+        /** Was stopped by a signal. */
+        STOPPED,
+        /** Runs, waits for a processor, a disk or memory, or has ended. */
+        OTHER
+    }
+
+    /** Returns the state of the leader's main thread. */
+    public State state() {
         try {
             String text = Files.readString(status);
             int state = text.lastIndexOf(')') + 2;
-            return state < text.length() && text.charAt(state) == 'R';
+            return switch (state < text.length() ? text.charAt(state) : ' ') {
+                case 'S' -> State.SLEEPS;
+                case 'T', 't' -> State.STOPPED;
+                default -> State.OTHER;
+            };
         } catch (IOException ended) {
-            return false;
+            return State.OTHER;
         }
+    }
+
+    /** Lets stopped processes of the group continue. */
+    public void proceed() {
+        Posix.kill(-leader, SIGCONT);
     }
 }

@@ -9,6 +9,7 @@ import reve.pe.hosted.Hosts;
 import reve.pe.vesper.VesperConfig;
 import reve.pe.vesper.VesperEngine;
 
+import java.nio.file.Path;
 import java.time.Duration;
 import java.util.ArrayList;
 import java.util.List;
@@ -22,7 +23,7 @@ final class HostedFixture implements AutoCloseable {
     private static final long MEMORY_BYTES = 1L << 28;
     private static final int BODIES = 20;
 
-    final Hosts hosts = new Hosts(NativeFiles.program("vesper-host"), MEMORY_BYTES);
+    final Hosts hosts;
     final List<String> log = new CopyOnWriteArrayList<>();
     final AdapterFixture world;
 
@@ -31,6 +32,11 @@ final class HostedFixture implements AutoCloseable {
     }
 
     HostedFixture(int threads) {
+        this(threads, NativeFiles.program("vesper-host"));
+    }
+
+    HostedFixture(int threads, Path program) {
+        hosts = new Hosts(program, MEMORY_BYTES);
         SharedArena arena = new SharedArena();
         world =
                 new AdapterFixture(

@@ -73,7 +73,9 @@ class HostileLawsNativeTest {
                 assertThat(hosted.world.adapter.stateHash())
                         .isEqualTo(expected.adapter.stateHash());
             }
-            assertThat(hosted.world.adapter.profile().redoneFrames()).isOne();
+            // SIGKILL may come from outside, so only the second one in a frame is the law's fault.
+            assertThat(hosted.world.adapter.profile().redoneFrames())
+                    .isEqualTo(kind.equals("kill") ? 2 : 1);
             WorldEvent fault = hosted.world.events("fault").getFirst();
             assertThat(hosted.world.events("fault")).hasSize(1);
             assertThat(fault.frame()).isEqualTo(BAD_FRAME);
@@ -103,6 +105,7 @@ class HostileLawsNativeTest {
                 "terminate",
                 "fork",
                 "quiet_thread",
+                "stop_once",
                 "print"
             })
     void aLawThatHarmsNothingElseActsOn(String kind) {

@@ -121,6 +121,30 @@ class PhysicsImageNativeTest {
         }
     }
 
+    /** Also if the engine sees the world between a removal at the end and an addition. */
+    @Test
+    void aNewItemHasNoStateOfOneThatHadItsRow() {
+        try (AdapterFixture world = emptyHeap().load("counts_years");
+                AdapterFixture other = emptyHeap().load("counts_years")) {
+            for (AdapterFixture each : List.of(world, other)) {
+                each.world.add(ball("first", 0, 0, 0, 0));
+                each.world.add(ball("last", 5, 0, 0, 0));
+                each.run(3);
+                each.world.remove(each.world.find("last").orElseThrow().id());
+                if (each == world) {
+                    each.adapter.save();
+                    each.adapter.stateHash();
+                }
+                each.world.add(ball("new", 5, 0, 0, 0));
+                each.run(1);
+            }
+            assertThat(other.velocity("new")).startsWith(4);
+            assertThat(world.velocity("new")).startsWith(4);
+            assertThat(world.adapter.save().engineState())
+                    .isEqualTo(other.adapter.save().engineState());
+        }
+    }
+
     @Test
     void aDamagedStateIsRefused() {
         try (AdapterFixture world = heap()) {

@@ -110,6 +110,21 @@ class RollbackNativeTest {
         }
     }
 
+    @Test
+    void aRefusedParameterEndsNoQuarantine() {
+        try (AdapterFixture spoilt = AdapterFixture.springOrbit()) {
+            Laws laws = spoilt.adapter.laws();
+            laws.load(0, "returns_failure", badFrom(0));
+            laws.load(0, "wind", Map.of());
+            spoilt.run(1);
+            assertThatExceptionOfType(PhysicsException.class)
+                    .isThrownBy(() -> laws.setParameters(1, "wind", Map.of("nonsense", 1.0)));
+            assertThat(laws.quarantined())
+                    .extracting(Quarantined::library)
+                    .containsExactly("returns_failure");
+        }
+    }
+
     @ParameterizedTest
     @ValueSource(booleans = {false, true})
     void severalBadLawsOfOneFrameAllGo(boolean validate) {

@@ -131,6 +131,9 @@ public final class FrameCodec {
                                     case "arrested" ->
                                             new LawChange.Arrested(
                                                     new ItemId(Trees.integer(change, "item")));
+                                    case "released" ->
+                                            new LawChange.Released(Trees.text(change, "sha256"));
+                                    case "unmoved" -> new LawChange.Unmoved();
                                     default ->
                                             new LawChange.Failed(
                                                     (int) Trees.integer(change, "place"),
@@ -163,6 +166,11 @@ public final class FrameCodec {
                 tree.put("law", "arrested");
                 tree.put("item", arrested.item().value());
             }
+            case LawChange.Released released -> {
+                tree.put("law", "released");
+                tree.put("sha256", released.sha256());
+            }
+            case LawChange.Unmoved _ -> tree.put("law", "unmoved");
         }
         return tree;
     }

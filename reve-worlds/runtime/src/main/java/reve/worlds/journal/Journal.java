@@ -74,6 +74,9 @@ public final class Journal implements AutoCloseable {
     /** Whether the disk is too slow, so that frames no longer wait for it. */
     private boolean behind;
 
+    /** Whether the last attempt to copy an image failed, which was reported. */
+    private boolean imageFailed;
+
     private Optional<Shortfall> shortfall = Optional.empty();
 
     /**
@@ -280,18 +283,24 @@ public final class Journal implements AutoCloseable {
         lastFrame = frame.frame();
         published = true;
         followMembers();
-        if (entry == null) {
-            skip(frame.frame());
-        } else {
-            fill(entry, frame.frame());
-            if (entry.begins || !imageWanted) {
-                ring.commit();
-                writer.wake();
+        boolean handedOver = false;
+        try {
+            if (entry == null) {
+                skip(frame.frame());
+            } else {
+                fill(entry, frame.frame());
+                if (entry.begins || !imageWanted) {
+                    ring.commit();
+                    writer.wake();
+                }
             }
+            handedOver = true;
+        } finally {
+            imageWanted |= !handedOver; // otherwise the frame would be missing without notice
+            early.clear();
+            laws.clear();
+            earlyCount = 0;
         }
-        early.clear();
-        laws.clear();
-        earlyCount = 0;
     }
 
     /** Omits a frame from the journal; an image replaces the omitted frames. */
@@ -334,8 +343,12 @@ public final class Journal implements AutoCloseable {
         }
         if (entry.begins && entry.image == null) {
             requireWriter();
-            entry.begins = false; // no free slot: the next frame tries again
-            skip(frame);
+            entry.begins = false; // the next frame tries again
+            if (imageFailed) {
+                imageWanted = true;
+            } else {
+                skip(frame);
+            }
         } else if (entry.image != null) {
             imageWanted = false;
             lastImage = frame;
@@ -347,7 +360,7 @@ public final class Journal implements AutoCloseable {
      * Copies the world into an image as soon as a slot is free.
      *
      * @param patience maximum wait for a slot [ns]
-     * @return null if no slot is free by then, or the writer has ended
+     * @return null if no slot is free by then, the writer has ended, or the copy failed
      */
     private @Nullable SimulationImage copy(long frame, long patience) {
         long start = System.nanoTime();
@@ -356,10 +369,26 @@ public final class Journal implements AutoCloseable {
             LockSupport.parkNanos(PAUSE_NANOSECONDS);
             room = rooms.poll();
         }
-        if (room != null) {
-            room.copyFrom(world, physics, frame);
+        if (room == null) {
+            return null;
         }
-        return room;
+        try {
+            room.copyFrom(world, physics, frame);
+            imageFailed = false;
+            return room;
+        } catch (RuntimeException failure) { // of the engine, whose process may be replaced
+            rooms.add(room);
+            if (!imageFailed) {
+                imageFailed = true;
+                problems.accept(
+                        "the image of frame "
+                                + frame
+                                + " could not be copied: "
+                                + failure.getMessage()
+                                + "; the next frame tries again");
+            }
+            return null;
+        }
     }
 
     /** Waits for a free entry. Returns null if the writer has ended. */

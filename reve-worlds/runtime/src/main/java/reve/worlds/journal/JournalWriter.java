@@ -335,6 +335,7 @@ final class JournalWriter {
                 refused = isRecordingRefused();
             }
         }
+        lastImageKept &= !entry.last || entry.image != null;
         if (entry.image != null) {
             SimulationImage image = entry.image;
             if (!attempt(() -> keepImage(entry, image), NOTHING_KEPT)) {

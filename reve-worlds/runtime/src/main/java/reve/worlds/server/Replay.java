@@ -369,20 +369,21 @@ public final class Replay implements AutoCloseable {
      */
     private void compareLaws(JsonNode frame) {
         for (LawChange change : lawChanges) {
-            if (change instanceof LawChange.Failed failed) {
-                long number = Trees.integer(frame, "frame");
-                divergence =
-                        new Divergence(
-                                number,
-                                "law",
-                                Optional.empty(),
-                                "laws",
-                                "frame "
-                                        + number
-                                        + ": law library "
+            String what =
+                    switch (change) {
+                        case LawChange.Failed failed ->
+                                "law library "
                                         + failed.reason().library()
                                         + " failed, which it did not in the recording: "
-                                        + failed.reason().message());
+                                        + failed.reason().message();
+                        case LawChange.Unmoved _ ->
+                                "the physics engine failed, which it did not in the recording";
+                        default -> "";
+                    };
+            if (!what.isEmpty()) {
+                long number = Trees.integer(frame, "frame");
+                String message = "frame " + number + ": " + what;
+                divergence = new Divergence(number, "law", Optional.empty(), "laws", message);
             }
         }
     }

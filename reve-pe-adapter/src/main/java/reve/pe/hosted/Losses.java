@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.pe.hosted;
+
+import reve.pe.PhysicsException;
+import reve.pe.Status;
+
+import java.util.List;
+import java.util.Optional;
+
+/**
+ * The lost hosts of an engine since its last successful advance, and the libraries that are to
+ * blame for them.
+ */
+final class Losses {
+    /** Maximum time that late laws take from a frame in which they may build [ns]. */
+    private static final long MOST_LATE_NANOS = 4_000_000_000L;
+
+    private final HostedProvider provider;
+
+    /** The loaded libraries, as the engine changes them. */
+    private final List<Loaded> libraries;
+
+    private boolean alone;
+    private long lateNanos;
+
+    /** Id of the library that ran when a host was killed; 0 for none. */
+    private int suspected;
+
+    Losses(HostedProvider provider, List<Loaded> libraries) {
+        this.provider = provider;
+        this.libraries = libraries;
+    }
+
+    /** Whether laws run one after the other, to find out which of several ended the last host. */
+    boolean isAlone() {
+        return alone;
+    }
+
+    /** Returns the part of a time limit that late laws have left in this frame [ns]. */
+    long left(long limitNanos) {
+        return Math.clamp(MOST_LATE_NANOS - lateNanos, 0, limitNanos);
+    }
+
+    /** Forgets the losses, because the frame succeeded. */
+    void forget() {
+        suspected = 0;
+        lateNanos = 0;
+    }
+
+    /** Returns the failure of the law that ended the host, or did not return. */
+    PhysicsException blame(HostLost lost) {
+        lateNanos += lost.lateNanos;
+        List<Loaded> running =
+                lost.running.stream()
+                        .map(word -> (int) (word >>> Integer.SIZE))
+                        .distinct()
+                        .flatMap(id -> byHostId(id).stream())
+                        .toList();
+        alone = running.size() > 1;
+        if (running.size() != 1) {
+            return engineLost(
+                    lost, (running.isEmpty() ? "no law" : running.size() + " libraries") + " ran");
+        }
+        Loaded library = running.getFirst();
+        int law = (int) (lost.running.getFirst() & 0xFFFFFFFFL) - 1;
+        if (lost.killed && isFirst(library)) {
+            return engineLost(lost, "law " + library.lawName(law) + " ran");
+        }
+        long row = provider.row(lost.property, lost.offset);
+        return exception(
+                statusOf(lost),
+                library,
+                law,
+                row < 0 ? "" : lost.property,
+                row,
+                lost.isLate()
+                        ? lost.getMessage() + " of its frame"
+                        : "ended the engine's process: "
+                                + lost.getMessage()
+                                + (row < 0
+                                        ? ""
+                                        : "; it wrote property "
+                                                + lost.property
+                                                + ", row "
+                                                + row
+                                                + ", which no loaded law declares to write"));
+    }
+
+    /** Returns the failure of a library with which a new host did not load. */
+    PhysicsException blameForLoad(HostLost lost, Loaded library) {
+        lateNanos += lost.lateNanos;
+        if (!lost.isLate() && isFirst(library)) {
+            return engineLost(lost, "library " + library.library.name() + " was loaded");
+        }
+        String message = lost.getMessage() + " while it was loaded";
+        return exception(statusOf(lost), library, 0, "", -1, message);
+    }
+
+    /**
+     * Notes a loss that may have another cause, such as the system's lack of memory. The library
+     * that runs at two of them in one frame is the cause.
+     */
+    private boolean isFirst(Loaded library) {
+        boolean first = suspected != library.id;
+        suspected = library.id;
+        return first;
+    }
+
+    private static PhysicsException engineLost(HostLost lost, String meanwhile) {
+        return new PhysicsException(
+                Status.ENGINE_LOST,
+                "the engine's process was lost (" + lost.getMessage() + ") while " + meanwhile);
+    }
+
+    static Status statusOf(HostLost lost) {
+        return lost.isLate() ? Status.LAW_TIMED_OUT : Status.LAW_CRASHED;
+    }
+
+    /** Returns the failure that a host reported. */
+    PhysicsException of(Wire.Failure failure) {
+        Optional<Loaded> library = byHostId(failure.library());
+        return failure.exception(
+                library.map(found -> found.id).orElse(0),
+                library.map(found -> found.library.name()).orElse(""),
+                library.map(found -> found.lawName(failure.law())).orElse(""));
+    }
+
+    private Optional<Loaded> byHostId(int id) {
+        return libraries.stream().filter(library -> library.hostId == id).findFirst();
+    }
+
+    private static PhysicsException exception(
+            Status status, Loaded library, int law, String property, long row, String message) {
+        String name = library.lawName(law);
+        return new PhysicsException(
+                status,
+                library.id,
+                library.library.name(),
+                name,
+                property,
+                row,
+                (name.isEmpty() ? "library " + library.library.name() : "law " + name)
+                        + ": "
+                        + message);
+    }
+}

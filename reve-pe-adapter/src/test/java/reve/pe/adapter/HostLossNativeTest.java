@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.pe.adapter;
+
+import static org.assertj.core.api.Assertions.assertThat;
+
+import org.junit.jupiter.api.Tag;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.ValueSource;
+
+import reve.pe.NativeFiles;
+
+import java.io.IOException;
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.nio.file.attribute.PosixFilePermissions;
+import java.util.ArrayList;
+import java.util.List;
+import java.util.Map;
+
+/** Losses of the engine's process for which no law is the cause, or not the one that runs. */
+@Tag("slow")
+class HostLossNativeTest {
+    private static final int BAD_FRAME = 13; // whose steps are 48 to 51
+    private static final int FRAMES = 20;
+
+    /** Frames after which laws have built what they need. */
+    private static final int SETTLED = 3;
+
+    @TempDir private Path folder;
+
+    /** A program that is a host until a file says otherwise. */
+    private final class Program {
+        final Path file = folder.resolve("host");
+        private final Path broken = folder.resolve("broken");
+
+        Program() throws IOException {
+            Files.writeString(
+                    file,
+                    "#!/bin/sh\n[ -e "
+                            + broken
+                            + " ] && kill -9 $$\nexec "
+                            + NativeFiles.program("vesper-host")
+                            + " \"$@\"\n");
+            allow("rwx------");
+        }
+
+        void fail(String how) throws IOException {
+            if (how.equals("refused")) {
+                allow("rw-------");
+            } else {
+                Files.createFile(broken);
+            }
+        }
+
+        void recover() throws IOException {
+            allow("rwx------");
+            Files.deleteIfExists(broken);
+        }
+
+        private void allow(String permissions) throws IOException {
+            Files.setPosixFilePermissions(file, PosixFilePermissions.fromString(permissions));
+        }
+    }
+
+    /** The law stands for another program, such as the system when memory is short. */
+    @Test
+    void aProcessThatIsKilledFromOutsideTakesNoLaw() throws IOException {
+        Path mark = Path.of("/tmp/reve-kill-once-" + ProcessHandle.current().pid());
+        Files.deleteIfExists(mark);
+        try (HostedFixture hosted = new HostedFixture();
+                AdapterFixture expected = HostedFixture.inProcess()) {
+            hosted.world.load("newton_motion", "hostile_kill_once").run(FRAMES);
+            expected.load("newton_motion", "wind").run(FRAMES);
+            assertThat(hosted.world.events("fault")).isEmpty();
+            assertThat(hosted.world.adapter.profile().redoneFrames()).isOne();
+            assertThat(differing(hosted.world, expected)).isEmpty();
+        } finally {
+            Files.delete(mark);
+        }
+    }
+
+    /** The frames without a process have no physics, also in the world that repeats the changes. */
+    @ParameterizedTest
+    @ValueSource(strings = {"refused", "killed"})
+    void aSystemThatStartsNoProcessTakesNoLaw(String how) throws IOException {
+        Program program = new Program();
+        List<LawChange> changes = new ArrayList<>();
+        try (HostedFixture hosted = new HostedFixture(1, program.file);
+                AdapterFixture expected = HostedFixture.inProcess()) {
+            hosted.world.load("newton_motion", "wind");
+            expected.load("newton_motion", "wind");
+            hosted.world.adapter.laws().addListener(changes::add);
+            for (int frame = 1; frame <= FRAMES; frame++) {
+                if (frame == 5) {
+                    program.fail(how);
+                } else if (frame == 10) {
+                    program.recover();
+                }
+                if (frame >= 5 && frame < 10) {
+                    killHosts();
+                }
+                hosted.world.run(1);
+                for (LawChange change : List.copyOf(changes)) {
+                    expected.adapter.laws().apply(frame, change);
+                }
+                expected.run(1);
+                assertThat(differing(hosted.world, expected)).as("frame " + frame).isEmpty();
+                if (frame < 9) {
+                    assertThat(changes).allMatch(LawChange.Unmoved.class::isInstance);
+                } else if (frame == 9) {
+                    assertThat(changes).containsExactly(new LawChange.Unmoved());
+                } else {
+                    assertThat(changes).isEmpty();
+                }
+                changes.clear();
+            }
+            assertThat(hosted.world.adapter.laws().quarantined()).isEmpty();
+            assertThat(hosted.world.adapter.stateHash()).isEqualTo(expected.adapter.stateHash());
+        }
+    }
+
+    /** The engine has then made the steps, and cannot say so. */
+    @Test
+    void anEngineWithoutMemoryIsReplacedBeforeALawIsBlamed() {
+        try (HostedFixture hosted = new HostedFixture();
+                AdapterFixture expected = HostedFixture.inProcess()) {
+            hosted.world.load("newton_motion", "counts_years", "hostile_hoard");
+            expected.load("newton_motion", "counts_years");
+            int wind = expected.adapter.laws().load(0, "wind", Map.of());
+            for (int frame = 1; frame <= FRAMES; frame++) {
+                if (frame == BAD_FRAME) {
+                    expected.adapter.laws().unload(frame, wind);
+                }
+                expected.run(1);
+                hosted.world.run(1);
+                assertThat(differing(hosted.world, expected)).as("frame " + frame).isEmpty();
+            }
+            assertThat(hosted.world.adapter.stateHash()).isEqualTo(expected.adapter.stateHash());
+            assertThat(hosted.world.events("fault"))
+                    .singleElement()
+                    .satisfies(
+                            fault ->
+                                    assertThat(fault.fields())
+                                            .containsEntry("library", "hostile")
+                                            .containsEntry("status", "ENGINE_LOST"));
+        }
+    }
+
+    /**
+     * Longer than a frame may take: in a new law, a new process, for more rows, and in a rewind.
+     */
+    @Test
+    void lawsHaveTimeToBuild() {
+        try (HostedFixture hosted = new HostedFixture()) {
+            AdapterFixture world = hosted.world;
+            world.load("newton_motion").run(SETTLED);
+            world.load("hostile_build").run(SETTLED);
+            PhysicsImage before = world.adapter.save();
+            world.run(SETTLED);
+            killHosts();
+            world.run(SETTLED);
+            world.world.add(AdapterFixture.body("more", 1, 50, 0, 0, 0, 0, 0));
+            world.run(SETTLED);
+            world.adapter.restore(world.loop.frame(), before);
+            world.run(SETTLED);
+            assertThat(world.events("fault")).isEmpty();
+        }
+    }
+
+    /** The server ends if a frame takes 5 s, with all laws that loop in it. */
+    @Test
+    void lawsThatLoopInOneFrameTakeLessTimeThanAWatchdog() {
+        try (HostedFixture hosted = new HostedFixture()) {
+            hosted.world.load(
+                    "newton_motion", "hostile_loop_in_bind", "hostile_other_loop_in_bind");
+            hosted.world.run(1);
+            assertThat(hosted.world.events("fault"))
+                    .extracting(fault -> fault.fields().get("message"))
+                    .containsExactly(
+                            "law hostile: no answer within 3000 ms of its frame",
+                            "law hostile: no answer within 1000 ms of its frame");
+        }
+    }
+
+    /** What laws build in their first frame does not lengthen the deadline of later ones. */
+    @Test
+    void theDeadlineGrowsWithFramesInWhichLawsBuildNothing() {
+        try (HostedFixture hosted = new HostedFixture()) {
+            hosted.world.load("newton_motion", "hostile_build", "hostile_other_loop_in_advance");
+            hosted.world.run(BAD_FRAME);
+            assertThat(hosted.world.events("fault"))
+                    .extracting(fault -> fault.fields().get("message"))
+                    .containsExactly("law hostile: no answer within 300 ms of its frame");
+        }
+    }
+
+    /** The names of the columns that differ. */
+    private static List<String> differing(AdapterFixture one, AdapterFixture other) {
+        var bytes = other.bytes();
+        return one.bytes().entrySet().stream()
+                .filter(column -> !column.getValue().equals(bytes.get(column.getKey())))
+                .map(Map.Entry::getKey)
+                .toList();
+    }
+
+    private static void killHosts() {
+        List<ProcessHandle> doomed =
+                ProcessHandle.current()
+                        .children()
+                        .filter(child -> child.info().command().orElse("").endsWith("vesper-host"))
+                        .toList();
+        doomed.forEach(ProcessHandle::destroyForcibly);
+        doomed.forEach(host -> host.onExit().join());
+    }
+}
