@@ -67,7 +67,6 @@ public final class PackCommand implements Callable<Integer> {
             description = "The pack to write (default: NAME.reve in the current folder).")
     private Optional<Path> out = Optional.empty();
 
-
     @Override
     public Integer call() throws Exception {
         if (world.isPack()) {
@@ -110,7 +109,10 @@ public final class PackCommand implements Callable<Integer> {
                         files.size(),
                         Files.size(pack),
                         files.keySet().stream()
-                                .anyMatch(name -> name.endsWith(".so") || name.endsWith(".py"))
+                                        .anyMatch(
+                                                name ->
+                                                        name.endsWith(".so")
+                                                                || name.endsWith(".py"))
                                 ? "; it brings native code, which needs --trust where it runs"
                                 : "");
         spec.commandLine().getOut().flush();
