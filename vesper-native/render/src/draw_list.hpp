@@ -32,7 +32,8 @@ struct MeshKey {
   auto operator<=>(const MeshKey&) const = default;
 };
 
-/// `detail` of the mesh with the loose triangles of a picture; greater than all ids.
+/// The `detail` in the MeshKey of the triangles of a picture that belong to no mesh. The ids of
+/// meshes have 32 bits, so none is equal to it.
 inline constexpr uint64_t kLooseTriangles = uint64_t{1} << 32;
 
 /// Key of one draw: instances of a mesh, or of a part of its triangles, in one material.

@@ -185,7 +185,7 @@ public final class AgentRoom implements AutoCloseable {
         loop.step();
     }
 
-    /** Makes frames until a condition that other threads fulfil holds. */
+    /** Makes frames until a condition is true; fails if it is not true after 20 s. */
     public void stepUntil(String what, BooleanSupplier isSo) {
         stepUntil(what, Duration.ofSeconds(20), isSo);
     }

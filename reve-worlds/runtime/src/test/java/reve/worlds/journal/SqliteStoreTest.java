@@ -172,7 +172,7 @@ class SqliteStoreTest {
         refused("the last image, of frame 24, cannot be used");
     }
 
-    /** For each byte: the kept data is present, or the store names the loss. */
+    /** The store names the file, and the last frame before the cut. */
     @Test
     void aFileOfFramesThatIsCutAnywhereIsRefusedByTheFrameThatIsLost() throws IOException {
         fill();
