@@ -273,4 +273,13 @@ class UsageIT {
                 .doesNotContain("Exception");
         assertThat(log.lines()).hasSizeLessThanOrEqualTo(2);
     }
+
+    @Test
+    void theJvmTakesOptionsFromTheEnvironment() throws Exception {
+        List<String> command = Reve.command("--version");
+        command.add(2, "REVE_JAVA_OPTIONS=-Dx=y -XX:NoSuchOption=1");
+        Reve.Outcome outcome = Reve.run(command);
+        assertThat(outcome.code()).isOne();
+        assertThat(outcome.out() + outcome.err()).contains("NoSuchOption=1");
+    }
 }
