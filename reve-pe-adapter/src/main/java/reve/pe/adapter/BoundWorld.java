@@ -35,6 +35,10 @@ final class BoundWorld {
     private final Set<BoundProperty> onDemand = new LinkedHashSet<>();
 
     private Set<String> used = Set.of();
+
+    /** True until the engine has received what the laws use since the last change. */
+    private boolean isLendingMore;
+
     private long boundLayout = -1;
 
     BoundWorld(World world, PhysicsEngine engine, ColumnArena arena) {
@@ -80,39 +84,51 @@ final class BoundWorld {
     }
 
     /**
-     * Passes changes of the world to the engine; costs almost nothing if nothing changed.
+     * Passes changes of the world to the engine; costs almost nothing if nothing changed. All
+     * columns of a kind must have the same number of rows, so those that the engine has get their
+     * new rows before it receives further ones.
      *
      * @throws IllegalStateException naming item and property if a reference is invalid
      */
     void update() {
-        if (world.layoutVersion() != boundLayout) {
+        boolean moved = world.layoutVersion() != boundLayout;
+        if (moved) {
             rows.forEach(table -> table.follow(engine));
-            for (BoundProperty property : properties) {
-                if (isLent(property)) {
-                    property.bind(provider);
-                }
+        }
+        for (BoundProperty property : properties) {
+            if (!property.isBound()) {
+                continue;
             }
-            boundLayout = world.layoutVersion();
-        } else {
-            for (BoundProperty property : properties) {
+            if (moved) {
+                property.bind(provider);
+            } else {
                 property.touchIfEdited(provider);
             }
         }
+        if (moved || isLendingMore) {
+            for (BoundProperty property : properties) {
+                if (!property.isBound() && isLent(property)) {
+                    property.bind(provider);
+                }
+            }
+        }
+        isLendingMore = false;
+        boundLayout = world.layoutVersion();
     }
 
     /**
-     * Sets the names of the properties that the loaded laws use. The engine receives the shapes and
-     * the scenery only while a law uses them, so that other worlds keep their hashes.
+     * Sets the names of the properties that the loaded laws use, which take effect with {@link
+     * #update}. The engine receives the shapes and the scenery only while a law uses them, so that
+     * other worlds keep their hashes.
      */
     void setUsed(Set<String> names) {
         used = names;
         for (BoundProperty property : onDemand) {
             if (!isLent(property)) {
                 property.unbind(provider);
-            } else if (!property.isBound()) {
-                property.bind(provider);
             }
         }
+        isLendingMore = true;
     }
 
     private boolean isLent(BoundProperty property) {

@@ -134,6 +134,23 @@ class ShapesNativeTest {
     }
 
     @Test
+    void anItemMayComeInTheFrameInWhichALawUsesShapes() {
+        try (AdapterFixture world = boxOnGround(Shape.box(1, 1, 1))) {
+            world.run(1);
+            world.load("rigid_contact");
+            world.world.add(
+                    ItemDefinition.named("ball")
+                            .at(3, 0.3, 0)
+                            .shape(Shape.sphere(0.3))
+                            .physics("mass", 1)
+                            .build());
+            world.run(3 * SECOND);
+            assertThat(world.events("fault")).isEmpty();
+            assertThat(height(world)).isCloseTo(0.5, within(2e-3));
+        }
+    }
+
+    @Test
     void aHingeHoldsADoorAndTellsItsAngle() {
         try (AdapterFixture world =
                 new AdapterFixture(

@@ -36,20 +36,6 @@ import java.util.stream.Stream;
         mixinStandardHelpOptions = true,
         versionProvider = Main.Version.class,
         scope = ScopeType.INHERIT,
-        subcommands = {
-            ServeCommand.class,
-            RunCommand.class,
-            ReplayCommand.class,
-            SnapshotCommand.class,
-            CheckCommand.class,
-            DemoCommand.class,
-            ControlCommand.class,
-            TokenCommand.class,
-            StoreCommand.class,
-            NewCommand.class,
-            PackCommand.class,
-            CommandLine.HelpCommand.class,
-        },
         footer = {
             "",
             "Exit codes: 0 done, 1 failed, 2 wrong usage, 3 invalid world file,",
@@ -58,6 +44,22 @@ import java.util.stream.Stream;
             "137 out of memory, 141 the reader of standard output has closed it.",
         })
 public final class Main {
+
+    /** The commands, in the order of the help. */
+    private static final List<Class<?>> COMMANDS =
+            List.of(
+                    ServeCommand.class,
+                    RunCommand.class,
+                    ReplayCommand.class,
+                    SnapshotCommand.class,
+                    CheckCommand.class,
+                    DemoCommand.class,
+                    ControlCommand.class,
+                    TokenCommand.class,
+                    StoreCommand.class,
+                    NewCommand.class,
+                    PackCommand.class,
+                    CommandLine.HelpCommand.class);
 
     /** The commands that the shell script of a checkout runs itself. */
     private static final List<String> LAUNCHER =
@@ -79,6 +81,9 @@ public final class Main {
                     "Commands of the launcher script:",
                     "  doctor     Says which shared libraries of the system are missing.");
 
+    /** The command that describes another one. */
+    private static final String HELP = "help";
+
     private static final Pattern INTEGER = Pattern.compile("[-+]?[0-9]+");
 
     private Main() {}
@@ -95,6 +100,7 @@ public final class Main {
 
     private static int run(OutputStream stream, String... arguments) {
         CommandLine line = new CommandLine(new Main());
+        commandsFor(arguments).forEach(line::addSubcommand);
         String name = Product.command();
         line.setCommandName(name);
         LinePrinter out = new LinePrinter(stream);
@@ -116,6 +122,20 @@ public final class Main {
             return ExitCode.USAGE;
         }
         return out.codeAfter(line.execute(arguments), line.getErr());
+    }
+
+    /**
+     * Returns the command that the first argument names; all of them if it names none, for the help
+     * and for suggestions. Describing a command to the parser takes longer than most commands.
+     */
+    private static List<Class<?>> commandsFor(String... arguments) {
+        for (Class<?> command : COMMANDS) {
+            String name = command.getAnnotation(Command.class).name();
+            if (arguments.length > 0 && name.equals(arguments[0]) && !name.equals(HELP)) {
+                return List.of(command);
+            }
+        }
+        return COMMANDS;
     }
 
     /**

@@ -8,6 +8,8 @@ import static org.assertj.core.api.Assertions.catchThrowable;
 import org.junit.jupiter.api.AfterEach;
 import org.junit.jupiter.api.BeforeEach;
 import org.junit.jupiter.api.Test;
+import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.MethodSource;
 
 import reve.core.file.WorldDescription;
 import reve.core.file.WorldFile;
@@ -16,16 +18,20 @@ import reve.core.world.Item;
 import reve.core.world.WorldSnapshot;
 import reve.worlds.journal.SimulationImage;
 
+import java.io.IOException;
 import java.lang.foreign.ValueLayout;
 import java.nio.charset.StandardCharsets;
+import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.List;
 import java.util.Map;
+import java.util.stream.Stream;
 
 /** Rewinds and previews, with contacts that laws remember. */
 class SimulationImageNativeTest {
     private static final int FRAMES = 60;
+    private static final Path WORLDS = Path.of(System.getProperty("reve.root"), "worlds");
 
     private Simulation live;
 
@@ -33,11 +39,7 @@ class SimulationImageNativeTest {
     void run() throws Exception {
         WorldDescription description =
                 WorldFile.load(
-                        Path.of(
-                                System.getProperty("reve.root"),
-                                "worlds",
-                                "icosahedron",
-                                "world.yaml"));
+                        WORLDS.resolve("icosahedron/world.yaml"));
         live = new Simulation(description, Pacing.FAST);
         live.loop().run(2 * FRAMES);
     }
@@ -59,6 +61,30 @@ class SimulationImageNativeTest {
             assertThat(frame).isEqualTo(3 * FRAMES + 2);
             assertThat(live.loop().frame()).isEqualTo(frame);
             assertThat(hashes(live, FRAMES)).isEqualTo(first);
+        }
+    }
+
+    static Stream<Path> shippedWorlds() throws IOException {
+        try (Stream<Path> folders = Files.list(WORLDS)) {
+            return folders.map(folder -> folder.resolve("world.yaml"))
+                    .filter(Files::exists)
+                    .sorted()
+                    .toList()
+                    .stream();
+        }
+    }
+
+    @ParameterizedTest
+    @MethodSource("shippedWorlds")
+    void everyShippedWorldContinuesFromItsImage(Path file) throws Exception {
+        WorldDescription description = WorldFile.load(file);
+        LawPath laws = LawPath.ofShipped();
+        try (Simulation whole = new Simulation(description, Pacing.FAST, laws)) {
+            whole.loop().run(5);
+            try (SimulationImage image = whole.keep();
+                    Simulation continued = new Simulation(description, Pacing.FAST, laws, image)) {
+                assertThat(hashes(continued, 3)).isEqualTo(hashes(whole, 3));
+            }
         }
     }
 
