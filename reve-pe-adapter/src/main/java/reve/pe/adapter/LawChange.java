@@ -3,6 +3,8 @@ package reve.pe.adapter;
 
 import reve.core.world.ItemId;
 
+import java.util.Map;
+
 /**
  * A change to the laws of a world. Libraries are identified by their index in the order of loading.
  */
@@ -12,6 +14,13 @@ public sealed interface LawChange {
 
     /** The library at an index, from 0, was unloaded. */
     record Unloaded(int place) implements LawChange {}
+
+    /**
+     * Parameters of the library at an index were changed; laws keep what they remember.
+     *
+     * @param changed by {@code parameter} or {@code law.parameter}
+     */
+    record ParametersSet(int place, Map<String, Double> changed) implements LawChange {}
 
     /** The library at an index failed in PHYSICS, was unloaded and is quarantined. */
     record Failed(int place, Quarantined reason) implements LawChange {}

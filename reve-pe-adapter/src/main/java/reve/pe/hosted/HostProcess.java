@@ -100,7 +100,7 @@ final class HostProcess implements AutoCloseable {
         Process started = null;
         try {
             started = start(program, control.descriptor(), memoryBytes);
-            Thread.ofVirtual().name("output of laws").start(new OutputOfLaws(started, LOG));
+            startReading(started);
         } catch (IOException | OutOfMemoryError e) { // an error: the system has no further thread
             if (started != null) {
                 started.destroyForcibly();
@@ -112,6 +112,15 @@ final class HostProcess implements AutoCloseable {
         }
         process = started;
         group = new ProcessGroup(process.pid());
+    }
+
+    /**
+     * Reads the output on a platform thread. A read of a pipe keeps the carrier of a virtual
+     * thread; two of them, on two processors, leave no carrier for any other virtual thread once
+     * the pool has ended its further threads, after 30 s without work.
+     */
+    private static void startReading(Process started) {
+        Thread.ofPlatform().daemon().name("output of laws").start(new OutputOfLaws(started, LOG));
     }
 
     private SharedWord word(MemorySegment memory, long offset) {

@@ -187,6 +187,18 @@ class HostedEngineNativeTest extends EngineContract {
         }
     }
 
+    /** A virtual thread would occupy a carrier, as HostProcess explains. */
+    @Test
+    void theOutputOfLawsIsReadByAPlatformThread() {
+        try (EngineFixture orbit = new EngineFixture(home()).springOrbit()) {
+            orbit.engine.advance(SpringOrbit.DT, 1);
+            // getAllStackTraces has no virtual threads
+            assertThat(Thread.getAllStackTraces().keySet())
+                    .extracting(Thread::getName)
+                    .contains("output of laws");
+        }
+    }
+
     /** The moves need three requests, and only the last move changes something. */
     @Test
     void manyRowsMoveAsInTheSameProcess() {
