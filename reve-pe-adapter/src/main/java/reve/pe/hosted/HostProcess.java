@@ -27,7 +27,7 @@ import java.util.concurrent.TimeUnit;
  * A {@code vesper-host} and the memory for the exchange with it; the offsets are those of {@code
  * vesper-native/host/control.hpp}. One call at a time, from any thread.
  */
-final class HostProcess implements AutoCloseable {
+class HostProcess implements AutoCloseable {
     private static final Logger LOG = LoggerFactory.getLogger("laws");
     private static final long CONTROL_BYTES = 1 << 20;
     private static final long REQUEST = 64;

@@ -207,9 +207,8 @@ public final class HostedEngine implements PhysicsEngine {
         try {
             Calls calls = connected();
             loadWithReport(calls, added);
-            keep(
-                    calls); // a new host could not load a library of which the kept state knows
-                            // nothing
+            keep(calls); // a new host could not load a library of which the kept state knows
+            // nothing
             library.taken();
             libraries.add(added);
             nextId++;

@@ -187,6 +187,40 @@ class HostedEngineNativeTest extends EngineContract {
         }
     }
 
+    /** The library is loaded, and its memory is in no state that was kept. */
+    @Test
+    void aHostThatIsLostAfterALoadKnowsNothingOfTheLibrary() {
+        boolean[] doomed = {false};
+        Path program = NativeFiles.program("vesper-host");
+        Hosts hosts =
+                new Hosts(
+                        () ->
+                                new HostProcess(program, 0) {
+                                    @Override
+                                    Mailbox begin(Request number) {
+                                        if (number == Request.SAVE_STATE && doomed[0]) {
+                                            doomed[0] = false;
+                                            killHosts();
+                                        }
+                                        return super.begin(number);
+                                    }
+                                },
+                        Runnable::run);
+        try (EngineFixture orbit = new EngineFixture(new Hosted(hosts)).springOrbit()) {
+            orbit.engine.advance(SpringOrbit.DT, 1);
+            doomed[0] = true;
+            assertThatExceptionOfType(PhysicsException.class)
+                    .isThrownBy(() -> orbit.engine.loadPhysicsLaw("counts_years", Map.of()))
+                    .withMessageContaining("while it was loaded");
+            orbit.engine.loadPhysicsLaw("counts_years", Map.of());
+            orbit.engine.advance(SpringOrbit.DT, 1);
+            assertThat(orbit.engine.laws())
+                    .extracting(PhysicsLaw::library)
+                    .endsWith("counts_years")
+                    .doesNotHaveDuplicates();
+        }
+    }
+
     /** A virtual thread would occupy a carrier, as HostProcess explains. */
     @Test
     void theOutputOfLawsIsReadByAPlatformThread() {
