@@ -207,8 +207,7 @@ public final class HostedEngine implements PhysicsEngine {
         try {
             Calls calls = connected();
             loadWithReport(calls, added);
-            keep(calls); // a new host could not load a library of which the kept state knows
-            // nothing
+            keep(calls); // before it counts as loaded: a new host needs its state
             library.taken();
             libraries.add(added);
             nextId++;
