@@ -3,15 +3,17 @@
 //
 // The client writes a request into the mailbox, raises `request` and wakes the host. The host
 // writes the reply into the mailbox, sets `reply` to the same number and wakes the client. At any
-// time one of the two may use the mailbox. Neither spins. The client's side is
-// reve.pe.hosted.Exchange in Java, with the same offsets.
+// time one of the two may use the mailbox. The client's side is
+// reve.pe.hosted.HostProcess in Java, with the same offsets.
 #pragma once
 
 #include <linux/futex.h>
+#include <sched.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 
@@ -46,14 +48,33 @@ inline std::byte* Mailbox(Control& control) {
   return reinterpret_cast<std::byte*>(&control) + kMailboxOffset;
 }
 
-/// Sleeps until the word differs from `seen`, and returns it.
-inline uint32_t AwaitChange(std::atomic<uint32_t>& word, uint32_t seen) {
-  uint32_t now;
-  while ((now = word.load(std::memory_order_acquire)) == seen) {
-    syscall(SYS_futex, &word, FUTEX_WAIT, seen, nullptr, nullptr, 0);
+/// A wait for changes of a word. After a short wait, the next one begins with a busy-wait in which
+/// other processes may use the processor: waking this one takes longer than most frames. A client
+/// that waits for the clock has longer pauses.
+class Patience {
+ public:
+  /// Sleeps until the word differs from `seen`, and returns it.
+  uint32_t AwaitChange(std::atomic<uint32_t>& word, uint32_t seen) {
+    const auto begin = Clock::now();
+    uint32_t now = word.load(std::memory_order_acquire);
+    while (quick_ && now == seen && Clock::now() - begin < kAwake) {
+      sched_yield();
+      now = word.load(std::memory_order_acquire);
+    }
+    for (; now == seen; now = word.load(std::memory_order_acquire)) {
+      syscall(SYS_futex, &word, FUTEX_WAIT, seen, nullptr, nullptr, 0);
+    }
+    quick_ = Clock::now() - begin < kQuick;
+    return now;
   }
-  return now;
-}
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  static constexpr auto kAwake = std::chrono::microseconds(100);
+  static constexpr auto kQuick = std::chrono::microseconds(200);
+
+  bool quick_ = false;
+};
 
 /// Sets the word and wakes the process that waits for it.
 inline void Announce(std::atomic<uint32_t>& word, uint32_t value) {
