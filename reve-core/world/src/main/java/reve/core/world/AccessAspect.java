@@ -7,7 +7,10 @@ import java.util.ArrayList;
 import java.util.List;
 import java.util.Optional;
 
-/** The actions and capabilities of an item. World's thread only. */
+/**
+ * The access aspect of an item: the actions that agents can perform on it, and its capabilities as
+ * a body. World's thread only.
+ */
 public final class AccessAspect {
 
     private final Item item;

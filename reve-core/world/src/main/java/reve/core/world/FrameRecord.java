@@ -28,7 +28,8 @@ final class FrameRecord {
     }
 
     /**
-     * Returns a number, at least 1, that increases when entries begin to belong to another frame.
+     * Returns a number, at least 1, that increases each time when new entries begin to belong to
+     * another frame.
      */
     long period() {
         return period;
@@ -44,7 +45,7 @@ final class FrameRecord {
         return changes.entries();
     }
 
-    /** Returns the number of changes beyond the limit. */
+    /** Returns how many changes were not stored because of the limit. */
     long changesLost() {
         return changes.lost();
     }
