@@ -231,7 +231,7 @@ public final class FrameLoop {
     public synchronized long pause() {
         lastAllowed.set(
                 0); // from here on, the loop begins no frame, or notices the pause when it checks
-                    // again
+        // again
         long last = begunFrame.get();
         lastAllowed.set(last);
         wake(); // ends a wait for the gate
