@@ -89,9 +89,8 @@ public final class EditReader {
         List<String> cleared = new ArrayList<>();
         Node values = split(given, set, cleared, problems);
         if (set.remove("parent")) {
-            set.add(
-                    "parent"); // last: a new mass of 0 must be set before, because an item with a
-                               // mass cannot be attached
+            set.add("parent"); // last: a new mass of 0 must be set before, because an item with a
+            // mass cannot be attached
         }
         problems.throwIfAny();
         Map<String, Node> fields = new LinkedHashMap<>();

@@ -66,7 +66,7 @@ public sealed interface WorldEdit {
 
     /**
      * Makes edits in their order, all of them or none. First tries several edits on a copy of the
-     * world, which takes two bulk copies of the columns. World's thread, outside PHYSICS.
+     * world, which takes two bulk copies of the columns. World's thread, outside the phase PHYSICS.
      *
      * @param kept ids of items that no edit may remove, such as the bodies of agents
      * @param between called after the edits were found to be possible and before they are made; an

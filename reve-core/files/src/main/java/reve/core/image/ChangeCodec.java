@@ -250,7 +250,7 @@ public final class ChangeCodec {
         if (to.isMissingNode()) {
             item.physics()
                     .clear(); // clearing the aspect is recorded as one change per property; the
-                              // first clears all
+            // first clears all
         } else if (to.path(0).isIntegralNumber()) {
             item.physics().setReferences(property, references(to));
         } else {

@@ -153,9 +153,8 @@ public record MassProperties(
             double volume, double density, double[] inner, double[] first, double[] second) {
         double[] centre = new double[3];
         double[] spread =
-                new double
-                        [6]; // mean products of coordinates relative to the centre of mass: xx yy
-                             // zz yz zx xy
+                new double[6]; // mean products of coordinates relative to the centre of mass: xx yy
+        // zz yz zx xy
         for (int axis = 0; axis < 3; axis++) {
             centre[axis] = first[axis] / (24 * volume);
         }

@@ -137,7 +137,7 @@ final class Meter implements CelEvaluationListener {
             case String text -> spend(text.length() / CHARACTERS_PER_STEP);
             case ConcatenatedListView<?>
                             growing -> {} // a list that a loop is building: counted when the loop
-                                          // ends
+            // ends
             case List<?> list -> {
                 for (Object element : list) {
                     spend(1);

@@ -85,7 +85,7 @@ public final class Rules {
 
     /**
      * Replaces the rules. Items lose the symbols of rules that are not among the new ones; the next
-     * update evaluates the new rules for all items. Outside DERIVE.
+     * update evaluates the new rules for all items. Called outside the phase DERIVE.
      */
     public void set(List<Rule> rules) {
         Map<Rule, RuleKeeper> before = new IdentityHashMap<>();

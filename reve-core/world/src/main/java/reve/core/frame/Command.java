@@ -28,15 +28,15 @@ public interface Command {
 
     /**
      * Returns true if the command must wait for the next frame. Later commands of its origin then
-     * wait, too. Called in ACT.
+     * wait, too. Called in the phase ACT.
      */
     default boolean mustWait(FrameEvent event) {
         return false;
     }
 
     /**
-     * Executes the command. Called on the world's thread in ACT. An exception is reported and does
-     * not affect other commands.
+     * Executes the command. Called on the world's thread in the phase ACT. An exception is reported
+     * and does not affect other commands.
      */
     void execute(World world, FrameEvent event);
 }

@@ -41,7 +41,7 @@ public final class CommandQueue {
         this.capacity = capacity;
     }
 
-    /** Subscribes the queue to INTAKE and ACT. */
+    /** Subscribes the queue to the phases INTAKE and ACT of the frames. */
     public void subscribeTo(FrameBus bus) {
         bus.subscribe(FramePhase.INTAKE, "command queue", this::take);
         bus.subscribe(FramePhase.ACT, "command queue", this::execute);

@@ -163,8 +163,8 @@ public final class FrameLoop {
 
     /**
      * Runs an errand, a task between two frames, as soon as no frame is in progress: at once while
-     * the loop is paused or waits. If the errand replaces the world's state, DERIVE and PUBLISH
-     * follow at once. Any thread.
+     * the loop is paused or waits. If the errand replaces the world's state, the phases DERIVE and
+     * PUBLISH follow at once. Any thread.
      *
      * @param errand called on the world's thread; must not throw
      */

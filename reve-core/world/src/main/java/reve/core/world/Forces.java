@@ -74,7 +74,7 @@ public final class Forces {
 
     /**
      * Adds the forces to the column {@code appliedForce}, in the order of addition. Called before
-     * PHYSICS.
+     * the phase PHYSICS.
      */
     void apply() {
         if (before.length < 3 * active.size()) {
@@ -92,7 +92,7 @@ public final class Forces {
 
     /**
      * Restores the column {@code appliedForce} to the bit, and removes forces whose frames are
-     * over. Called after PHYSICS.
+     * over. Called after the phase PHYSICS.
      */
     void withdraw() {
         if (active.isEmpty()) {

@@ -2,8 +2,8 @@
 package reve.core.world;
 
 /**
- * The operations on a world for the frame loop, the first listener of DERIVE, and tests that make
- * frames themselves. World's thread only.
+ * The operations on a world for the frame loop, the first listener of the phase DERIVE, and tests
+ * that make frames themselves. World's thread only.
  */
 public final class FrameControl {
 
@@ -41,14 +41,14 @@ public final class FrameControl {
         data.guard.unlockStructure();
     }
 
-    /** Adds the forces of actions to the column {@code appliedForce}, before PHYSICS. */
+    /** Adds the forces of actions to the column {@code appliedForce}, before the phase PHYSICS. */
     public void applyForces() {
         forces.apply();
     }
 
     /**
-     * Ends PHYSICS: removes the forces of actions again, to the bit, and frees replaced column
-     * memory, because the engine has bound the new memory by then.
+     * Ends the phase PHYSICS: removes the forces of actions again, to the bit, and frees replaced
+     * column memory, because the engine has bound the new memory by then.
      */
     public void endPhysics() {
         data.guard.checkOwner();
@@ -57,8 +57,8 @@ public final class FrameControl {
     }
 
     /**
-     * Computes the places of attached items from those of their parents; called in DERIVE before
-     * other listeners.
+     * Computes the places of attached items from those of their parents; called in the phase DERIVE
+     * before other listeners.
      */
     public void placeAttached() {
         data.guard.checkOwner();
@@ -66,15 +66,15 @@ public final class FrameControl {
     }
 
     /**
-     * Records that the boxes around bodies were computed in DERIVE, so that spatial searches use
-     * them.
+     * Records that the boxes around bodies were computed in the phase DERIVE, so that spatial
+     * searches use them.
      */
     public void boundsDerived() {
         data.guard.checkOwner();
         data.boundsChanged();
     }
 
-    /** Begins PUBLISH: events and changes from now on belong to the next frame. */
+    /** Begins the phase PUBLISH: events and changes from now on belong to the next frame. */
     public void publish() {
         data.guard.checkOwner();
         data.record.fix();

@@ -50,7 +50,7 @@ final class FrameRecord {
         return changes.lost();
     }
 
-    /** Begins PUBLISH: further entries belong to the next frame. */
+    /** Begins the phase PUBLISH: further events and changes belong to the next frame. */
     void fix() {
         events.fix();
         changes.fix();

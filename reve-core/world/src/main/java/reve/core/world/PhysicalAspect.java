@@ -135,7 +135,8 @@ public final class PhysicalAspect {
     }
 
     /**
-     * Writes the values of a definition, which was checked before; the box is computed in DERIVE.
+     * Writes the values of a definition, which was checked before; the box is computed in the phase
+     * DERIVE.
      */
     void place(ItemDefinition definition) {
         Table table = item.table();

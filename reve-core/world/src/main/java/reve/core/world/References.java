@@ -67,7 +67,10 @@ final class References {
         count(target.value(), 1);
     }
 
-    /** Clears all references of an item that is removed or becomes scenery. */
+    /**
+     * Clears all references that an item has to others, because it is removed or loses its physics
+     * aspect.
+     */
     void release(Table table, ItemId item) {
         if (!table.hasPhysics(item)) {
             return;

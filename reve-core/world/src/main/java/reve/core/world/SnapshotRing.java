@@ -45,8 +45,8 @@ public final class SnapshotRing {
     }
 
     /**
-     * Copies the present world as one frame. World's thread, in PUBLISH. Allocates memory only if
-     * the world has grown or has events.
+     * Copies the present world as one frame. World's thread, in the phase PUBLISH. Allocates memory
+     * only if the world has grown or has events.
      *
      * @param frame number of the frame
      * @param timeSeconds simulated time at its end [s]

@@ -90,7 +90,7 @@ public final class World {
      *
      * @throws IllegalArgumentException naming item, property and value if a name is taken, a kind
      *     or property does not exist, a value does not fit, or a reference is missing, or refers to
-     *     no item, to the wrong kind or to scenery
+     *     no item, to the wrong kind or to an item without physics
      * @throws IllegalStateException naming the phase if the structure is locked
      */
     public List<Item> addAll(List<ItemDefinition> definitions) {
@@ -214,8 +214,8 @@ public final class World {
 
     /**
      * Attaches a body to a parent, with a fixed pose relative to it. A body that is attached
-     * already changes its parent. Attached bodies may be parents of others; DERIVE computes their
-     * poses in the world's reference frame.
+     * already changes its parent. Attached bodies may be parents of others; the phase DERIVE
+     * computes their poses in the world's reference frame.
      *
      * <p>Laws do not move attached items, which are scenery or have mass 0. Forces on them do not
      * act on the parent.
@@ -351,7 +351,7 @@ public final class World {
     /**
      * Returns the layout version, which increases when rows are added, removed or moved, items are
      * attached or detached, or column memory is replaced. Replaced memory stays readable until the
-     * end of the next PHYSICS.
+     * end of the next PHYSICS phase.
      */
     public long layoutVersion() {
         return data.layout.version();
@@ -364,8 +364,8 @@ public final class World {
     }
 
     /**
-     * Adds an event to the frame that is being made; in PUBLISH and between frames, to the next
-     * one.
+     * Adds an event to the frame that is being made; in the phase PUBLISH and between frames, to
+     * the next one.
      */
     public void raise(WorldEvent event) {
         data.guard.requireEditable();
@@ -374,8 +374,8 @@ public final class World {
 
     /**
      * Returns the changes of the frame that is being made, in order, except those by laws and in
-     * DERIVE; a copy. In PUBLISH all callers receive the same changes. Changes made in PUBLISH and
-     * between frames belong to the next frame, those before the first frame to frame 0.
+     * the phase DERIVE; a copy. In PUBLISH all callers receive the same changes. Changes made in
+     * PUBLISH and between frames belong to the next frame, those before the first frame to frame 0.
      */
     public List<WorldChange> changes() {
         data.guard.checkOwner();
@@ -392,8 +392,8 @@ public final class World {
     }
 
     /**
-     * Returns the events of the frame that is being made, in the order raised; a copy. In PUBLISH
-     * all callers receive the same events.
+     * Returns the events of the frame that is being made, in the order raised; a copy. In the phase
+     * PUBLISH all callers receive the same events.
      */
     public List<WorldEvent> events() {
         data.guard.checkOwner();

@@ -6,9 +6,9 @@ import org.jspecify.annotations.Nullable;
 import java.util.List;
 
 /**
- * A change of a world by a command or by the program, not by a law and not in DERIVE. {@link
- * World#changes()} returns the changes of a frame; applied in this order to equal worlds, they give
- * equal worlds. Immutable.
+ * A change of a world by a command or by the program, not by a law and not in the phase DERIVE.
+ * {@link World#changes()} returns the changes of a frame; applied in this order to equal worlds,
+ * they give equal worlds. Immutable.
  */
 public sealed interface WorldChange {
 

@@ -32,7 +32,9 @@ public final class WorldImage implements AutoCloseable {
                 world.tables().stream().map(table -> new TableCopy(table, this::allocate)).toList();
     }
 
-    /** Copies a world of the same prototype. World's thread, between frames or in PUBLISH. */
+    /**
+     * Copies a world of the same prototype. World's thread, between frames or in the phase PUBLISH.
+     */
     public void copyFrom(World world, long atFrame) {
         world.guard().checkOwner();
         for (int i = 0; i < tables.size(); i++) {

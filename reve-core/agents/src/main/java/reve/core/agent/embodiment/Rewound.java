@@ -6,7 +6,8 @@ import java.util.Map;
 /**
  * The result of a rewind.
  *
- * @param frame that shows the restored state
- * @param bodies outcome for each agent in the world, by agent
+ * @param frame number of the frame that shows the restored state
+ * @param bodies the result for each agent in the world: {@link Outcome.Joined} with its body, or a
+ *     refusal
  */
 public record Rewound(long frame, Map<String, Outcome> bodies) {}

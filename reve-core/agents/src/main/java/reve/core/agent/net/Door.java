@@ -4,7 +4,7 @@ package reve.core.agent.net;
 import reve.core.agent.protocol.ClientMessage;
 import reve.core.agent.protocol.CloseReason;
 
-/** Admission of clients. */
+/** The decision whether a client that has sent a hello is admitted. */
 public interface Door {
 
     /**
