@@ -273,7 +273,7 @@ public final class AgentServer implements AutoCloseable {
 
     /**
      * Sends {@code bye} to all clients, and returns when all connections are closed, at the latest
-     * after the linger time.
+     * after the time {@code linger} of the settings.
      */
     @Override
     public void close() {
@@ -345,7 +345,7 @@ public final class AgentServer implements AutoCloseable {
         }
     }
 
-    /** Returns the connections, for tests. */
+    /** For tests: the connections. */
     Connections connections() {
         return connections;
     }

@@ -30,10 +30,7 @@ final class FileProblem {
         this.listener = listener;
     }
 
-    /**
-     * Reports the problem if it has changed since the last call. Called periodically by one thread
-     * at a time.
-     */
+    /** Reports a change. Called periodically by one thread at a time. */
     void check() {
         Optional<String> now = problem.get();
         if (!now.equals(reported)) {

@@ -21,7 +21,7 @@ public sealed interface Effect {
 
     /** An impulse: velocity += impulse / mass. */
     record Impulse(Subject of, Operand impulse) implements Effect {
-        /** Unit of the operand, the value of the effect. */
+        /** Unit of the effect's value. */
         public static final Unit UNIT = Unit.parse("N*s");
 
         /** Creates an impulse on the item that has the action. */
@@ -41,7 +41,7 @@ public sealed interface Effect {
      * @param seconds duration, rounded to whole frames, at least one frame
      */
     record Force(Subject of, Operand force, double seconds) implements Effect {
-        /** Unit of the operand, the value of the effect. */
+        /** Unit of the effect's value. */
         public static final Unit UNIT = Unit.parse("N");
 
         /** Checks the duration. */
@@ -73,7 +73,7 @@ public sealed interface Effect {
 
     /** Moves the item to a location in the world's reference frame (3) [m]. */
     record SetLocation(Subject of, Operand to) implements Effect {
-        /** Unit of the operand, the value of the effect. */
+        /** Unit of the effect's value. */
         public static final Unit UNIT = Unit.parse("m");
 
         @Override
@@ -197,8 +197,8 @@ public sealed interface Effect {
     }
 
     /**
-     * Name of the value that attaching, detaching and removing change. An action can therefore
-     * contain only one of these effects, because two effects must not change the same value.
+     * Name of the value that attaching, detaching and removing change, so that one action contains
+     * at most one of these effects.
      */
     String STRUCTURE = "what is attached or removed";
 }

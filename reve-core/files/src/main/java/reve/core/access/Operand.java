@@ -11,7 +11,7 @@ import reve.core.world.Parameter;
 
 import java.util.List;
 
-/** The source of an effect's value: an argument of the call, an expression or a constant. */
+/** The value of an effect: an argument, an expression or a constant. */
 public sealed interface Operand {
     /**
      * Returns the value as numbers in the given unit.

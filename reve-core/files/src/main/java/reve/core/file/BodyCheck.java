@@ -41,8 +41,8 @@ final class BodyCheck {
     private final Set<String> refused = new HashSet<>();
 
     /**
-     * Checked lists of actions, by identity. The bits of the value stand for the kinds of items for
-     * which the list was checked: movable or not, with physics or not.
+     * Checked lists of actions, by identity, with bits for the items it was checked for: movable or
+     * not, with physics or not.
      */
     private final Map<List<Action>, Integer> checked = new IdentityHashMap<>();
 

@@ -87,9 +87,8 @@ final class DensityReader {
     }
 
     /**
-     * Refuses a shape whose centre of mass is not its origin, or whose principal axes are not its
-     * own axes: laws read only three moments of inertia, about the item's own axes through its
-     * origin.
+     * Refuses a shape whose centre of mass is not its origin or whose principal axes are not its
+     * own: laws read only three moments about these axes.
      */
     private static void requireOwnAxes(Shape shape, MassProperties solid) {
         double extent = Math.max(shape.size(0), Math.max(shape.size(1), shape.size(2)));

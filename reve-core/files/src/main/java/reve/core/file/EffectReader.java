@@ -122,8 +122,8 @@ final class EffectReader {
     }
 
     /**
-     * Returns an owner for a subject that is known only when the action is called (actor or
-     * argument): any body, with all properties of bodies.
+     * Returns an owner for a subject that is known only in a call (actor or argument): a body with
+     * all properties of bodies.
      */
     private static Owner someBody(Subject subject) {
         return new Owner(subject.name(), WorldPrototype.BODY, true);
@@ -270,7 +270,7 @@ final class EffectReader {
         return physics.prototype().realType();
     }
 
-    /** Returns the numeric property of a name. Empty, with a problem noted, if there is none. */
+    /** Returns a numeric property by name; notes a problem if there is none. */
     private Optional<PropertyDescriptor> property(Node where, String name, Owner itemOwner) {
         return physics.find(where, name, itemOwner.kind())
                 .filter(

@@ -38,9 +38,7 @@ final class Expansion {
         void accept(Template item, Repetition repetition) throws WorldFileException;
     }
 
-    /**
-     * The remaining numbers of items, values and formula evaluations that an expansion may create.
-     */
+    /** The numbers of items, values and formulas that may still be created. */
     static final class Room {
         private final Problems problems;
         private final Allowance left = new Allowance(MAX_VALUES);

@@ -61,10 +61,7 @@ final class Formula {
         return new Formula(new Parser(text, variables).parse());
     }
 
-    /**
-     * Returns whether a name is that of a function or constant of formulas, so that no variable can
-     * have it.
-     */
+    /** Returns whether a name is that of a function or constant of formulas. */
     static boolean isTaken(String name) {
         return CONSTANTS.containsKey(name)
                 || FUNCTIONS.containsKey(name)

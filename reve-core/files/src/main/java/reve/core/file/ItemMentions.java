@@ -13,8 +13,8 @@ import java.util.Optional;
 import java.util.Set;
 
 /**
- * The items of a world file by name, and all references to items in the file, which are checked
- * when all items are known.
+ * The items of a world file by name, and the references to them, which are checked when all items
+ * are known.
  */
 final class ItemMentions {
     private final Problems problems;

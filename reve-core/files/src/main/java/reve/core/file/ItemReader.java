@@ -37,10 +37,7 @@ final class ItemReader {
      */
     private static final int MAX_CREATED = 10_000;
 
-    /**
-     * Maximum number of values (actions, symbols and others) that are read again for each item,
-     * instead of once in a prefab.
-     */
+    /** Maximum number of values that are read for single items, not once in a prefab. */
     static final int MAX_READ = 2_000_000;
 
     /** Number of values per aspect, except actions, that do not count towards {@link #MAX_READ}. */
@@ -643,8 +640,8 @@ final class ItemReader {
     }
 
     /**
-     * Requires that the physics aspect sets every reference property of the kind, such as {@code
-     * end1} and {@code end2}, each to a different item.
+     * Requires that a physics aspect has every reference of the kind ({@code end1}, {@code end2}),
+     * each to a different item.
      */
     private void requireReferences(Node item, String kind) {
         if (!hasPhysics(item)) {

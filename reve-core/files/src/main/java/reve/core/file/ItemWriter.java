@@ -42,7 +42,7 @@ public final class ItemWriter {
     }
 
     /**
-     * Writes an item with its four aspects (physical, semantic, access, physics).
+     * Writes an item with its four aspects.
      *
      * @throws IllegalArgumentException naming the item if it contains something that a world file
      *     cannot express: an action made by a program, or a mesh or texture without a file

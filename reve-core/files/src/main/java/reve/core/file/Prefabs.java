@@ -51,10 +51,7 @@ final class Prefabs {
         }
     }
 
-    /**
-     * Returns an item completed with the values of its prefab, if it has one; its own values take
-     * precedence.
-     */
+    /** Returns an item completed with the values of its prefab, if it has one. */
     Node complete(Node item) throws WorldFileException {
         item.get("like").flatMap(Node::text).ifPresent(used::add);
         return complete(item, new LinkedHashSet<>());

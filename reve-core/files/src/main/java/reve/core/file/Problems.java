@@ -181,8 +181,8 @@ final class Problems {
     }
 
     /**
-     * Adds a problem, unless the same one was added before, for example for another item that takes
-     * the value from the same prefab.
+     * Adds a problem, unless it was added before, for another item with a value from the same
+     * prefab.
      */
     private void add(Problem problem) {
         if (!full() && !found.contains(problem)) {

@@ -176,8 +176,8 @@ final class SchemaCheck {
     }
 
     /**
-     * Notes a problem for a decimal comma; returns whether the error is one. In braces, YAML reads
-     * {@code mass: 0,5} as a mass of 0 and a key 5 without a value.
+     * Notes a decimal comma, if the error is one: in braces, YAML reads {@code mass: 0,5} as a mass
+     * of 0 and a key 5 without a value.
      */
     private boolean tellsOfDecimalComma(Node base, Error error, Node node) {
         boolean comma =

@@ -32,7 +32,7 @@ final class SourceText {
     /**
      * Reads a regular UTF-8 file.
      *
-     * @param bytes number of bytes that may still be read; the size of the file is taken from it
+     * @param bytes number of bytes that may still be read
      * @throws IOException if the system cannot read it
      */
     static String read(Path path, Problems problems, Allowance bytes)

@@ -13,11 +13,11 @@ import java.util.Optional;
  */
 final class Unclosed {
     /**
-     * A quote or bracket that opens a text, mapping or list.
+     * An opening quote or bracket.
      *
-     * @param line number of its line, from 1
-     * @param column number of its column, from 1
-     * @param indent number of spaces at the start of its line
+     * @param line its line, from 1
+     * @param column its column, from 1
+     * @param indent spaces at the start of its line
      */
     record Opening(char sign, int line, int column, int indent) {}
 
@@ -30,10 +30,7 @@ final class Unclosed {
     /** Number of spaces at the start of the current line; -1 until it is computed. */
     private int indent = -1;
 
-    /**
-     * Start of the last quoted text, if the text spans several lines; its quote may be the unclosed
-     * one.
-     */
+    /** Start of the last quoted text, if it spans several lines. */
     private @Nullable Opening quote;
 
     private int quoteEnd;
@@ -45,8 +42,8 @@ final class Unclosed {
     /**
      * Returns the quote or bracket that is open where a parser failed.
      *
-     * @param problemLine line at which the parser failed, from 1
-     * @param problemColumn column at which the parser failed, from 1
+     * @param problemLine line of the failure, from 1
+     * @param problemColumn column of the failure, from 1
      */
     static Optional<Opening> find(String text, int problemLine, int problemColumn) {
         var scan = new Unclosed(text);

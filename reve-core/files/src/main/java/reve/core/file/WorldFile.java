@@ -126,10 +126,7 @@ public final class WorldFile {
         }
     }
 
-    /**
-     * Reads an item like {@link #parseItem(String, String, WorldPrototype, Assets)}, without mesh
-     * and texture files.
-     */
+    /** Reads and checks an item that uses no mesh or texture files. */
     public static ItemDefinition parseItem(String name, String text, WorldPrototype prototype)
             throws WorldFileException {
         return parseItem(name, text, prototype, new Assets(WorldFolder.none()));

@@ -97,7 +97,7 @@ public final class ChangeCodec {
     }
 
     /**
-     * Repeats a change. World's thread, in a phase where the structure may change.
+     * Repeats a change. World's thread, in a phase that permits adding and removing items.
      *
      * @throws CorruptException if the change has no meaning in this world
      */

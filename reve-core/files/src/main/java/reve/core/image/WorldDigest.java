@@ -54,18 +54,12 @@ public final class WorldDigest {
         }
     }
 
-    /**
-     * Returns the length of the digest: two numbers for each column, and two for the rows of each
-     * table.
-     */
+    /** Returns how many numbers the digest has. */
     public int size() {
         return 2 * parts.size();
     }
 
-    /**
-     * Computes the digest of the current world into an array of {@link #size} numbers; allocates
-     * nothing.
-     */
+    /** Writes the digest, {@link #size} numbers; allocates nothing. */
     public void compute(long[] into) {
         for (int i = 0; i < parts.size(); i++) {
             Part part = parts.get(i);
@@ -78,8 +72,8 @@ public final class WorldDigest {
     }
 
     /**
-     * Compares the current world with the digest of another one. Returns the first difference, in
-     * the order of the prototype, preferably one that identifies an item.
+     * Returns the first difference between the world and the digest of another, in the order of the
+     * prototype; one that identifies an item is preferred.
      */
     public Optional<Difference> firstDifference(long[] others) {
         long[] own = new long[size()];

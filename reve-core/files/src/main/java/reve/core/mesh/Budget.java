@@ -31,12 +31,12 @@ final class Budget {
         this.nanoTime = nanoTime;
     }
 
-    /** Starts the clock when the reading of an asset begins. */
+    /** Starts the clock before an asset is read. */
     void begin() {
         begun = nanoTime.getAsLong();
     }
 
-    /** Stops the clock when the reading of an asset ends. */
+    /** Stops the clock when an asset is read. */
     void end() {
         nanoseconds += nanoTime.getAsLong() - begun;
     }

@@ -189,10 +189,7 @@ final class GltfAccessors {
                 Boolean.TRUE.equals(accessor.isNormalized()));
     }
 
-    /**
-     * Returns the bytes of a bufferView, a range of a glTF buffer; position 0 is the start of the
-     * range.
-     */
+    /** Returns the bytes of a bufferView (a range of a glTF buffer), from position 0. */
     ByteBuffer view(@Nullable Integer number) throws AssetException {
         BufferView view =
                 GltfContainer.element(gltf.getBufferViews(), number, "bufferView", sources);

@@ -181,8 +181,8 @@ final class GltfReader {
     }
 
     /**
-     * Returns the positions of the three corners of the i-th triangle in a triangle list, strip or
-     * fan.
+     * Returns the places of the three corners of the i-th triangle among the vertices of a triangle
+     * list, strip or fan.
      */
     private int[] corners(int mode, int i) throws AssetException {
         return switch (mode) {

@@ -89,8 +89,8 @@ public record MassProperties(
     }
 
     /**
-     * Returns the properties of a solid of revolution about the Y axis; {@code along} is its moment
-     * of inertia about Y, {@code across} about X and Z.
+     * Returns the properties of a solid of revolution about the Y axis with the moments {@code
+     * along} about Y and {@code across} about X and Z.
      */
     private static MassProperties symmetric(
             double volume, double mass, double across, double along) {

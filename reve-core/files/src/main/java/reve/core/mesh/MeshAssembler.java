@@ -118,8 +118,7 @@ final class MeshAssembler {
     }
 
     /**
-     * @param ownMaterials whether the mesh keeps the materials of its triangles, because the file
-     *     defines materials
+     * @param ownMaterials whether the mesh keeps the materials of its triangles
      */
     Mesh finish(boolean ownMaterials) throws AssetException {
         if (indexCount == 0) {

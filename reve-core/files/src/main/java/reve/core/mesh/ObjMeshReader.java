@@ -49,8 +49,8 @@ final class ObjMeshReader {
     private final List<String> materialNames = new ArrayList<>();
 
     /**
-     * Hash table with open addressing from the three indices of a corner to its vertex number plus
-     * 1; 0 in free slots. {@link #known} has the indices of each vertex.
+     * Hash table (open addressing) from the indices of a corner to its vertex number plus 1; {@link
+     * #known} has the indices of each vertex.
      */
     private int[] slots = new int[1 << 12];
 

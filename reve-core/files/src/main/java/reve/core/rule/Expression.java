@@ -127,7 +127,7 @@ public final class Expression {
 
     /**
      * Evaluates the expression to {@code count} numbers in SI units; throws like {@link #evaluate},
-     * and also if the result is not so many numbers.
+     * and also if the result has another form.
      */
     public double[] numbers(Bindings bindings, int count) throws EvaluationException {
         Object value = evaluate(bindings);

@@ -55,8 +55,8 @@ final class ItemNames {
     }
 
     /**
-     * Returns the value of a name: an aspect such as {@code physics}, {@code item}, or a declared
-     * symbol by its full name ({@code semantic.lit}); null for other names.
+     * Returns the value of {@code item}, of an aspect, or of a declared symbol by full name ({@code
+     * semantic.lit}); else null.
      */
     @Nullable Object find(String name) {
         if (name.startsWith(SYMBOL)) {

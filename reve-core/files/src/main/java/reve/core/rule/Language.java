@@ -41,8 +41,8 @@ import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 
 /**
- * The compiler of CEL (Common Expression Language) expressions with the names of one {@link Scope};
- * without the CEL types for time and bytes.
+ * The compiler of CEL expressions (cel.dev) with the names of one {@link Scope}; without the CEL
+ * types for time and bytes.
  */
 final class Language {
     /** Maximum length of an expression [characters]. */

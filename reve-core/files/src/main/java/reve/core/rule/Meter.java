@@ -128,8 +128,8 @@ final class Meter implements CelEvaluationListener {
     }
 
     /**
-     * Counts a step for each value inside a list or map, and for each 32 characters of texts;
-     * counts a value that occurs several times each time.
+     * Counts a step for each value inside, and for characters of texts. A repeated value counts
+     * each time.
      */
     private void weigh(@Nullable Object value) {
         switch (value) {

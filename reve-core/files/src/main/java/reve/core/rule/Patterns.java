@@ -19,8 +19,8 @@ final class Patterns {
     static final String FUNCTION = "matches";
 
     /**
-     * Maximum number of steps (instructions of the compiled program) of a pattern: about one per
-     * character, with repetitions such as {@code a{9}} written out.
+     * Maximum number of steps (compiled instructions) of a pattern: about one per character, with
+     * repetitions written out.
      */
     static final int MAX_SIZE = 1000;
 

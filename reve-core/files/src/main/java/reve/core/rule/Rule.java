@@ -11,8 +11,7 @@ import java.util.Optional;
  * A rule of a world: it computes a semantic symbol of items by an expression. Immutable.
  *
  * @param kind kind of the items that get the symbol
- * @param itemClass value of the symbol {@code class} of the items that get the symbol; empty for
- *     all items of the kind
+ * @param itemClass class of these items, their symbol {@code class}; empty for all classes
  */
 public record Rule(
         String symbol, String kind, Optional<String> itemClass, Expression expression, String doc) {

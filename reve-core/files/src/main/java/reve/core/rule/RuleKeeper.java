@@ -77,8 +77,8 @@ final class RuleKeeper {
     }
 
     /**
-     * Adds the column or symbol that a name reads to the inputs; returns false if it is neither,
-     * for example a relation, which cannot be compared.
+     * Adds the column or symbol that a name reads to the inputs; returns false for other names,
+     * such as relations, which cannot be compared.
      */
     private boolean list(String name) {
         String symbol = Rule.symbolRead(name);
@@ -142,7 +142,7 @@ final class RuleKeeper {
     }
 
     /**
-     * Raises a fault event which reports that rules take too many steps, and names this rule.
+     * Raises a fault event: rules take too many steps, this one the most.
      *
      * @param why text after the rule's name in the message of the fault
      */

@@ -82,8 +82,8 @@ public final class BoundingBoxes {
     }
 
     /**
-     * Replaces the half extents of an item's own box by those of the axis-aligned box around it.
-     * For a mesh, moves the position to the centre of its box, which need not be the origin.
+     * Turns an item's half extents into those of the axis-aligned box around it; moves the position
+     * of a mesh to the centre of its box.
      */
     private void turn(int row, @Nullable Mesh mesh) {
         double x = orientation[4 * row];

@@ -186,8 +186,8 @@ public final class FrameLoop {
     }
 
     /**
-     * Makes {@code count} paced frames, or fewer if {@link #stop()} is called or the thread is
-     * interrupted.
+     * Makes {@code count} frames, each when it is due, or fewer if {@link #stop()} is called or the
+     * thread is interrupted.
      *
      * @param count 0 only publishes frame 0, if that has not happened yet
      */
@@ -207,7 +207,10 @@ public final class FrameLoop {
         }
     }
 
-    /** Makes paced frames until {@link #stop()} is called or the thread is interrupted. */
+    /**
+     * Makes frames, each when it is due, until {@link #stop()} is called or the thread is
+     * interrupted.
+     */
     public void run() {
         run(Long.MAX_VALUE);
     }
@@ -431,8 +434,8 @@ public final class FrameLoop {
     }
 
     /**
-     * Begins a frame unless paused. If another thread pauses the loop at the same time, either the
-     * pause begins after this frame, or the frame does not begin.
+     * Begins a frame unless paused. If another thread pauses the loop meanwhile, either this frame
+     * still runs before the pause, or it does not begin.
      */
     private boolean begin(long frame) {
         if (lastAllowed.get() < frame) {

@@ -23,8 +23,8 @@ public final class BoxIndex {
     private static final int NOTHING = -1;
 
     /**
-     * Factor by which the edges of a leaf node grow until it counts as worn; the boxes are sorted
-     * again if many leaf nodes are worn.
+     * Growth of a leaf node's edges (factor) from which it counts as worn; the boxes are sorted
+     * again if many are.
      */
     private static final double WORN_OUT = 2;
 

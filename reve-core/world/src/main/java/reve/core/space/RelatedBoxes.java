@@ -139,10 +139,7 @@ public final class RelatedBoxes {
         return count;
     }
 
-    /**
-     * Finds, for each relation, the nearest boxes to which a box has it; {@link #found(int, int)}
-     * returns them.
-     */
+    /** Finds the boxes to which a box has each relation. */
     public void find(int ofBox) {
         take(ofBox);
         depth = 0;

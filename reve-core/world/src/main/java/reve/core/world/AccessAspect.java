@@ -8,8 +8,8 @@ import java.util.List;
 import java.util.Optional;
 
 /**
- * The access aspect of an item: the actions that agents can perform on it, and its capabilities as
- * a body. World's thread only.
+ * The actions that agents can perform on an item, and its capabilities as a body. World's thread
+ * only.
  */
 public final class AccessAspect {
 

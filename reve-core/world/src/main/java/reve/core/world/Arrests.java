@@ -79,7 +79,7 @@ public final class Arrests {
 
     /**
      * Returns the largest magnitude among the item's numbers that laws read and the inverse of its
-     * mass; 0 for items without physics or arrested ones.
+     * mass; 0 if arrested.
      */
     public double excess(Item item) {
         double most = 0;

@@ -23,9 +23,9 @@ public final class Column extends ColumnView {
     private long editNotedIn;
 
     /**
-     * @param rows number of rows, shared by all columns of the table
+     * @param rows row count, shared with the table
      * @param guard called before each change
-     * @param record receives direct edits: changes that no aspect makes
+     * @param record receives direct edits
      * @param memory zeroed memory for the rows
      */
     Column(

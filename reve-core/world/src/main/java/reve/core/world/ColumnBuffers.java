@@ -21,8 +21,8 @@ final class ColumnBuffers {
     private static final int SLACK = 8;
 
     /**
-     * Memory with a copy of the column, and the number of slots that hold it. A constant buffer is
-     * never reused, so its slots are not counted.
+     * A copy, and the number of slots that hold it; not counted if it is constant, because it is
+     * never reused.
      */
     static final class Buffer {
         private final MemorySegment memory;

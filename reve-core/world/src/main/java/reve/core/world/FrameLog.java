@@ -53,8 +53,8 @@ final class FrameLog<T> {
     }
 
     /**
-     * Makes the entries of this frame final: entries added from now on belong to the next frame.
-     * Allocates memory only if there are entries.
+     * Makes the entries of this frame final; further ones belong to the next frame. Allocates
+     * memory only if there are entries.
      */
     void fix() {
         publishedLost = lost;

@@ -28,8 +28,8 @@ final class FrameRecord {
     }
 
     /**
-     * Returns a number, at least 1, that increases each time when new entries begin to belong to
-     * another frame.
+     * Returns a number, at least 1, that increases each time when further entries begin to belong
+     * to the next frame.
      */
     long period() {
         return period;

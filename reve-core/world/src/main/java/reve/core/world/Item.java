@@ -70,10 +70,7 @@ public final class Item {
         return symbols.sensors();
     }
 
-    /**
-     * Returns the physics aspect, the properties that laws use. It is empty for scenery, items that
-     * laws do not move.
-     */
+    /** Returns the physics aspect, which laws use; empty for scenery, which laws do not move. */
     public PhysicsAspect physics() {
         return new PhysicsAspect(this);
     }

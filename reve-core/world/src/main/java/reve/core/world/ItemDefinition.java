@@ -240,10 +240,7 @@ public final class ItemDefinition {
         PMap<String, Object> symbols = TreePMap.empty();
         List<Action> actions = List.of();
 
-        /**
-         * Actions by name, once an action was added; the definition then uses this map instead of
-         * the shared list.
-         */
+        /** Replaces the list of actions when another action is added. */
         private @Nullable Map<String, Action> actionsByName;
 
         List<String> capabilities = List.of();

@@ -6,7 +6,7 @@ import reve.core.text.VisibleName;
 
 import java.util.regex.Pattern;
 
-/** The rules for names of items, symbols, worlds, kinds and properties. */
+/** The rules for names in worlds. */
 final class Names {
 
     static final int MAX_LENGTH = 128;

@@ -77,8 +77,8 @@ public final class PhysicsAspect {
 
     /**
      * Sets a numeric property. If the aspect was empty, this turns scenery into an item with
-     * physics and moves its row, which is refused while the structure is locked (in the phases
-     * PHYSICS, DERIVE and PUBLISH).
+     * physics and moves its row, which is refused in the phases PHYSICS, DERIVE and PUBLISH of a
+     * frame.
      *
      * @throws IllegalArgumentException naming item, property and value if the property is unknown,
      *     components are missing, or a number is not finite or does not fit its type
@@ -102,8 +102,7 @@ public final class PhysicsAspect {
 
     /**
      * Clears the aspect: the item becomes scenery, which laws do not move. This moves the item's
-     * row, which is refused while the structure is locked (in the phases PHYSICS, DERIVE and
-     * PUBLISH).
+     * row, which is refused in the phases PHYSICS, DERIVE and PUBLISH of a frame.
      *
      * @throws IllegalArgumentException naming the items that refer to this item, or if this is the
      *     item {@code world}
@@ -166,8 +165,8 @@ public final class PhysicsAspect {
     }
 
     /**
-     * Sets the targets of a reference property; refused while the structure is locked (in the
-     * phases PHYSICS, DERIVE and PUBLISH).
+     * Sets the targets of a reference property; refused in the phases PHYSICS, DERIVE and PUBLISH
+     * of a frame.
      *
      * @throws IllegalArgumentException naming item and property if a target does not exist, is of
      *     the wrong kind or has no physics aspect

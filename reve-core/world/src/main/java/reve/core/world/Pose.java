@@ -105,9 +105,9 @@ public record Pose(double x, double y, double z, double qx, double qy, double qz
     }
 
     /**
-     * Computes the pose {@code inner}, which is relative to {@code outer}, in the reference frame
-     * of {@code outer}; {@code out} may be either array. The inner location v rotated by q = (u, w)
-     * is v + 2w(u x v) + 2u x (u x v).
+     * Converts a pose relative to {@code outer} into the reference frame of {@code outer}; {@code
+     * out} may be either array. The inner location v rotated by q = (u, w) is v + 2w(u x v) + 2u x
+     * (u x v).
      */
     static void compose(
             double[] outer, int at, double[] inner, int innerAt, double[] out, int outAt) {

@@ -17,12 +17,12 @@ public enum ScalarType {
     REF(Long.BYTES);
 
     /**
-     * Largest magnitude of a 64-bit number that files, actions and edits may set, in the unit of
-     * the property.
+     * Largest magnitude of 64-bit numbers that files, actions and edits may set, in the unit of the
+     * property.
      */
     public static final double MAX_F64 = 1e100;
 
-    /** Smallest magnitude other than 0 of a 64-bit number that actions and edits may set. */
+    /** Smallest magnitude of 64-bit numbers other than 0. */
     public static final double MIN_F64 = 1e-100;
 
     private static final double MAX_F32 = 1e30;

@@ -77,7 +77,7 @@ public final class SemanticAspect {
         change(symbol, checked, item.symbols().with(symbol, checked));
     }
 
-    /** Removes a symbol that the designer, an action or an edit has set, if present. */
+    /** Removes a symbol that was set (not by a rule), if present. */
     public void remove(String symbol) {
         item.checkedRow();
         if (item.symbols().given().containsKey(symbol)) {

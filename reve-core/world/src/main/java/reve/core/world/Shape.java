@@ -38,7 +38,7 @@ public sealed interface Shape
     /** Returns the extent along an axis of the shape (0, 1, 2) [m]. */
     double size(int axis);
 
-    /** Returns the shape of a body without one. */
+    /** Returns {@link None}, for a body without a shape. */
     static Shape none() {
         return None.INSTANCE;
     }

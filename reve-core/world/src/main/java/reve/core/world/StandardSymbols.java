@@ -11,7 +11,7 @@ public final class StandardSymbols {
     static final String DIMENSIONS = "dimensions";
     static final String LOCATION = "location";
 
-    /** Standard symbols that the world computes and nobody can set. */
+    /** Standard symbols that only the world itself sets. */
     public static final Set<String> DERIVED =
             Set.of(NAME, DIMENSIONS, LOCATION, "near", "on", "inside", "touching");
 

@@ -18,7 +18,9 @@ final class Symbols {
     private final SymbolIndex bySymbol = new SymbolIndex();
     private PMap<ItemId, ItemSymbols> all = TreePMap.empty();
 
-    /** The likeness of the last added item, because the next item often has an equal one. */
+    /**
+     * The {@link Likeness} of the last added item, because the next item often has an equal one.
+     */
     private @Nullable Likeness latest;
 
     /** Number of items by the agent whose actions created them; contains no 0. */

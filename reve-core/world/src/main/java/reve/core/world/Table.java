@@ -150,10 +150,7 @@ public final class Table implements TableView {
         return references;
     }
 
-    /**
-     * Assigns a zeroed row to an item: at the end of the rows with physics, which come first, or of
-     * the scenery rows.
-     */
+    /** Assigns a zeroed row to an item, at the end of the rows with physics or of the scenery. */
     int insert(ItemId id, boolean physics) {
         makeRoom(rowCount() + 1);
         int row = rowCount();
@@ -171,8 +168,8 @@ public final class Table implements TableView {
     }
 
     /**
-     * Removes an item's row. The last physics row moves into a gap among the physics rows; the last
-     * row of the table moves into the remaining gap.
+     * Removes an item's row. The last row of each part (with physics, scenery) moves into the gap
+     * that arises in it.
      */
     void remove(ItemId id) {
         int gap = rowOf(id);

@@ -63,7 +63,7 @@ public final class TableSnapshot implements TableView {
     /**
      * Returns the item in a row.
      *
-     * @throws IllegalArgumentException possibly, if the snapshot was lost
+     * @throws IllegalArgumentException in some cases, if the snapshot was overwritten
      */
     @Override
     public ItemId idAt(int row) {

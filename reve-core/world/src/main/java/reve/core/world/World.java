@@ -16,8 +16,7 @@ import java.util.Optional;
  *
  * <p>One thread owns a world and all objects that it returns; other threads read a {@link
  * WorldSnapshot}. The {@link #guard()} checks the thread and the permitted changes: items are added
- * and removed only while the structure is unlocked, that is, outside the phases PHYSICS, DERIVE and
- * PUBLISH of a frame.
+ * and removed only outside the phases PHYSICS, DERIVE and PUBLISH of a frame.
  */
 public final class World {
 
@@ -91,7 +90,7 @@ public final class World {
      * @throws IllegalArgumentException naming item, property and value if a name is taken, a kind
      *     or property does not exist, a value does not fit, or a reference is missing, or refers to
      *     no item, to the wrong kind or to an item without physics
-     * @throws IllegalStateException naming the phase if the structure is locked
+     * @throws IllegalStateException naming the phase of the frame if it forbids structural changes
      */
     public List<Item> addAll(List<ItemDefinition> definitions) {
         return addAll(definitions, null);
@@ -132,7 +131,7 @@ public final class World {
      *
      * @throws IllegalArgumentException naming the items that refer to the item, or if it is the
      *     item {@code world}
-     * @throws IllegalStateException naming the phase if the structure is locked
+     * @throws IllegalStateException naming the phase of the frame if it forbids structural changes
      */
     public void remove(ItemId id) {
         Item item = removable(id);
@@ -171,7 +170,7 @@ public final class World {
      * Renames an item. References are not affected, because they contain ids.
      *
      * @throws IllegalArgumentException if the name is taken or invalid
-     * @throws IllegalStateException naming the phase if the structure is locked
+     * @throws IllegalStateException naming the phase of the frame if it forbids structural changes
      */
     public void rename(ItemId id, String newName) {
         Item item = item(id);
@@ -222,7 +221,7 @@ public final class World {
      *
      * @throws IllegalArgumentException naming both if one is not a body, the child has a mass, or
      *     the parent is attached to the child, directly or not
-     * @throws IllegalStateException naming the phase if the structure is locked
+     * @throws IllegalStateException naming the phase of the frame if it forbids structural changes
      */
     public void attach(ItemId child, ItemId parent, Pose pose) {
         data.guard.requireUnlocked("attach items");
@@ -239,7 +238,7 @@ public final class World {
      * Detaches an item, which keeps its present pose in the world.
      *
      * @throws IllegalArgumentException if it is not attached
-     * @throws IllegalStateException naming the phase if the structure is locked
+     * @throws IllegalStateException naming the phase of the frame if it forbids structural changes
      */
     public void detach(ItemId child) {
         data.guard.requireUnlocked("detach items");
@@ -272,7 +271,7 @@ public final class World {
      *
      * @param image of a world of the same prototype
      * @throws IllegalArgumentException naming the difference if the image has another prototype
-     * @throws IllegalStateException naming the phase if the structure is locked
+     * @throws IllegalStateException naming the phase of the frame if it forbids structural changes
      */
     public void restore(WorldImage image) {
         data.guard.requireUnlocked("restore an image");

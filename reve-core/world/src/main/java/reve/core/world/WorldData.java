@@ -85,7 +85,7 @@ final class WorldData {
         return symbolsOf;
     }
 
-    /** Makes spatial searches use the present boxes: called after the boxes are computed. */
+    /** Makes spatial searches use the boxes computed now. */
     void boundsChanged() {
         boundsVersion++;
     }

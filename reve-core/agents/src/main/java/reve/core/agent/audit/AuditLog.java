@@ -113,8 +113,8 @@ public final class AuditLog implements Closeable {
     }
 
     /**
-     * Returns whether the file ends with a complete record. Throws, without changing the file, if
-     * it is no audit record, because its name may be a mistake.
+     * Returns whether the file ends with a complete record. Refuses, unchanged, a file that is no
+     * audit record.
      */
     private boolean endsWithLine() throws IOException {
         try (FileChannel in = FileChannel.open(file)) {

@@ -44,7 +44,7 @@ public final class ControlDesk {
     private final AtomicLong sequence = new AtomicLong();
     private final AtomicBoolean promptDue = new AtomicBoolean();
 
-    /** True while prompt commands are executed between frames. Only the world's thread uses it. */
+    /** True while prompt commands run. World's thread. */
     private boolean executesPrompt;
 
     /**

@@ -24,8 +24,8 @@ import java.util.concurrent.TimeoutException;
 import java.util.concurrent.atomic.AtomicReference;
 
 /**
- * Commands that work on a copy of a world while the world continues: {@code save} writes it as a
- * file, {@code fork} advances it. One at a time per world, on the requester's thread.
+ * Commands that work on a copy of a world while the world continues: saving it as a file, and
+ * advancing it (fork). One at a time, on the requester's thread.
  */
 final class ForkAndSave {
 

@@ -25,10 +25,7 @@ import java.util.Locale;
 import java.util.Map;
 import java.util.Set;
 
-/**
- * The report of an item: its four aspects (physical, semantic, access, physics) in one frame, with
- * the unit of each number.
- */
+/** The report of an item: its four aspects in one frame, with the unit of each number. */
 final class ItemReport {
 
     /**

@@ -24,8 +24,8 @@ import java.util.function.Supplier;
 
 /**
  * Answers to queries about the state of the frame loop, the laws, the ledger of energy and
- * momentum, and the aspects of an item. Queries change nothing, and their answers are not stored
- * for repeated messages. Any thread.
+ * momentum, and the aspects of an item. Queries change nothing, and answers are not stored. Any
+ * thread.
  */
 final class Reports {
 

@@ -19,13 +19,10 @@ public interface Requester {
     /** Returns the encoding of messages to the client. */
     Encoding encoding();
 
-    /** Ends the current round of an agent in lock-step, so that the world need not wait for it. */
+    /** Ends the current round of an agent in lock-step. */
     void endRound(ClientMessage.Ready ready);
 
-    /**
-     * Sends the result of a command. {@code frame} is the frame in which it took effect; later
-     * perceptions are not older.
-     */
+    /** Sends the result of a command, and the frame in which it took effect. */
     void finish(ClientMessage.Request request, ServerMessage result, long frame);
 
     /** Refuses a command that cannot be executed now; the client may send it again. */

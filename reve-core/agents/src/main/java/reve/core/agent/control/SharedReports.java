@@ -44,7 +44,7 @@ final class SharedReports {
      */
     private static final long SLICE_NANOS = 1_000_000;
 
-    /** Reports take at most one in this number of parts of the time. */
+    /** Reports take one of this many parts of the time. */
     private static final int SHARE = 10;
 
     /**
@@ -69,7 +69,7 @@ final class SharedReports {
      */
     private record Read(@Nullable Map<String, Object> content, @Nullable Exception failure) {}
 
-    /** Waiting queries by client; the client whose turn is next comes first. Guarded by this. */
+    /** Queries by client, in order of their turns. Guarded by this. */
     private final Map<Requester, Deque<Waiting>> waiting = new LinkedHashMap<>();
 
     /**
@@ -89,7 +89,7 @@ final class SharedReports {
     /** Number of waiting queries by kind. */
     private final AtomicIntegerArray wanted = new AtomicIntegerArray(KINDS.length);
 
-    /** The function that reads the content, as the newest query gave it, by kind. */
+    /** The newest function to read the content, by kind. */
     private final AtomicReferenceArray<WorldControl.Reading> readings =
             new AtomicReferenceArray<>(KINDS.length);
 
@@ -130,8 +130,8 @@ final class SharedReports {
     }
 
     /**
-     * Requests a reading from the world's thread, if queries wait and reports have not exceeded
-     * their part of the time. Called periodically.
+     * Requests a reading if queries wait and reports have not exceeded their part of the time.
+     * Called periodically.
      */
     void proceed() {
         synchronized (this) {

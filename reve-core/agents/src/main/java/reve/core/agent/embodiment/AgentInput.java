@@ -26,7 +26,7 @@ public sealed interface AgentInput {
     record Act(String agent, ActionRequest requested) implements AgentInput {}
 
     /**
-     * A change by an operator, who may make every change that the world permits.
+     * A change by an operator, possibly any change that the world permits.
      *
      * @param property for example {@code physical.location}, {@code physics.mass} or {@code
      *     semantic.class}

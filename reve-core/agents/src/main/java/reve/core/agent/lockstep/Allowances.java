@@ -96,7 +96,7 @@ public final class Allowances {
         wantedNanos += pauseNanos;
     }
 
-    /** Determines whether any other agent can be delayed in this frame. */
+    /** Determines whether agents can delay others in this frame. */
     void look(Turn[] turns) {
         othersWait = realTime.get() > 0 || haveSeveralHomes(turns);
     }

@@ -191,9 +191,8 @@ public final class LockStep implements FrameGate {
             if (somebodyComes) {
                 if (turn.holds(frame)) {
                     turn.allowance()
-                            .answer(
-                                    nowNanoseconds); // the agent held the frame until now, which is
-                                                     // charged to it
+                            .answer(nowNanoseconds); // the agent held the frame until now, which is
+                    // charged to it
                 }
                 turn.putOff(frame);
             }

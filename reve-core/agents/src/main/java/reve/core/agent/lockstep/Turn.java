@@ -113,9 +113,8 @@ public final class Turn {
     }
 
     /**
-     * Ends the rounds up to the one that contains {@code frame}, the frame of the perception that
-     * the agent has processed. Does nothing if they have ended already or the frame is not
-     * published.
+     * Ends the rounds up to that of {@code frame}, whose perception the agent has processed. Has no
+     * effect if they ended before or the frame is not published.
      */
     public void ready(long frame, long published, long nowNanos) {
         playing = true;
@@ -291,7 +290,7 @@ public final class Turn {
         if (goes
                 && readyMessages.get()
                         != messagesWhenJudged) { // a ready message came just now: the agent returns
-                                                 // at once
+            // at once
             presence.compareAndSet(Presence.AWAY, Presence.RETURNING);
         }
         return new AgentInput.Late(agent, missed, wanted.fallback(), told, goes);

@@ -21,7 +21,7 @@ public interface Client {
     /** Records a request of the client for perceptions. */
     void perceive(ClientMessage.Perceive perceive) throws BadMessage;
 
-    /** Requests a picture from a camera of the client's body, and sends it. */
+    /** Requests a picture from a camera of the client's body, which is sent when it is drawn. */
     void look(ClientMessage.Look look) throws BadMessage;
 
     /** Ends the current round of an agent in lock-step. */

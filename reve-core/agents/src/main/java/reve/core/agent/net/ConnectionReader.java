@@ -215,7 +215,7 @@ final class ConnectionReader {
 
     /**
      * Returns whether a line is the first of an HTTP request. A web page can send arbitrary data to
-     * a local port, but only after such a line, so the connection is closed.
+     * a local port, but only after such a line.
      */
     private static boolean isHttp(ByteBuffer line) {
         return HTTP.matcher(StandardCharsets.ISO_8859_1.decode(line.duplicate())).find();

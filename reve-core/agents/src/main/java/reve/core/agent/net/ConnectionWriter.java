@@ -80,8 +80,7 @@ final class ConnectionWriter {
     }
 
     /**
-     * Writes waiting messages. If the connection has ended, shuts down the output after the last
-     * one.
+     * Writes waiting messages; after the last one of an ended connection, shuts down the output.
      *
      * @param client the session; null before the hello
      * @throws CloseReason if nothing may be sent, because the audit record cannot be written
@@ -112,8 +111,8 @@ final class ConnectionWriter {
     }
 
     /**
-     * Returns whether the socket has accepted less than {@link #PROGRESS_BYTES} for longer than
-     * {@code nanos} [ns], although data is waiting.
+     * Returns whether the socket has accepted less than 64 KiB of the waiting data for longer than
+     * {@code nanos}.
      */
     boolean isStuckFor(long nanos, long nowNanos) {
         return isStuck() && nowNanos - unsentSinceNanos > nanos;

@@ -309,10 +309,7 @@ public final class Connections {
         admit(channel, client, Optional.empty(), relay);
     }
 
-    /**
-     * Logs that no file descriptor is left for a connection, and returns an exception that states
-     * it. Any thread.
-     */
+    /** Logs that no file descriptor is left; returns an exception for it. Any thread. */
     public IOException noDescriptors() {
         var none =
                 new IOException(

@@ -21,10 +21,7 @@ public final class Descriptors {
     private final LongSupplier limit;
     private final LongSupplier open;
 
-    /**
-     * Number of further connections that are possible: the last count, minus connections accepted
-     * since.
-     */
+    /** Number of further possible connections: the last count, less those accepted since. */
     private final AtomicLong room = new AtomicLong();
 
     /**
@@ -86,8 +83,8 @@ public final class Descriptors {
     }
 
     /**
-     * Takes descriptors for connections of other servers of this process. They are not given back
-     * by {@link #give}; the next count notices when the connections end.
+     * Takes descriptors for connections whose end {@link #give} does not report; the next {@link
+     * #count} notices it.
      *
      * @return false, without effect, if fewer than {@code count} are left
      */

@@ -4,7 +4,7 @@ package reve.core.agent.net;
 import reve.core.agent.protocol.ClientMessage;
 import reve.core.agent.protocol.CloseReason;
 
-/** The decision whether a client that has sent a hello is admitted. */
+/** Admission of clients by their hello. */
 public interface Door {
 
     /**

@@ -43,7 +43,7 @@ public final class EventLoop {
         /** Does the work. */
         void run();
 
-        /** Called periodically. */
+        /** Checks time limits. Called periodically. */
         void checkDeadlines(long nowNanos);
     }
 
@@ -59,7 +59,10 @@ public final class EventLoop {
     private final Queue<Runnable> tasks = new ConcurrentLinkedQueue<>();
     private long checkedNanos = System.nanoTime();
 
-    /** True if the last event arrived within {@link #AWAKE_NANOS}. */
+    /**
+     * True if the last event arrived within {@link #AWAKE_NANOS}, so that a busy-wait is
+     * worthwhile.
+     */
     private boolean quick;
 
     /** True if another thread has added work since this turn began. */
@@ -158,7 +161,8 @@ public final class EventLoop {
 
     private void run() {
         while (!stopped) {
-            // Another waiting thread has priority, because it may get a processor late.
+            // A world's thread that waits for the lock has priority, because it may get a processor
+            // late.
             if (taken || duty.hasQueuedThreads() || !duty.tryLock()) {
                 taken = false;
                 LockSupport.parkNanos(NAP_NANOS);

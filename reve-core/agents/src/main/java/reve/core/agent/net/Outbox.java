@@ -66,10 +66,7 @@ public final class Outbox {
     /** Number of the last frame whose events were added. */
     private long happenedIn = -1;
 
-    /**
-     * Number of events dropped since no event was waiting; 0 if none. Their report is queued when
-     * no event is waiting again.
-     */
+    /** Number of dropped events that are not reported yet; 0 if none. */
     private long missed;
 
     private long firstMissed;

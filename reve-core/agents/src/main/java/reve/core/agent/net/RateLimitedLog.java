@@ -23,7 +23,7 @@ public final class RateLimitedLog {
     private int leftOut;
 
     /**
-     * @param subject the subject of the lines, as in "7 more lines about WHO"
+     * @param subject the subject of the lines, for the report "7 more lines about SUBJECT"
      */
     public RateLimitedLog(int linesPerSecond, String subject) {
         this.linesPerSecond = linesPerSecond;

@@ -34,9 +34,7 @@ final class ReadShares {
     private long window;
     private long pool = POOL;
 
-    /**
-     * The unused allowance of one connection, and what it took from the pool in the current window.
-     */
+    /** The unused allowance of one connection, and its use of the pool. */
     static final class Share {
         private double own = OWN_MOST;
         private long nanos;
@@ -52,7 +50,7 @@ final class ReadShares {
     }
 
     /**
-     * Takes the size of a message from the allowance or, if that does not suffice, from the pool.
+     * Takes the size of a message from the allowance or, if too small, from the pool.
      *
      * @return false if the message must wait for a later window
      */

@@ -35,10 +35,7 @@ public final class SlowReaders<C> {
     /** Waiting data of a connection: number of bytes in its queue, and the data being written. */
     private record Held(int queued, Rope rest) {}
 
-    /**
-     * Waiting data by connection; the one that has been slow the longest comes first. Guarded by
-     * this.
-     */
+    /** Waiting data by connection, the slowest first. Guarded by this. */
     private final Map<C, Held> large = new LinkedHashMap<>();
 
     private long bytes;

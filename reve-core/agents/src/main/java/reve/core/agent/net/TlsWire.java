@@ -45,8 +45,8 @@ final class TlsWire implements Wire {
     private @Nullable Runnable readable;
 
     /**
-     * Buffers: data that was received but is an incomplete record, data that was decrypted but not
-     * read, and data that was encrypted but not sent.
+     * Three buffers for data that is received but incomplete, decrypted but not read, and encrypted
+     * but not sent.
      */
     private ByteBuffer incoming = NOTHING;
 

@@ -120,7 +120,10 @@ final class FrameRelations {
         }
     }
 
-    /** Returns the number of found boxes for each relation, followed by these boxes. */
+    /**
+     * Returns the search result in one array: the number of boxes for each relation, then the
+     * boxes.
+     */
     private int[] packed() {
         int size = RelatedBoxes.RELATIONS;
         for (int relation = 0; relation < RelatedBoxes.RELATIONS; relation++) {

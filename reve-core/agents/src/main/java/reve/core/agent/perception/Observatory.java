@@ -48,7 +48,7 @@ public final class Observatory {
     private final SensedWorld bodies = new SensedWorld();
     private final Found found = new Found();
 
-    /** Hiders for any eye, used if no body has sensors that look. */
+    /** Bodies that last hid others from the eye of any body, for tests of single items. */
     private final Hiders hiders = new Hiders();
 
     private PMap<ItemId, ItemSymbols> symbols = TreePMap.empty();
@@ -121,9 +121,7 @@ public final class Observatory {
         return true;
     }
 
-    /**
-     * Discards ids and symbols, which may be invalid, so that the next frame is read completely.
-     */
+    /** Discards data that may be invalid; the next frame is read completely. */
     private void forget() {
         ids = new long[0];
         symbols = TreePMap.empty();

@@ -90,8 +90,8 @@ public final class PerceivedItem {
     }
 
     /**
-     * Returns whether the item must be sent completely: it is another item, or other aspects of it
-     * are perceived.
+     * Returns whether the item must be sent completely: {@code before} is another item or shows
+     * other aspects.
      */
     boolean isNewTo(PerceivedItem before) {
         return !name().equals(before.name())

@@ -16,10 +16,7 @@ import java.util.Map;
 /** Encoder of perceptions. Data of a frame that several agents receive is encoded once. */
 public final class PerceptionEncoder {
 
-    /**
-     * Encoded fields of perceptions that several clients receive, by view and encoding. Guarded by
-     * this.
-     */
+    /** Encoded fields by view and encoding. Guarded by this. */
     private final Map<View, Map<Encoding, Fields>> told = new IdentityHashMap<>();
 
     private @Nullable View shared;

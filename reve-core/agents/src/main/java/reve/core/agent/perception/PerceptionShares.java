@@ -54,9 +54,7 @@ public final class PerceptionShares<C extends PerceptionShares.Client> {
     /** Time left in this slice [ns]. */
     private double sliceNanos;
 
-    /**
-     * Cost up to which a perception is cheap in this slice [ns]; sessions with a higher cost wait.
-     */
+    /** Maximum cost of a cheap perception in this slice [ns]. */
     private double cheapNanos;
 
     private double firstNanos = FIRST_NANOS;
@@ -93,8 +91,8 @@ public final class PerceptionShares<C extends PerceptionShares.Client> {
         private boolean known;
 
         /**
-         * Writing time that is not charged yet [ns]. Set by the thread that writes to the session,
-         * while the event loop waits for this thread.
+         * Writing time not charged yet [ns]. Set by the writing thread, while the event loop waits
+         * for it.
          */
         private long writtenNanos;
 

@@ -45,7 +45,8 @@ public final class RelatedViews<C extends RelatedViews.Client> {
         Optional<Set<ItemId>> sensedIn(long frame);
 
         /**
-         * Keeps the older relations of items that were not sensed again, see {@link Senses#relate}.
+         * Returns a view in which items that were not sensed again keep older relations, see {@link
+         * Senses#relate}.
          */
         View relate(View view, Optional<Set<ItemId>> fresh);
     }
@@ -98,7 +99,7 @@ public final class RelatedViews<C extends RelatedViews.Client> {
                 if (!waiting.isEmpty()) {
                     return Optional
                             .empty(); // other sessions wait for relations of an earlier frame,
-                                      // which are completed first
+                    // which are completed first
                 }
                 world.begin(relations);
             }

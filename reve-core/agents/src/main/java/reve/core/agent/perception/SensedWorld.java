@@ -232,10 +232,7 @@ public final class SensedWorld {
         return shape[row];
     }
 
-    /**
-     * Copies the corners [m] of the box of the body in a row into both arrays, from index {@code
-     * at} on.
-     */
+    /** Copies the corners of the box of the body in a row [m]. */
     void copyBox(int row, double[] lows, double[] highs, int at) {
         System.arraycopy(low, 3 * row, lows, at, 3);
         System.arraycopy(high, 3 * row, highs, at, 3);

@@ -27,7 +27,7 @@ import java.util.stream.Stream;
  */
 public final class Senses {
 
-    /** Type of the event which reports that a law, listener or command failed. */
+    /** Type of the event that reports a failed law, listener or command. */
     public static final String FAULT = "fault";
 
     private final ItemId body;

@@ -97,10 +97,7 @@ public interface WorldControl {
      */
     Change changeRules(Map<String, Optional<String>> rules) throws ActionRefused;
 
-    /**
-     * Prepares the end of a library's quarantine, in which the library does not act because it has
-     * failed.
-     */
+    /** Prepares the end of the quarantine of a library that failed. */
     Change release(String library) throws ActionRefused;
 
     /**

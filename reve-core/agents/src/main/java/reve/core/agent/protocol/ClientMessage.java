@@ -292,10 +292,7 @@ public sealed interface ClientMessage {
      */
     record SetLaw(long id, String library, Map<String, Double> parameters) implements Control {}
 
-    /**
-     * Requests the ledger of the energy and momentum that laws add; {@code open} opens or closes
-     * it.
-     */
+    /** Requests the ledger of energy and momentum; {@code open} opens or closes it. */
     record Ledger(long id, Optional<Boolean> open) implements Control {}
 
     /**
@@ -307,7 +304,7 @@ public sealed interface ClientMessage {
     /** Requests the state of the world's frame loop and of its clients. */
     record State(long id) implements Query {}
 
-    /** Requests the four aspects of an item: physical, semantic, access and physics. */
+    /** Requests a report of the aspects of an item. */
     record Inspect(long id, String item) implements Query {}
 
     /** Requests the loaded, quarantined and available laws. */

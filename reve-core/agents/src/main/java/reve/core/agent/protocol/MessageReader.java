@@ -87,7 +87,10 @@ public final class MessageReader {
         }
     }
 
-    /** Refuses values that the JSON grammar allows but no text or number can represent. */
+    /**
+     * Refuses values that JSON permits but the server does not: numbers beyond the range of
+     * doubles, and unpaired surrogates.
+     */
     private static void requireSound(JsonNode node) throws BadMessage {
         if (node.isString()) {
             requireSound(node.stringValue());

@@ -33,10 +33,7 @@ public final class Rope {
     private final int[] ownBefore;
     private final int size;
 
-    /**
-     * Number of connections whose waiting data contains the rope. Guarded by the {@link
-     * SlowReaders}.
-     */
+    /** Number of holders. Guarded by the {@link SlowReaders}. */
     private int holders;
 
     /** Creates a rope that owns the bytes, which must not change any more. */

@@ -32,8 +32,8 @@ public sealed interface ServerMessage {
             int worldEventBytes) {}
 
     /**
-     * A token with which another connection can resume the session within the given time after the
-     * connection breaks.
+     * The session token, with which another connection can resume the session within the given time
+     * after the connection breaks.
      */
     record Ticket(String token, double graceSeconds) {}
 

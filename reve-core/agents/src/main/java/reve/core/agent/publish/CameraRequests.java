@@ -54,7 +54,7 @@ public final class CameraRequests {
     public void take(ClientMessage.Look look, ItemId body, Sensor camera) throws BadMessage {
         if (pending.equals(OptionalLong.of(look.id()))) {
             return; // the client repeated its request over a new connection; the answer to the
-                    // first one follows
+            // first one follows
         }
         if (pending.isPresent()) {
             throw new BadMessage(

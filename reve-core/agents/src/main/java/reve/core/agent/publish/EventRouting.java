@@ -37,7 +37,7 @@ final class EventRouting {
     // The items in the last view of each agent with sensors.
     private final Map<Perceiver, Showing> showings = new IdentityHashMap<>();
 
-    /** Clients whose last view contains an item, by item. Updated only when there are events. */
+    /** Clients whose last view contains an item. Updated when there are events. */
     private final Map<ItemId, Set<Perceiver>> viewers = new HashMap<>();
 
     // The clients of this frame: with sensors, without sensors, and those with unlimited and with

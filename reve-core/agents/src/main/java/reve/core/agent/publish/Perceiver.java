@@ -14,10 +14,7 @@ import reve.core.world.WorldEvent;
 import java.util.BitSet;
 import java.util.Optional;
 
-/**
- * A client as seen by the publisher of its world, which sends it events and perceptions. The event
- * loop's thread.
- */
+/** A client, as the publisher of its world sees it. The event loop's thread. */
 public interface Perceiver extends PerceptionShares.Client, RelatedViews.Client {
 
     /** Returns the name that the client declared. */

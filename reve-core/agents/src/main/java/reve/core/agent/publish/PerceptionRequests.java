@@ -13,8 +13,8 @@ import java.util.Optional;
 import java.util.concurrent.atomic.LongAdder;
 
 /**
- * The requests of one client for perceptions: single ones, and a stream of one every N frames. The
- * thread that reads its messages adds requests; the publisher serves them.
+ * The requests of one client for single perceptions or a stream. The thread that reads its messages
+ * adds requests; the publisher serves them.
  */
 public final class PerceptionRequests {
 

@@ -104,9 +104,7 @@ public final class Publisher {
 
     // Methods for the world's thread.
 
-    /**
-     * Handles the phase PUBLISH of a frame: records its events for the event loop, and wakes it.
-     */
+    /** Records the events of a frame for the event loop, in the phase PUBLISH. */
     public void onFrame(FrameEvent event) {
         List<WorldEvent> happened = event.world().events();
         if (!happened.isEmpty()) {
@@ -123,7 +121,7 @@ public final class Publisher {
 
     // Methods for any thread.
 
-    /** Runs code that sends a result on the event loop, before the next perceptions are sent. */
+    /** Runs code that sends a result on the event loop, before the next perceptions. */
     public void later(Runnable report) {
         reports.add(report);
         bring();
@@ -146,10 +144,7 @@ public final class Publisher {
         leavers.add(session);
     }
 
-    /**
-     * Runs code that sends a result on the event loop, together with the frame that is being made;
-     * called in the phase ACT.
-     */
+    /** Runs code that sends a result with the frame that is being made; called in the phase ACT. */
     public void withFrame(Runnable report) {
         reports.add(report);
     }
@@ -187,7 +182,7 @@ public final class Publisher {
         }
     }
 
-    /** Sends all data that is available now: results, events and perceptions. */
+    /** Sends all available results, events and perceptions. */
     public void tell() {
         news = false;
         try {
@@ -216,7 +211,7 @@ public final class Publisher {
             owesPerceptions = false;
             if (wanted && !isRead && !observatory.read(snapshot.get())) {
                 return; // the snapshot was overwritten while it was read, so the next frame is
-                        // available already
+                // available already
             }
             served = snapshot.map(WorldSnapshot::frame).orElse(served);
             tellEvents();
@@ -242,9 +237,8 @@ public final class Publisher {
         }
         Optional<WorldSnapshot> latest = port.snapshots().acquireLatest();
         if (latest.isPresent() && latest.get().frame() > published) {
-            latest.get()
-                    .close(); // the events of this frame are not recorded yet; then the loop is
-                              // woken again
+            latest.get().close(); // the events of this frame are not recorded yet; then the loop is
+            // woken again
             return Optional.empty();
         }
         return latest;
@@ -351,8 +345,8 @@ public final class Publisher {
     }
 
     /**
-     * Returns whether the server has raised the event for an absent agent; actions in world files
-     * may raise events of the same types with other fields.
+     * Returns whether the server raised the event for an absent agent; actions may raise events of
+     * these types with other fields.
      */
     private static boolean isAbsence(WorldEvent event) {
         return ABSENCES.contains(event.type())

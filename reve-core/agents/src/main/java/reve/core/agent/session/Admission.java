@@ -142,8 +142,8 @@ public final class Admission implements Door {
     }
 
     /**
-     * Counts a wrong secret for the network address of the connection; throws if there are too
-     * many. Right secrets are not counted and are always accepted.
+     * Counts a wrong secret for the network address; throws if there are too many. Right secrets
+     * are not counted.
      */
     private void countWrong(Connection connection) throws CloseReason {
         if (!attempts.take(connection.address(), System.nanoTime())) {

@@ -163,8 +163,8 @@ public final class ServedWorld implements AutoCloseable {
     }
 
     /**
-     * Sends events to the agents of an allowance (their time to delay others) that has become
-     * exhausted or was restored. Loop's thread; rare.
+     * Informs agents that their allowance has become exhausted or was restored. Loop's thread;
+     * rare.
      */
     private void tellWaiting(Allowance allowance) {
         boolean spent = allowance.isSpent();
@@ -302,8 +302,8 @@ public final class ServedWorld implements AutoCloseable {
     }
 
     /**
-     * Queues the leave commands that wait for room. The name of a client is free again as soon as
-     * its leave is queued, because commands of one name are executed in order.
+     * Queues the leave commands that wait for room. A name is free again once its leave is queued,
+     * because commands of one name are executed in order.
      */
     private synchronized void queueLeaving() {
         while (!leaving.isEmpty() && port.commands().offer(leaving.getFirst())) {

@@ -176,9 +176,8 @@ final class SessionOutput {
         }
         Connection now = connection;
         if (now != null && !now.outbox().offer(event.bytes(), frame)) {
-            now
-                    .write(); // writes at once: frames may follow each other faster than the event
-                              // loop writes
+            now.write(); // writes at once: frames may follow each other faster than the event
+            // loop writes
             if (!now.outbox().offer(event.bytes(), frame)) {
                 now.outbox().miss(frame);
             }

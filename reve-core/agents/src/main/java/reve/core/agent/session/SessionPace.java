@@ -29,7 +29,7 @@ final class SessionPace {
      */
     private boolean inRealTime;
 
-    /** Guarded by this. */
+    /** True after the agent has left. Guarded by this. */
     private boolean left;
 
     SessionPace(LockStep lockStep, @Nullable Turn turn) {
@@ -93,7 +93,7 @@ final class SessionPace {
     }
 
     /**
-     * Refuses a message that only agents in lock-step send.
+     * Refuses a message that only agents in lock-step may send, if the agent is in real time.
      *
      * @param client names the client in the refusal
      */
