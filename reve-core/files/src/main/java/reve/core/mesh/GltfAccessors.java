@@ -32,9 +32,8 @@ final class GltfAccessors {
     }
 
     /**
-     * @param bytes the elements, one every {@code stride} bytes
-     * @param type GL code of a component's type
-     * @param components number of components per element
+     * A glTF accessor: elements of several components. The elements begin every {@code stride}
+     * bytes of {@code bytes}; {@code type} is the GL code of a component's type.
      */
     final class Accessor {
         private final String name;
