@@ -25,41 +25,51 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * The newest frame as read by the publisher, and the perceptions of sensors in it. Data that has
- * not changed since the previous frame is the same object. The event loop's thread.
+ * The newest frame that the publisher has read, and the computation of what sensors perceive in it.
+ * Data that has not changed since the previous frame is represented by the same object. The event
+ * loop's thread.
  */
 public final class Observatory {
 
-    /** Factor on a sensor's range in searches; the sensor's own test decides. */
+    /**
+     * Factor by which searches extend a sensor's range, for rounding errors; an exact test of the
+     * sensor follows.
+     */
     private static final double WIDER = 1 + 1e-9;
 
     private static final int NO_ROW = -1;
 
-    /** Maximum sum of distances [m]; a larger sum would lose small summands. */
+    /**
+     * Maximum sum of distances that bodies have moved [m]; in a larger sum, rounding would lose
+     * small summands.
+     */
     private static final double LONGEST_PATH = 1000;
 
     private final SensedWorld bodies = new SensedWorld();
     private final Found found = new Found();
 
-    /** Hiders for any eye, used if no body has sensors that look. */
+    /** Bodies that last hid others from the eye of any body, for tests of single items. */
     private final Hiders hiders = new Hiders();
 
     private PMap<ItemId, ItemSymbols> symbols = TreePMap.empty();
     private Map<String, ItemId> idByName = Map.of();
     private View everything = new View(0, 0, List.of());
 
-    // Indexed by position in the order of ids.
+    // Arrays indexed by position of the item in the order of ids.
     private long[] inOrder = {};
     private EncodedItem[] items = {};
     private int[] rows = {};
     private PerceivedItem[] seen = {};
 
-    /** Perceived items per visibility, as far as an agent has sensed them. */
+    /**
+     * Perceived items by {@link Visibility}; null for items that no agent with this visibility has
+     * sensed.
+     */
     private final Map<Visibility, PerceivedItem[]> sensed = new HashMap<>();
 
     private final Map<Sensor, PerceivedItem[]> shownBy = new IdentityHashMap<>();
 
-    // Indexed by row.
+    // Arrays indexed by row in the table of bodies.
     private long[] ids = {};
     private int[] places = {};
     private PerceivedItem[] gathered = {};
@@ -68,7 +78,10 @@ public final class Observatory {
     /** Incremented when items are added or removed, or change their rows. */
     private long arrangement;
 
-    /** Upper bounds on the distance that any body has moved [m]: in this frame, and in total. */
+    /**
+     * Upper bound on the distance that any body has moved in this frame [m]; the next field is the
+     * sum over frames.
+     */
     private double moved;
 
     private double path;
@@ -76,7 +89,8 @@ public final class Observatory {
     /**
      * Reads a frame.
      *
-     * @return false if the snapshot was lost meanwhile; the content is then invalid
+     * @return false if the snapshot was overwritten meanwhile; the content of this object is then
+     *     invalid
      */
     public boolean read(WorldSnapshot snapshot) {
         try {
@@ -107,7 +121,7 @@ public final class Observatory {
         return true;
     }
 
-    /** Discards the rows, which may be invalid. */
+    /** Discards data that may be invalid; the next frame is read completely. */
     private void forget() {
         ids = new long[0];
         symbols = TreePMap.empty();
@@ -187,7 +201,7 @@ public final class Observatory {
                                         || bodies.isAt(row, place)));
     }
 
-    /** Returns the view of all items. */
+    /** Returns the view of all items, which clients without sensors receive. */
     public View everything() {
         return everything;
     }
@@ -205,7 +219,8 @@ public final class Observatory {
      * Returns the items that one sensor of a body senses now, and the body itself, in the order of
      * ids.
      *
-     * @param around surroundings of the body within the sensor's range; updated
+     * @param around items around the body that the sensor may reach, kept from frame to frame;
+     *     updated
      * @param before the previous result; returned again if nothing has changed
      */
     List<PerceivedItem> sense(
@@ -304,7 +319,8 @@ public final class Observatory {
     }
 
     /**
-     * Finds a superset of the items that a sensor of limited range can sense, in the order of ids.
+     * Updates the items that a sensor of limited range may sense, in the order of ids; the list may
+     * contain items out of reach.
      */
     private void lookAround(Sensor sensor, int eye, Surroundings around) {
         double range = sensor.range();
@@ -344,10 +360,10 @@ public final class Observatory {
     }
 
     /**
-     * Computes a box that contains the body and the reach of its sensors.
+     * Computes a box that contains the body and everything that its sensors can reach.
      *
-     * @param at index of the box's three numbers in both arrays
-     * @return false if the reach is unlimited
+     * @param at index in both arrays at which the three numbers of the box are written
+     * @return false if the reach of a sensor is unlimited
      */
     boolean reach(List<Sensor> sensors, ItemId body, double[] lows, double[] highs, int at) {
         int row = row(body);
@@ -366,7 +382,7 @@ public final class Observatory {
         return true;
     }
 
-    /** Returns the box around an item; empty for an item without place. */
+    /** Returns the bounding box of an item; empty for an item without a place, such as a spring. */
     public Optional<Box> box(ItemId item) {
         int row = row(item);
         return row == NO_ROW ? Optional.empty() : Optional.of(bodies.box(row));
@@ -382,7 +398,7 @@ public final class Observatory {
         return place < 0 ? NO_ROW : rows[place];
     }
 
-    /** Returns the item's position in the order of ids; negative if it does not exist. */
+    /** Returns the position of an item in the order of ids; negative if the item does not exist. */
     private int place(ItemId id) {
         return Arrays.binarySearch(inOrder, id.value());
     }

@@ -14,7 +14,7 @@ import reve.core.world.WorldEvent;
 import java.util.BitSet;
 import java.util.Optional;
 
-/** A client of its world's publisher. The event loop's thread. */
+/** A client, as the publisher of its world sees it. The event loop's thread. */
 public interface Perceiver extends PerceptionShares.Client, RelatedViews.Client {
 
     /** Returns the name that the client declared. */
@@ -26,13 +26,16 @@ public interface Perceiver extends PerceptionShares.Client, RelatedViews.Client 
     /** Returns the encoding of messages to the client. */
     Encoding encoding();
 
-    /** Returns the client's requests over its newest connection. */
+    /** Returns the requests for perceptions that the client has made over its newest connection. */
     PerceptionRequests perceptions();
 
     /** Returns whether the client perceives only through sensors of its body. */
     boolean hasSensors();
 
-    /** Assigns a body, possibly another one than before, or ends the session if it gets none. */
+    /**
+     * Assigns a body to the client, possibly another one than before, or ends its session if the
+     * outcome is a refusal.
+     */
     void embodied(Outcome outcome);
 
     /** Returns the client's view of the newest frame. */
@@ -44,7 +47,10 @@ public interface Perceiver extends PerceptionShares.Client, RelatedViews.Client 
      */
     Optional<BitSet> hear(WorldEvent event, EventSubjects subjects, Observatory world);
 
-    /** Computes the box of its sensors' reach, see {@link Observatory#reach}. */
+    /**
+     * Computes a box that contains the reach of the client's sensors, see {@link
+     * Observatory#reach}.
+     */
     boolean reach(Observatory world, double[] lows, double[] highs, int at);
 
     /** Sends an event to the client. */
