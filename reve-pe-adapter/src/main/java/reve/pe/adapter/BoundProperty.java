@@ -66,7 +66,9 @@ abstract sealed class BoundProperty permits BoundColumn, BoundReferences, BoundC
         }
     }
 
-    /** Notifies the engine if values of a bound property were edited since the last notification. */
+    /**
+     * Notifies the engine if values of a bound property were edited since the last notification.
+     */
     final void touchIfEdited(PhysicalPropertyProvider provider) {
         if (isEdited()) {
             memory();

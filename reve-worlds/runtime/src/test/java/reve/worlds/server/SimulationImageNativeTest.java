@@ -37,9 +37,7 @@ class SimulationImageNativeTest {
 
     @BeforeEach
     void run() throws Exception {
-        WorldDescription description =
-                WorldFile.load(
-                        WORLDS.resolve("icosahedron/world.yaml"));
+        WorldDescription description = WorldFile.load(WORLDS.resolve("icosahedron/world.yaml"));
         live = new Simulation(description, Pacing.FAST);
         live.loop().run(2 * FRAMES);
     }
@@ -66,7 +64,8 @@ class SimulationImageNativeTest {
 
     static Stream<Path> shippedWorlds() throws IOException {
         try (Stream<Path> folders = Files.list(WORLDS)) {
-            return folders.map(folder -> folder.resolve("world.yaml"))
+            return folders
+                    .map(folder -> folder.resolve("world.yaml"))
                     .filter(Files::exists)
                     .sorted()
                     .toList()
