@@ -321,7 +321,7 @@ public final class ControlCommand implements Callable<Integer> {
             // A refused law as text has several lines; other control characters are escaped.
             String reason =
                     "reve: " + result.code().orElse("refused") + ": " + result.reason().orElse("");
-            reason.lines().forEach(spec.commandLine().getErr()::println);
+            LinePrinter.message(spec.commandLine().getErr(), reason.lines().toList());
         }
         out.flush();
     }

@@ -23,6 +23,7 @@ import java.util.IdentityHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
+import java.util.function.BooleanSupplier;
 
 /**
  * The newest frame that the publisher has read, and the computation of what sensors perceive in it.
@@ -38,6 +39,11 @@ public final class Observatory {
     private static final double WIDER = 1 + 1e-9;
 
     private static final int NO_ROW = -1;
+
+    /** Tested items between two looks at the clock, with and without line of sight. */
+    private static final int LOOKS = 4;
+
+    private static final int TESTS = 64;
 
     /**
      * Maximum sum of distances that bodies have moved [m]; in a larger sum, rounding would lose
@@ -222,12 +228,20 @@ public final class Observatory {
      * @param around items around the body that the sensor may reach, kept from frame to frame;
      *     updated
      * @param before the previous result; returned again if nothing has changed
+     * @param isTimeLeft false if the caller must do other work first
+     * @return empty if the time was too short; the next call in this frame continues
      */
-    List<PerceivedItem> sense(
-            Sensor sensor, ItemId body, Surroundings around, List<PerceivedItem> before) {
-        int eye = place(body);
-        gather(sensor, eye, around);
-        return isGathered(before) ? before : List.of(Arrays.copyOf(gathered, gatheredCount));
+    Optional<List<PerceivedItem>> sense(
+            Sensor sensor,
+            ItemId body,
+            Surroundings around,
+            List<PerceivedItem> before,
+            BooleanSupplier isTimeLeft) {
+        if (!gather(sensor, place(body), around, isTimeLeft)) {
+            return Optional.empty();
+        }
+        return Optional.of(
+                isGathered(before) ? before : List.of(Arrays.copyOf(gathered, gatheredCount)));
     }
 
     private boolean isGathered(List<PerceivedItem> items) {
@@ -242,7 +256,11 @@ public final class Observatory {
         return true;
     }
 
-    private void gather(Sensor sensor, int eye, Surroundings around) {
+    /**
+     * @return false if the time was too short
+     */
+    private boolean gather(
+            Sensor sensor, int eye, Surroundings around, BooleanSupplier isTimeLeft) {
         PerceivedItem[] shown =
                 shownBy.computeIfAbsent(
                         sensor,
@@ -255,22 +273,21 @@ public final class Observatory {
             if (eye >= 0) {
                 gather(seen[eye]);
             }
-            return;
+            return true;
         }
-        if (eye < 0
-                || rows[eye] == NO_ROW
-                || sensor.isUnlimited()
-                || Double.isInfinite(sensor.range())) {
+        if (eye < 0 || rows[eye] == NO_ROW || sensor.isUnlimited()) {
             for (int i = 0; i < items.length; i++) {
                 gather(sensed(sensor, eye, i, shown, around.hiders));
             }
-            return;
+            return true;
         }
-        lookAround(sensor, rows[eye], around);
-        boolean anew =
-                sensor.lineOfSight()
-                        ? bodies.haveAnyMoved(around.sensedIn)
-                        : bodies.hasMoved(rows[eye], around.sensedIn);
+        if (!around.isBegun(bodies.moment())) {
+            lookAround(sensor, rows[eye], around);
+            around.begin(bodies.moment());
+        }
+        if (!testAll(sensor, eye, around, shown, isTimeLeft)) {
+            return false;
+        }
         boolean itself = false;
         for (int k = 0; k < around.count; k++) {
             int i = around.items[k];
@@ -279,15 +296,43 @@ public final class Observatory {
                 itself = true;
             }
             itself |= i == eye;
-            if (anew || bodies.hasMoved(rows[i], around.sensedIn)) {
-                around.sensed[k] = sensed(sensor, eye, i, shown, around.hiders);
-            }
             gather(around.sensed[k]);
         }
         if (!itself) {
             gather(seen[eye]);
         }
         around.sensedIn = bodies.moment();
+        return true;
+    }
+
+    /**
+     * Tests which of the surrounding items the sensor senses, as far as they or the body have moved
+     * since its last perception.
+     *
+     * @return false if the time was too short
+     */
+    private boolean testAll(
+            Sensor sensor,
+            int eye,
+            Surroundings around,
+            PerceivedItem[] shown,
+            BooleanSupplier isTimeLeft) {
+        boolean anew =
+                sensor.lineOfSight()
+                        ? bodies.haveAnyMoved(around.sensedIn)
+                        : bodies.hasMoved(rows[eye], around.sensedIn);
+        int interval = sensor.lineOfSight() ? LOOKS : TESTS;
+        for (; around.tested < around.count; around.tested++) {
+            int k = around.tested;
+            int i = around.items[k];
+            if (anew || bodies.hasMoved(rows[i], around.sensedIn)) {
+                if (k % interval == interval - 1 && !isTimeLeft.getAsBoolean()) {
+                    return false;
+                }
+                around.sensed[k] = sensed(sensor, eye, i, shown, around.hiders);
+            }
+        }
+        return true;
     }
 
     private void gather(@Nullable PerceivedItem item) {
@@ -324,6 +369,12 @@ public final class Observatory {
      */
     private void lookAround(Sensor sensor, int eye, Surroundings around) {
         double range = sensor.range();
+        if (Double.isInfinite(range)) {
+            around.foundOnce();
+            around.reserve(items.length);
+            Arrays.setAll(around.items, i -> i);
+            return;
+        }
         if (around.holds(range, arrangement, path)) {
             return;
         }

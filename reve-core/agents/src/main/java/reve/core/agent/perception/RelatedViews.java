@@ -81,17 +81,17 @@ public final class RelatedViews<C extends RelatedViews.Client> {
     /**
      * Returns a session's view with relations.
      *
-     * @param look returns the session's view of the newest frame
+     * @param look returns the session's view of the newest frame; empty if the slice was too short
      * @return empty if the slice was too short; a call in a later slice continues the computation
      */
-    public Optional<View> of(C member, Supplier<View> look, Observatory world) {
+    public Optional<View> of(C member, Supplier<Optional<View>> look, Observatory world) {
         if (member.isInLockStep()) {
             if (!relations.isOf(world.everything())) {
                 waiting.clear();
                 world.begin(relations);
             }
             relations.complete();
-            return Optional.of(relate(member, wanted(member, look.get())));
+            return look.get().map(view -> relate(member, wanted(member, view)));
         }
         Wanted wanted = waiting.get(member);
         if (wanted == null) {
@@ -103,7 +103,11 @@ public final class RelatedViews<C extends RelatedViews.Client> {
                 }
                 world.begin(relations);
             }
-            wanted = wanted(member, look.get());
+            Optional<View> view = look.get();
+            if (view.isEmpty()) {
+                return Optional.empty();
+            }
+            wanted = wanted(member, view.get());
             waiting.put(member, wanted);
         }
         if (!relations.advance(() -> clock.getAsLong() - until < 0)) {

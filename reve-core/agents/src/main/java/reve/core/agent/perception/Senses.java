@@ -17,7 +17,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
-import java.util.TreeMap;
+import java.util.function.BooleanSupplier;
 import java.util.stream.Collectors;
 import java.util.stream.Stream;
 
@@ -70,14 +70,22 @@ public final class Senses {
                 .findFirst();
     }
 
+    /** Returns the present view, however long it takes. */
+    View look(Observatory world) {
+        return look(world, () -> true).orElseThrow();
+    }
+
     /**
      * Returns the view of the newest frame: it merges the last perception of each sensor. Sensors
      * whose interval has passed perceive again before.
+     *
+     * @param isTimeLeft false if the caller must do other work first
+     * @return empty if the time was too short; the next call in this frame continues
      */
-    public View look(Observatory world) {
+    public Optional<View> look(Observatory world, BooleanSupplier isTimeLeft) {
         View all = world.everything();
         if (all.frame() == view.frame()) {
-            return view;
+            return Optional.of(view);
         }
         for (int i = 0; i < samples.length; i++) {
             Sample before = samples[i];
@@ -85,18 +93,21 @@ public final class Senses {
             if (before == null
                     || all.frame() < before.frame
                     || all.frame() - before.frame >= sensor.every()) {
-                samples[i] =
-                        new Sample(
-                                all.frame(),
-                                world.sense(
-                                        sensor,
-                                        body,
-                                        surroundings[i],
-                                        before == null ? List.of() : before.items));
+                Optional<List<PerceivedItem>> sensed =
+                        world.sense(
+                                sensor,
+                                body,
+                                surroundings[i],
+                                before == null ? List.of() : before.items,
+                                isTimeLeft);
+                if (sensed.isEmpty()) {
+                    return Optional.empty();
+                }
+                samples[i] = new Sample(all.frame(), sensed.get());
             }
         }
         view = new View(all.frame(), all.time(), merge(samples));
-        return view;
+        return Optional.of(view);
     }
 
     /**
@@ -160,13 +171,26 @@ public final class Senses {
         }
         Sample[] newestFirst = samples.clone();
         Arrays.sort(newestFirst, Comparator.comparingLong(Sample::frame).reversed());
-        var merged = new TreeMap<ItemId, PerceivedItem>();
-        for (Sample sample : newestFirst) {
-            for (PerceivedItem seen : sample.items) {
-                merged.merge(seen.id(), seen, Senses::merge);
-            }
+        List<PerceivedItem> merged = newestFirst[0].items;
+        for (int i = 1; i < newestFirst.length; i++) {
+            merged = merge(merged, newestFirst[i].items);
         }
-        return List.copyOf(merged.values());
+        return List.copyOf(merged);
+    }
+
+    /** Merges two lists in the order of ids. */
+    private static List<PerceivedItem> merge(List<PerceivedItem> newer, List<PerceivedItem> older) {
+        var merged = new ArrayList<PerceivedItem>(Math.max(newer.size(), older.size()));
+        int i = 0;
+        for (PerceivedItem seen : older) {
+            while (i < newer.size() && newer.get(i).id().compareTo(seen.id()) < 0) {
+                merged.add(newer.get(i++));
+            }
+            boolean isInBoth = i < newer.size() && newer.get(i).id().equals(seen.id());
+            merged.add(isInBoth ? merge(newer.get(i++), seen) : seen);
+        }
+        merged.addAll(newer.subList(i, newer.size()));
+        return merged;
     }
 
     /**

@@ -30,6 +30,10 @@ final class Surroundings {
      */
     long sensedIn;
 
+    /** Number of items that were tested in the moment {@link #begun}. */
+    int tested;
+
+    private long begun = SensedWorld.BEFORE_ALL;
     private long arrangement = -1;
     private double path;
 
@@ -54,6 +58,17 @@ final class Surroundings {
      */
     void foundOnce() {
         arrangement = -1;
+    }
+
+    /** Begins to test the items in a moment. */
+    void begin(long moment) {
+        begun = moment;
+        tested = 0;
+    }
+
+    /** Returns whether the test of the items has begun in this moment, and may be continued. */
+    boolean isBegun(long moment) {
+        return begun == moment;
     }
 
     /** Allocates space for that number of items, without perceptions. */

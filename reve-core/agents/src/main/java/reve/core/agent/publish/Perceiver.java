@@ -13,6 +13,7 @@ import reve.core.world.WorldEvent;
 
 import java.util.BitSet;
 import java.util.Optional;
+import java.util.function.BooleanSupplier;
 
 /** A client, as the publisher of its world sees it. The event loop's thread. */
 public interface Perceiver extends PerceptionShares.Client, RelatedViews.Client {
@@ -38,8 +39,13 @@ public interface Perceiver extends PerceptionShares.Client, RelatedViews.Client 
      */
     void embodied(Outcome outcome);
 
-    /** Returns the client's view of the newest frame. */
-    View look(Observatory world);
+    /**
+     * Returns the client's view of the frame that was read.
+     *
+     * @param isTimeLeft false if other clients must be served first
+     * @return empty if the time was too short; the next call in this frame continues
+     */
+    Optional<View> look(Observatory world, BooleanSupplier isTimeLeft);
 
     /**
      * Returns the indices of the event's fields that are sent to the client; empty if the event is

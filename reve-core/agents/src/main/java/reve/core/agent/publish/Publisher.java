@@ -49,6 +49,12 @@ public final class Publisher {
     private static final long ACTS_NANOS = 5_000_000;
 
     /**
+     * Time for one session's view before the event loop serves other worlds [ns]; a later slice
+     * continues.
+     */
+    private static final long LOOK_NANOS = 10_000_000;
+
+    /**
      * Number of events that are sent per frame even if that takes longer, so that no event is
      * dropped for a few clients on a busy machine.
      */
@@ -83,6 +89,12 @@ public final class Publisher {
 
     /** True if sessions still wait for their perception of the frame that was served last. */
     private boolean owesPerceptions;
+
+    /**
+     * The session whose view of the frame that was read is not complete yet. Until it is, the
+     * publisher reads no newer frame, and the event loop serves other worlds between the slices.
+     */
+    private @Nullable Perceiver looking;
 
     private volatile long published;
     private volatile boolean news;
@@ -194,6 +206,10 @@ public final class Publisher {
 
     private void publish() {
         dropWhoHasLeft();
+        if (isLooking()) {
+            continueToLook();
+            return;
+        }
         // The order is snapshot, events, commands: a client receives the events of a frame before
         // its perception of that frame, and a client that joins in a frame receives the events of
         // that frame. Events wait for the snapshot of their frame, which determines the clients
@@ -222,6 +238,27 @@ public final class Publisher {
             snapshot.ifPresent(WorldSnapshot::close);
         }
         afterFrame.run();
+    }
+
+    /** Returns whether a session still needs the frame that was read. */
+    private boolean isLooking() {
+        Perceiver member = looking;
+        if (member != null
+                && (members.get(member.name()) != member
+                        || !member.perceptions().isDue(observatory.everything().frame()))) {
+            looking = null;
+        }
+        return looking != null;
+    }
+
+    private void continueToLook() {
+        Perceiver member = looking;
+        beginSlice();
+        looking = null;
+        if (member != null) {
+            serve(member);
+        }
+        owesPerceptions = true; // the others may wait for this frame
     }
 
     private void dropWhoHasLeft() {
@@ -391,27 +428,38 @@ public final class Publisher {
         return Optional.ofNullable(members.get(agent)).flatMap(Perceiver::body);
     }
 
-    private View look(Perceiver member) {
-        View view = member.look(observatory);
-        if (member.hasSensors()) {
-            routing.shows(member, view);
+    private Optional<View> look(Perceiver member) {
+        long end = System.nanoTime() + LOOK_NANOS;
+        Optional<View> view = member.look(observatory, () -> System.nanoTime() - end < 0);
+        if (view.isEmpty()) {
+            looking = member;
+        } else if (member.hasSensors()) {
+            routing.shows(member, view.get());
         }
         return view;
     }
 
-    private void serve() {
+    private View beginSlice() {
         View everything = observatory.everything();
-        long now = System.nanoTime();
         encoder.begin(everything);
         relatedViews.begin(member -> members.get(member.name()) == member);
-        shares.begin(members.values(), everything.frame(), now);
+        shares.begin(members.values(), everything.frame(), System.nanoTime());
+        return everything;
+    }
+
+    private void serve() {
+        View everything = beginSlice();
         for (Perceiver member : members.values()) {
             if (member.perceptions().isDue(everything.frame()) && shares.isServedNow(member)) {
-                serve(member);
+                if (looking != null && member.isInLockStep() && member.hasSensors()) {
+                    owesPerceptions = true; // one after the other
+                } else {
+                    serve(member);
+                }
             }
         }
         for (Perceiver member : shares.waiting()) {
-            if (!shares.isTimeLeft()) {
+            if (!shares.isTimeLeft() || looking != null) {
                 owesPerceptions = true;
                 return;
             }
@@ -426,10 +474,7 @@ public final class Publisher {
                 member.perceptions()
                         .serve(
                                 observatory.everything().frame(),
-                                relations ->
-                                        relations
-                                                ? relate(member, related)
-                                                : Optional.of(look(member)));
+                                relations -> relations ? relate(member, related) : look(member));
         long nanos = System.nanoTime() - begin;
         if (served) {
             shares.serve(member.perceptionCost(), nanos);

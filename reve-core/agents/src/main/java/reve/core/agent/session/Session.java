@@ -40,6 +40,7 @@ import java.util.LinkedHashMap;
 import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
+import java.util.function.BooleanSupplier;
 
 /**
  * One client from its hello until it leaves: its identity, its requests and its commands. After a
@@ -318,8 +319,8 @@ public final class Session implements Client, Perceiver {
     }
 
     @Override
-    public View look(Observatory observatory) {
-        return senses.look(observatory);
+    public Optional<View> look(Observatory observatory, BooleanSupplier isTimeLeft) {
+        return senses.look(observatory, isTimeLeft);
     }
 
     @Override

@@ -20,6 +20,7 @@ import reve.core.world.WorldEvent;
 import java.util.BitSet;
 import java.util.Optional;
 import java.util.Set;
+import java.util.function.BooleanSupplier;
 
 /**
  * What the client of a session perceives: everything, or the items that the sensors of its body
@@ -44,8 +45,8 @@ final class SessionSenses {
         return senses != null;
     }
 
-    View look(Observatory world) {
-        return senses == null ? world.everything() : senses.look(world);
+    Optional<View> look(Observatory world, BooleanSupplier isTimeLeft) {
+        return senses == null ? Optional.of(world.everything()) : senses.look(world, isTimeLeft);
     }
 
     Optional<Set<ItemId>> sensedIn(long frame) {
