@@ -47,11 +47,6 @@ std::string Locate(const std::string& library, const std::string& scene) {
   return library.find('/') == std::string::npos ? library : FromFolderOf(scene, library);
 }
 
-int Fail(int code, const std::string& message) {
-  std::cerr << "vesper: " << message << "\n";
-  return code;
-}
-
 /// A law of a scene that could not be loaded, or that does not match its prototype.
 class LawError : public SceneError {
   using SceneError::SceneError;
