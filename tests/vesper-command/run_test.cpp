@@ -37,11 +37,6 @@ Table ReadCsv(const std::string& path) {
   return table;
 }
 
-Outcome RunScene(const std::string& scene, std::vector<std::string> options) {
-  options.insert(options.begin(), {"run", scene, "--laws", VESPER_LAW_PATH});
-  return RunVesper(options);
-}
-
 Table CsvOf(const std::string& scene, uint64_t frames, uint64_t every) {
   const Folder folder;
   const Outcome outcome = RunScene(scene, {"--frames", std::to_string(frames), "--every",

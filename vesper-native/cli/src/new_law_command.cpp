@@ -42,11 +42,6 @@ bool Write(const std::filesystem::path& path, const char* text, const std::strin
   return static_cast<bool>(file);
 }
 
-int Fail(int code, const std::string& message) {
-  std::cerr << "vesper: " << message << "\n";
-  return code;
-}
-
 /// Returns the folder with the CMake files of this program's Vesper: of a build, a release of a
 /// build, or an installation. Empty if CMake has to find it.
 std::filesystem::path ConfigFolder() {

@@ -43,11 +43,6 @@ std::string Join(const std::vector<std::string>& texts, char separator) {
   return joined;
 }
 
-int Fail(int code, const std::string& message) {
-  std::cerr << "vesper: " << Visible(message) << "\n";
-  return code;
-}
-
 /// A law of a scene that could not be loaded, or that does not match its prototype.
 class LawError : public SceneError {
   using SceneError::SceneError;
