@@ -138,7 +138,7 @@ final class Protocol {
         return message;
     }
 
-    /** Returns whether a value is a list of items or changes instead of numbers. */
+    /** Returns whether a value is a list of messages (items or changes) instead of numbers. */
     private static boolean isOfMappings(Object value) {
         return value instanceof List<?> list
                 && list.stream().anyMatch(element -> element instanceof Map<?, ?>);

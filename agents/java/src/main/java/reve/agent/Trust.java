@@ -35,7 +35,8 @@ public final class Trust {
      * @throws IOException naming the file, if it cannot be read or contains no certificate
      */
     public static SSLContext file(Path file) throws IOException {
-        if (Files.exists(file) && !Files.isRegularFile(file)) { // a pipe would wait for a writer
+        if (Files.exists(file) && !Files.isRegularFile(file)) { // reading a pipe would block until
+            // another process writes
             throw new IOException(file + " is no file, expected a file of certificates (PEM)");
         }
         try (InputStream in = Files.newInputStream(file)) {
