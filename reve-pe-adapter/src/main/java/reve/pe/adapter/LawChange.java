@@ -3,23 +3,24 @@ package reve.pe.adapter;
 
 import reve.core.world.ItemId;
 
-/**
- * A change to the laws of a world. Libraries are identified by their index in the order of loading.
- */
+/** A change to the laws of a world. An index counts libraries in the order of loading, from 0. */
 public sealed interface LawChange {
     /** A library was loaded after all others. */
     record Loaded(LawLibrary library) implements LawChange {}
 
-    /** The library at an index, from 0, was unloaded. */
+    /** The library at an index was unloaded. */
     record Unloaded(int place) implements LawChange {}
 
-    /** The library at an index failed in PHYSICS, was unloaded and is quarantined. */
+    /**
+     * The library at an index failed in PHYSICS, the frame's phase in which laws act, was unloaded
+     * and is quarantined.
+     */
     record Failed(int place, Quarantined reason) implements LawChange {}
 
-    /** A law failed in PHYSICS at an item, which was made unreachable for laws. */
+    /** A law failed in PHYSICS at an item, which was arrested: laws no longer reach it. */
     record Arrested(ItemId item) implements LawChange {}
 
-    /** A library's bytes were released from quarantine. */
+    /** The quarantine of a library's bytes was ended, so it may be loaded again. */
     record Released(String sha256) implements LawChange {}
 
     /** PHYSICS failed and no law was the cause: the laws did not act in this frame. */

@@ -25,8 +25,8 @@ import java.util.stream.Collectors;
 
 /**
  * The loaded and the quarantined laws of a world. Each change raises a {@code law-loaded}, {@code
- * law-unloaded} or {@code fault} event. The last two contain the calls and the wall-clock
- * milliseconds of all laws of the library. World's thread only.
+ * law-unloaded} or {@code fault} event. The last two contain how often the library's laws were
+ * called, and their wall-clock milliseconds. World's thread only.
  */
 public final class Laws {
     private static final Pattern NOT_FINITE = Pattern.compile("wrote -?(nan|inf)");
@@ -35,7 +35,7 @@ public final class Laws {
     private final PhysicsEngine engine;
     private final Map<Integer, LawLibrary> loaded = new LinkedHashMap<>();
 
-    /** Libraries that a laws folder adopts if it has their bytes. */
+    /** Ids of libraries that a laws folder may adopt if it contains their bytes. */
     private final Set<Integer> forFolder = new HashSet<>();
 
     private final Map<String, Quarantined> quarantined = new LinkedHashMap<>();
@@ -56,15 +56,15 @@ public final class Laws {
      * @param parameters by {@code parameter} or {@code law.parameter}
      * @return id of the library, for {@link #unload}
      * @throws PhysicsException if the engine refuses it, or these bytes are quarantined; then
-     *     nothing changed and the caller still owns the library
+     *     nothing has changed and the caller still owns the library
      */
     public int load(long frame, PreparedLibrary prepared, Map<String, Double> parameters) {
         return load(frame, prepared, parameters, name -> {});
     }
 
     /**
-     * Activates a library that was read from a file. The name guard may refuse its own name, or
-     * that of one of its laws.
+     * Activates a library that was read from a file. The {@link NameGuard} may refuse the library's
+     * name, or that of one of its laws.
      */
     public int load(
             long frame, PreparedLibrary prepared, Map<String, Double> parameters, Path file) {
@@ -77,7 +77,7 @@ public final class Laws {
         guard = newGuard;
     }
 
-    /** A check that refuses libraries by name. */
+    /** A check that can refuse libraries by their name, or by the names of their laws. */
     public interface NameGuard {
         /**
          * Checks the name of a library or of one of its laws.
@@ -257,8 +257,8 @@ public final class Laws {
     }
 
     /**
-     * Applies a change that occurred in another world with the same laws. A library that failed
-     * there is removed without a failure here.
+     * Repeats here a change of another world with the same laws, for example from a journal. A
+     * library that failed there is removed here without a failure.
      *
      * @throws PhysicsException if the engine refuses a library
      * @throws IllegalArgumentException if there is no library at the index
@@ -266,7 +266,7 @@ public final class Laws {
     public void apply(long frame, LawChange change) {
         switch (change) {
             case LawChange.Loaded added -> {
-                // Journals of earlier versions have no releases.
+                // Journals of earlier versions contain no Released.
                 quarantined.remove(added.library().sha256());
                 try (PreparedLibrary prepared = engine.prepare(added.library().bytes())) {
                     leaveToFolder(load(frame, prepared, added.library().parameters()));
@@ -284,12 +284,15 @@ public final class Laws {
         }
     }
 
-    /** Notes that the laws did not act in this frame, because PHYSICS failed. */
+    /** Reports to listeners that the laws did not act in this frame, because PHYSICS failed. */
     void failed() {
         tell(new LawChange.Unmoved());
     }
 
-    /** Returns whether the laws must not act in this frame, as in the world of a change. */
+    /**
+     * Returns whether an applied {@link LawChange.Unmoved} says that the laws must not act in this
+     * frame; resets this.
+     */
     boolean takeUnmoved() {
         boolean taken = unmoved;
         unmoved = false;
@@ -339,7 +342,7 @@ public final class Laws {
     /**
      * Unloads and quarantines the library that caused a step's failure.
      *
-     * @param item whose row failed, if one did
+     * @param item at whose row the law failed, if known
      * @throws PhysicsException the failure itself, if no loaded library caused it
      */
     void quarantine(long frame, PhysicsException failure, Optional<Item> item) {
@@ -363,7 +366,10 @@ public final class Laws {
         reportFault(frame, fields, failure);
     }
 
-    /** Reports that an item was arrested because a law failed; the law stays loaded. */
+    /**
+     * Reports that an item was arrested (made unreachable for laws) because a law failed; the law
+     * stays loaded.
+     */
     void arrested(long frame, Item item, PhysicsException failure) {
         tell(new LawChange.Arrested(item.id()));
         LawLibrary library = loaded.get(failure.libraryId());
@@ -387,7 +393,10 @@ public final class Laws {
         world.raise(new WorldEvent(frame, "fault", fields));
     }
 
-    /** Returns the end of a message about numbers that are not finite: the item, and a remedy. */
+    /**
+     * Returns the end of a fault's message about numbers that are not finite: the item, and what to
+     * do.
+     */
     private static String remedy(Map<String, Object> fields, PhysicsException failure) {
         return failure.status() == Status.LAW_MISBEHAVED
                         && NOT_FINITE.matcher(String.valueOf(failure.getMessage())).find()
@@ -408,7 +417,10 @@ public final class Laws {
         return place;
     }
 
-    /** Adds the calls and times of a library's laws, which are lost after it is unloaded. */
+    /**
+     * Adds to an event the calls and times of a library's laws, which the engine forgets at
+     * unloading.
+     */
     private void addCost(Map<String, Object> fields, int libraryId) {
         long calls = 0;
         long nanoseconds = 0;

@@ -17,7 +17,10 @@ import java.util.List;
 
 /** Reader of an engine's ledger. */
 final class VesperLedger {
-    /** Names of the lines of VESPER_NO_LIBRARY, in the order of their numbers. */
+    /**
+     * Names of the lines that belong to no library (VESPER_NO_LIBRARY), in the order of their
+     * numbers.
+     */
     private static final List<String> OTHERS = List.of("client", "ground", "unloaded", "total");
 
     private static final int NO_LIBRARY = 0;

@@ -16,7 +16,8 @@ import java.lang.invoke.MethodHandle;
 
 /**
  * Bindings of the C functions of {@code engine.h}, one static method each, with the same order of
- * arguments. They return statuses unchanged; {@link VesperErrors} converts them to exceptions.
+ * arguments. The methods return C's status numbers; {@link VesperErrors} converts them to
+ * exceptions.
  */
 @SuppressWarnings("restricted") // the one place where native functions are looked up
 final class VesperLibrary {
@@ -485,8 +486,8 @@ final class VesperLibrary {
     }
 
     /**
-     * Rethrows an exception of the binding, for example for a closed segment; C functions throw
-     * none.
+     * Rethrows an exception that Java's binding threw, for example for a closed segment; C
+     * functions throw none.
      */
     private static RuntimeException rethrown(Throwable t) {
         if (t instanceof RuntimeException exception) {

@@ -129,7 +129,10 @@ final class VesperPrototypes {
         return set;
     }
 
-    /** Returns VESPER_READ = 1, VESPER_WRITE = 2, VESPER_ACCUMULATE = 4, VESPER_SCRATCH = 8. */
+    /**
+     * Returns C's bit for an access: VESPER_READ = 1, VESPER_WRITE = 2, VESPER_ACCUMULATE = 4,
+     * VESPER_SCRATCH = 8.
+     */
     private static int bit(Access access) {
         return 1 << access.ordinal();
     }

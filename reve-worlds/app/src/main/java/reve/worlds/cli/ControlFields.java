@@ -14,7 +14,7 @@ import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 
-/** The fields of a command of the role control, from arguments and files. */
+/** The fields of a command of the role control, read from arguments and files. */
 final class ControlFields {
     private static final int MAX_BYTES = 1 << 20;
 
@@ -26,7 +26,7 @@ final class ControlFields {
     }
 
     /**
-     * Returns the fields that a file gives a command.
+     * Reads the fields of a command from a file.
      *
      * @param command add, change or batch
      * @throws IOException if the file cannot be read, is not YAML, or does not fit the command
