@@ -28,7 +28,7 @@ final class GrowingColumn {
     }
 
     /**
-     * Returns the number of rows of columns that belong together.
+     * Returns the number of rows of columns that must have the same length.
      *
      * @param components numbers per row of each column
      */

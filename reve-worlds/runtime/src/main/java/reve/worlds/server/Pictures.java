@@ -49,7 +49,7 @@ public final class Pictures implements AutoCloseable {
         this.frames = frames.stream().mapToLong(Long::longValue).sorted().distinct().toArray();
     }
 
-    /** Subscribes to a simulation; called once, before its loop runs. */
+    /** Subscribes to the frames of a simulation; called once, before its loop runs. */
     void subscribeTo(Simulation simulation, ServerEvents events) {
         simulation.onPublish("pictures", frame -> onFrame(frame, simulation, events));
     }
