@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The memory that a host shares with its client, and how the two wait for each other.
+// The memory that a host (a process with an engine) shares with its client, and how the two wait
+// for each other.
 //
 // The client writes a request into the mailbox, raises `request` and wakes the host. The host
-// writes the reply into the mailbox, sets `reply` to the same number and wakes the client. At any
-// time one of the two may use the mailbox. Neither spins. The client's side is
+// writes the reply into the mailbox, sets `reply` to the same number and wakes the client. Only one
+// of the two may use the mailbox at a time. Both sleep while they wait. The client's side is
 // reve.pe.hosted.Exchange in Java, with the same offsets.
 #pragma once
 
@@ -29,11 +30,16 @@ struct Control {
   uint32_t magic;
   alignas(64) std::atomic<uint32_t> request;  // number of the newest request
   alignas(64) std::atomic<uint32_t> reply;    // number of the newest answered request
-  alignas(64) uint64_t running[kMaxThreads];  // as in vesper_engine_config
-  alignas(64) char wrote[56];                 // read-only property at which the process crashed
-  uint64_t wrote_offset;                      // [bytes] in its column
-  alignas(64) uint32_t log_used;              // bytes of `log` that this request filled
-  uint32_t log_dropped;                       // lines of this request that did not fit
+  alignas(64) uint64_t running[kMaxThreads];  // law that each thread is calling, as in
+                                              // vesper_engine_config
+  alignas(64) char wrote[56];                 // read-only property to which a law was writing when
+                                              // the process crashed
+  uint64_t wrote_offset;                      // offset of that write in the property's column
+                                              // [bytes]
+  alignas(64) uint32_t log_used;              // number of bytes of `log` that this request has
+                                              // filled
+  uint32_t log_dropped;                       // number of log lines of this request that did not
+                                              // fit
   char log[kLogSize];  // for each line its level and length (uint32_t each) and its text
 };
 static_assert(sizeof(Control) <= kMailboxOffset);

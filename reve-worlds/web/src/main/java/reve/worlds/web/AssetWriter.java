@@ -11,7 +11,7 @@ import java.nio.IntBuffer;
 import java.util.Optional;
 import java.util.function.ToIntFunction;
 
-/** Meshes and textures as messages to pages; page/view.js reads them. */
+/** Encodes meshes and textures as binary messages to web pages; page/view.js reads them. */
 final class AssetWriter {
 
     /** Type of a message with a mesh. */

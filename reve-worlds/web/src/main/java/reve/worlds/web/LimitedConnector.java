@@ -41,7 +41,7 @@ final class LimitedConnector extends ServerConnector {
                 return true;
             }
         } catch (IOException closed) {
-            // The peer has closed already.
+            // The peer has already closed the connection.
         }
         try {
             channel.close();
