@@ -26,8 +26,8 @@ struct EngineState {
   std::vector<NamedScratch> scratch;
 };
 
-/// Returns a header with a version, the state, and a checksum over both. Numbers are in the format
-/// of this machine.
+/// Returns a header with a version, the state, and a checksum over both. Numbers have the byte
+/// order of this machine.
 std::vector<std::byte> SaveState(const EngineState& state);
 
 /// Fills the columns of `state` with the values saved under their names, and returns the clock.
