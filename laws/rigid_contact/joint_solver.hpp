@@ -130,8 +130,8 @@ class JointSolver {
   std::vector<uint64_t> rows_;                   // (joints)
   std::vector<Pair> pairs_;                      // (joints) in ascending order
   std::vector<double> before_;                   // (joints) Joint::Work before the guess [J]
-  std::vector<std::pair<double, double>> work_;  // (sets) sums of Joint::Work: before the guess,
-                                                 // its change [J]
+  std::vector<std::pair<double, double>> work_;  // (bodies) of a set: sum of Joint::Work, its
+                                                 // change by the guess [J]
   Assemblies assemblies_;
 };
 

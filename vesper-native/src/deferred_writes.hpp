@@ -28,7 +28,7 @@ class DeferredWrites {
   void Plan(const std::vector<ScheduledLaw>& laws);
   /// Returns true if no law defers a write.
   bool none() const { return none_; }
-  /// Returns the version that a use of the property sees.
+  /// Returns the version that a use of the property receives in `bind`.
   uint64_t Version(uint32_t property, const vesper_property_use& use) const;
 
   /// Call before a law runs: synchronizes the arrays that it reads, except those that its own
@@ -39,7 +39,7 @@ class DeferredWrites {
   /// Records that the whole array was written by others, so that no law holds it.
   void Written(uint32_t property);
 
-  /// Returns the version that a use of the property receives in `bind`.
+  /// If a law holds the property, makes it write the array. On failure throws, naming that law.
   void Synchronize(uint32_t property, uint32_t stage = 0);
   void SynchronizeAll(uint32_t stage = 0);
   void SynchronizeHeldBy(const LawLibrary& library);
