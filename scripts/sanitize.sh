@@ -5,8 +5,9 @@
 #
 #     scripts/sanitize.sh
 #
-# There are two builds: address with undefined behaviour, and thread. Their output is in
-# build/reports/sanitize/. A finding of a sanitizer fails the test in which it occurred.
+# There are two builds: one with the address and the undefined-behaviour sanitizer, and one with the
+# thread sanitizer. Their output is in build/reports/sanitize/. A finding of a sanitizer fails the
+# test in which it occurred.
 set -euo pipefail
 root=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd)
 reports=$root/build/reports/sanitize
@@ -17,7 +18,7 @@ say() { printf '%s\n' "reve: $*" >&2; }
 # build NAME SANITIZERS: builds the engine and the laws in build/sanitize-NAME.
 build() {
   local out=$root/build/sanitize-$1 flags="-fsanitize=$2 -fno-sanitize-recover=all -fno-omit-frame-pointer"
-  # -O1: sanitizers find the same faults, and compilation is faster.
+  # -O1, because sanitizers find the same faults as without optimisation, and compilation is faster.
   local debug=(-DCMAKE_BUILD_TYPE=Debug "-DCMAKE_C_FLAGS_DEBUG=-O1 -g1" "-DCMAKE_CXX_FLAGS_DEBUG=-O1 -g1")
   cmake -S "$root/vesper-native" -B "$out/engine" -G Ninja "${debug[@]}" -DVESPER_SANITIZE="$2" &&
   cmake --build "$out/engine" -- -j"$jobs" &&

@@ -46,8 +46,8 @@ class AllPairs {
    *
    *      constant w_i sum over j of w_j (x_j - x_i) / (|x_j - x_i|^2 + softening^2)^(3/2)
    *
-   *  with its weight w and position x [m], softening [m]. One row per body, as many as in
-   *  Resize; `step` has ParallelFor as vesper::Step. */
+   *  with its weight w and position x [m], softening [m]. One row per body; the number of bodies is
+   *  that of Resize. `step` has a function ParallelFor like that of vesper::Step. */
   template <class Step>
   void Attract(const Step& step, ReciprocalRoot root, double constant, double softening,
                std::span<const Real> weight, std::span<const Vec3<Real>> position,
@@ -71,8 +71,8 @@ class AllPairs {
     });
   }
 
-  /** Returns the sum over the pairs of w_i w_j / sqrt(|x_j - x_i|^2 + softening^2). Pairs at one
-   *  place add nothing. */
+  /** Returns the sum over the pairs of w_i w_j / sqrt(|x_j - x_i|^2 + softening^2). Two bodies at
+   *  one place without softening add nothing. */
   double SumOfPotentials(double softening, std::span<const Real> weight,
                          std::span<const Vec3<Real>> position) const {
     constexpr uint64_t kWide = BodyPacket<double>::kSize;
@@ -118,7 +118,7 @@ class AllPairs {
     return std::ldexp(1.0, exponent - own);
   }
 
-  /** Fills the packets; unused lanes of the last one have no weight and a distant place. */
+  /** Fills the packets; unused lanes of the last packet get weight 0 and a distant position. */
   Scales Pack(std::span<const Real> weight, std::span<const Vec3<Real>> position,
               double softening) {
     const uint64_t bodies = weight.size();

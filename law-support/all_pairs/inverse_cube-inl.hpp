@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The power -3/2, for each Highway target that includes this file.
+// The power r^-3 = (r^2)^(-3/2), for each Highway target that includes this file.
 #if defined(VESPER_ALL_PAIRS_INVERSE_CUBE) == defined(HWY_TARGET_TOGGLE)
 #ifdef VESPER_ALL_PAIRS_INVERSE_CUBE
 #undef VESPER_ALL_PAIRS_INVERSE_CUBE

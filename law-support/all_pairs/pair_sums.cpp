@@ -79,8 +79,8 @@ HWY_INLINE hn::TFromD<D> FoldLanes(D d, V v) {
     return hn::GetLane(v);
   } else {
     const hn::Half<D> half;
-    // UpperHalf is found by argument-dependent lookup: for vectors with one lane, Highway has no
-    // such function.
+    // Unqualified, so that it is found by argument-dependent lookup: Highway has no UpperHalf for
+    // vectors with one lane.
     return FoldLanes(half, hn::Add(hn::LowerHalf(half, v), UpperHalf(half, v)));
   }
 }

@@ -55,8 +55,8 @@ struct Quaternion {
 };
 
 /** Returns the rotation by twice the vector `half` [rad]. The tangent of the half angle is
- *  computed by its Pade approximant of order [3/2], accurate to 1e-7 up to 0.5 rad, because the
- *  bits of libm functions differ between machines. */
+ *  computed by its Pade approximant of order [3/2], accurate to 1e-7 up to 0.5 rad, instead of a
+ *  libm function, whose bits differ between machines. */
 inline Quaternion RotationBy(const Vector& half) {
   const double square = Dot(half, half);
   return Quaternion{half * (15 - square), 15 - 6 * square}.Normalised();

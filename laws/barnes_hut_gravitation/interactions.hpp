@@ -26,7 +26,7 @@ struct Source {
   Real mass;
 };
 
-/// A cell as a source of force: its mass, and the distribution of the mass about its centre.
+/// A cell as a source of force: its mass, and the second moments of the mass about its centre.
 template <class Real>
 struct Multipole {
   Vec3<Real> centre;  // centre of mass

@@ -114,7 +114,7 @@ struct HookeSpring {
     taken_ = std::make_unique<std::atomic_flag[]>(places);
   }
 
-  /** Marks the copy as possibly out of date if the version of the column has changed. */
+  /** Marks the copy as stale if the version of the column has changed. */
   template <class Column>
   void Follow(const Column& column, int place) {
     Copied& copy = copies_[place];

@@ -19,7 +19,7 @@ struct Body {
   double speed;                   // estimate of the speed of its fastest point [m/s]
   bool translates, rotates;
   bool gyrates;   // its moments of inertia differ, so its angular velocity changes without a torque
-  bool broken;    // has values that are not finite
+  bool broken;    // it has values that are not finite
   Vector turned;  // rotation since its inertia in the world frame was computed [rad]
   bool renewed;   // its inertia in the world frame was computed in this substep
   bool jointed;   // it has a joint, so its inertia in the world frame is computed in every substep

@@ -10,7 +10,8 @@ namespace {
 // a face.
 constexpr double kFlat = 0.985;
 
-// Sine of the greatest angle between edges that touch along their length.
+// Sine of the greatest angle between two edges that count as parallel, and touch along their
+// length.
 constexpr double kParallel = 0.02;
 
 /** A polygon during clipping. */

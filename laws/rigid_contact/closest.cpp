@@ -16,7 +16,8 @@ struct Corner {
   Vector w, a, b;
 };
 
-/** At most four corners and the weights of the point of their hull that is closest to the origin.
+/** Up to four corners of the Minkowski difference, and the weights of these in the point of their
+ *  hull that is closest to the origin.
  */
 struct Simplex {
   std::array<Corner, 4> corners;

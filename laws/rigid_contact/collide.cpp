@@ -83,7 +83,8 @@ struct BestAxis {
   int edge_a = -1, edge_b = -1;  // axes of the touching edges; -1 if a face touches
 };
 
-/** Returns the best axis of two boxes; stops if one separates them by more than the margin. */
+/** Returns the axis of least overlap of two boxes; stops early if an axis separates them by more
+ *  than the margin. */
 BestAxis SeparateBoxes(const Shape& a, const Shape& b, double margin) {
   const Vector way = b.position - a.position;
   BestAxis best{{}, -HUGE_VAL, -1, -1};

@@ -58,7 +58,7 @@ class JointSolver {
     return std::binary_search(pairs_.begin(), pairs_.end(), pair);
   }
   size_t count() const { return joints_.size(); }
-  /** Returns the row of a joint in its columns. */
+  /** Returns the row of the index-th joint of this step in the columns of joints. */
   uint64_t row(size_t joint) const { return rows_[joint]; }
   const Joint<Real>& operator[](size_t joint) const { return joints_[joint]; }
 

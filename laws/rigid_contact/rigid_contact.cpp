@@ -33,7 +33,7 @@ constexpr double kOscillations = 0.5, kDamping = 10;
 // the thickness.
 constexpr double kNear = 0.2;
 
-/** Motion of rigid bodies that touch: their shapes do not overlap, rub and bounce. */
+/** Motion of rigid bodies that touch: their shapes resist overlap, rub and bounce. */
 template <class Real>
 struct RigidContact {
   using Vector3 = Vec3<Real>;

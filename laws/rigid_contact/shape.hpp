@@ -37,7 +37,7 @@ struct Axes {
 
 inline double Component(const Vector& v, int i) { return i == 0 ? v.x : i == 1 ? v.y : v.z; }
 
-/** A face, an edge or a corner: corners in order around it. */
+/** A face, an edge or a corner of a shape, given by its corners in order around it. */
 struct Face {
   static constexpr int kMost = 8;
   std::array<Vector, kMost> corners;

@@ -56,7 +56,7 @@ struct SolverStep {
   uint32_t substeps;
 };
 
-/** A manifold between two bodies as constraints on their velocities. */
+/** The contact of two bodies (a manifold of points) as constraints on their velocities. */
 template <class Real>
 struct Contact {
   using Vector = Vec3<Real>;

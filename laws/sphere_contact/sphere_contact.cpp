@@ -98,7 +98,7 @@ struct SphereContact {
     Vector position, velocity, spin;
     Real radius, inverse_mass;
   };
-  /** A contact as computed for its larger sphere. */
+  /** The effect of a contact on its larger sphere. */
   struct Contact {
     Vector force;   // on the larger sphere [N]
     Vector moment;  // normal x force, to be multiplied by the lever arm of either sphere [N]
@@ -106,7 +106,7 @@ struct SphereContact {
   };
   /** Geometry and relative motion of the contact between a ball and another ball or the floor. */
   struct Meeting {
-    Vector normal;    // from the ball to the other body
+    Vector normal;    // unit vector from the ball to the other body
     Vector velocity;  // velocity of the other's surface relative to the ball's, at the contact
                       // point
     Real depth;
@@ -162,8 +162,8 @@ struct SphereContact {
             mass[i] == 0 ? 0 : 1 / mass[i]};
   }
 
-  /** Computes the contacts of a ball with larger balls and with the floor; adds its forces, and
-   *  stores those on the partners. */
+  /** Computes the contacts of a ball with larger balls and with the floor; adds the forces on the
+   *  ball, and stores those on its partners. */
   void TouchLarger(uint64_t i, Real dt) {
     const Ball& ball = balls_[i];
     Memory memory(partner[i], slip[i]);

@@ -52,7 +52,7 @@ class SpherePairs {
   std::span<const uint32_t> PartnersOf(uint64_t row) const {
     return {partners_.data() + first_[row], partners_.data() + first_[row + 1]};
   }
-  /** Returns the number of the first of those pairs; the others follow it. */
+  /** Returns the number of the first pair in PartnersOf(row); the others have the next numbers. */
   uint32_t FirstPair(uint64_t row) const { return first_[row]; }
   /** Returns the numbers of the pairs with `row` as the larger one. */
   std::span<const uint32_t> PairsAsLarger(uint64_t row) const {

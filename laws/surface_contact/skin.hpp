@@ -41,7 +41,7 @@ struct Nearest {
   uint32_t face = kNone;
   Closest<Real> at{};
   Vec3<Real> offset{};  // vector from the closest point to the given point
-  Vec3<Real> normal{};  // normal of the face; its length is twice the area
+  Vec3<Real> normal{};  // outward normal of the face; its length is twice the area
 };
 
 /// The position of a point behind a mesh.

@@ -30,7 +30,7 @@ struct CornerContact {
 /** A contact: an edge of a patch that is deeper behind a mesh between its ends than at them. */
 template <class Real>
 struct EdgeContact {
-  std::array<uint32_t, 2> bodies;  // bodies at its ends
+  std::array<uint32_t, 2> bodies;  // rows of the bodies at its two ends
   Real sharpness;                  // 1; less if the edge is almost flat
   DeepestPoint<Real> at;
   std::array<Immersion<Real>, 2> ends;
@@ -166,7 +166,7 @@ struct SurfaceContact {
     std::vector<Reaction<Real>> reactions;  // reactions of all patches; the other vectors serve
                                             // one patch
     std::vector<uint32_t> candidates;       // patches of other meshes that it may touch
-    std::vector<Vec3<Real>> points;         // positions of its corners
+    std::vector<Vec3<Real>> points;         // positions of the patch's corners
     std::vector<CornerContact<Real>> corner_contacts;
     std::vector<EdgeContact<Real>> edge_contacts;
     // Data for the patch and one mesh.
@@ -236,7 +236,7 @@ struct SurfaceContact {
     FindCorners(skin, others, 0, patch.own_count, chunk);
     if (topology_.meshes()[mesh].face_count == 1)
       return;  // behind a flat mesh, no edge is deepest
-               // between its ends
+               // between the edge's ends
     FindEdgesBehind(index, others, chunk);
     if (chunk.edges.empty()) return;
     GatherRidges(skin, boxes_[index], others, chunk);
@@ -251,7 +251,7 @@ struct SurfaceContact {
     FindDeepEdges(skin, patch, chunk);
   }
 
-  /** Appends the corners from `begin` to `end` that are behind a mesh. */
+  /** Appends the corners with indices from `begin` to `end` that are behind a mesh. */
   void FindCorners(const Skin<Real>& skin, std::span<const uint32_t> others, uint32_t begin,
                    uint32_t end, Chunk& chunk) const {
     const Real reach = Real(maximum_depth);

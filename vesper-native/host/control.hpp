@@ -19,7 +19,7 @@
 namespace vesper::host {
 
 inline constexpr uint32_t kMagic = 0x31484F56;  // "VOH1", little-endian
-inline constexpr uint32_t kMaxThreads = 256;    // as in vesper_engine_config
+inline constexpr uint32_t kMaxThreads = 256;    // limit of vesper_engine_config.threads
 inline constexpr size_t kControlSize = size_t{1} << 20;
 inline constexpr size_t kLogSize = 60 << 10;
 inline constexpr size_t kMailboxOffset = size_t{64} << 10;
@@ -40,7 +40,7 @@ struct Control {
                                               // filled
   uint32_t log_dropped;                       // number of log lines of this request that did not
                                               // fit
-  char log[kLogSize];  // for each line its level and length (uint32_t each) and its text
+  char log[kLogSize];  // for each line, its level and length (uint32_t each), and its text
 };
 static_assert(sizeof(Control) <= kMailboxOffset);
 static_assert(offsetof(Control, request) == 64 && offsetof(Control, reply) == 128 &&
@@ -52,7 +52,7 @@ inline std::byte* Mailbox(Control& control) {
   return reinterpret_cast<std::byte*>(&control) + kMailboxOffset;
 }
 
-/// Sleeps until the word differs from `seen`, and returns it.
+/// Sleeps until the word is different from `seen`; returns its value.
 inline uint32_t AwaitChange(std::atomic<uint32_t>& word, uint32_t seen) {
   uint32_t now;
   while ((now = word.load(std::memory_order_acquire)) == seen) {

@@ -350,7 +350,7 @@ void Service::MoveRow(Reader& request) {
 }
 
 /// Writes the state to the client's memory and replies with the step count, the size of the state
-/// and 1; or, if the state does not fit, with its size and 0.
+/// and 1, or 0 if the memory is too small.
 void Service::SaveState(Writer& reply) {
   const auto save = [&] {
     return state_size_ <= state_.size()

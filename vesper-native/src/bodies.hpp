@@ -26,8 +26,8 @@ struct SiColumn {
   }
 };
 
-/// The bodies: the rows of the kind of `mass`. Properties are found by their names in the standard
-/// prototypes.
+/// The bodies: the rows of the kind that has the property `mass`. Properties are found by their
+/// names in the standard prototypes.
 class Bodies {
  public:
   /// Finds the properties. Throws NOT_FOUND if the prototype has no mass, position or velocity, and
@@ -55,7 +55,7 @@ class Bodies {
   /// Returns a view of `data`, an array in the engine's memory that has the layout of the property.
   SiColumn View(uint32_t property, const void* data) const;
 
-  /// Indices of properties in the prototype; those after velocity may be kNone.
+  /// Indices of properties in the prototype; those declared after velocity may be kNone.
   uint32_t velocity() const { return velocity_; }
   uint32_t angular_velocity() const { return angular_velocity_; }
   uint32_t force() const { return force_; }

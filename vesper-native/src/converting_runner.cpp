@@ -13,7 +13,7 @@
 namespace vesper {
 namespace {
 
-/// A column in the law's unit with its values before the law ran, or a field.
+/// A column of a use, converted to the law's unit, and its values before the law ran; or a field.
 struct Converted {
   std::unique_ptr<ConvertedField> function;
   vesper_field field{};

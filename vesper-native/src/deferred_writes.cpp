@@ -85,9 +85,7 @@ void DeferredWrites::Fetch(uint32_t property, uint32_t stage) {
   State& state = properties_[property];
   state.holder.OnBehalf(stage, [&] { state.holder.law->runner->Synchronize(state.use); });
   state.holder = {};
-  if (state.several_users)
-    Written(property);  // libraries other than the writer's have stale
-                        // copies now
+  if (state.several_users) Written(property);  // other libraries have stale copies
 }
 
 void DeferredWrites::FetchInputs(const ScheduledLaw& law, uint32_t stage) {

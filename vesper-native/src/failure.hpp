@@ -35,7 +35,8 @@ class Failure {
 /// Returns an empty error for a law to fill.
 vesper_error BlankError();
 
-/// Replaces control characters in a message from foreign code, and terminates it.
+/// Replaces control characters in a message from foreign code, and makes sure that it is
+/// NUL-terminated.
 void Sanitize(vesper_error& error);
 
 /// Returns the name of a status, e.g. "NOT_FOUND"; static.

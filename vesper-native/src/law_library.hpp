@@ -49,7 +49,7 @@ struct LoadedLaw {
   bool Defers() const;
 
   Law law;
-  uint32_t index;  // index within its library, in the engine's precision
+  uint32_t index;  // index within its library, counting only laws in the engine's precision
   std::vector<MatchedUse> uses;
   std::unique_ptr<LawRunner> runner;
   Targets targets;  // arrays to which the law is bound; empty before the first bind

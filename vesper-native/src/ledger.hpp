@@ -31,7 +31,7 @@ class Ledger {
   /// Creates an empty ledger. Throws as `Bodies` does.
   Ledger(const Prototype& prototype, const Columns& columns);
 
-  /// Updates the set of laws. Entries of unloaded laws are kept in a line of their own.
+  /// Updates the set of laws. The contributions of unloaded laws are kept, as one sum.
   void Plan(const std::vector<std::unique_ptr<LawLibrary>>& libraries);
   /// Starts an advance. Columns must be current and laws bound. Throws NOT_FOUND if a required
   /// property of bodies is not bound, or the failure of a law when its potential energy is

@@ -17,7 +17,7 @@ std::vector<MatchedUse> MatchUses(const vesper_law_desc& law, const Prototype& p
                                   const Columns& columns);
 
 /// Matches a field of library `library` with a property. Throws NOT_FOUND, TYPE_MISMATCH or
-/// UNIT_MISMATCH likewise.
+/// UNIT_MISMATCH with the same information.
 std::unique_ptr<LoadedField> MatchField(const char* library, const vesper_field_desc& field,
                                         const Prototype& prototype);
 

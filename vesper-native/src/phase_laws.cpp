@@ -8,8 +8,8 @@
 namespace vesper {
 namespace {
 
-/// Returns true if the uses conflict. Two reads do not; nor do two accumulations, because each law
-/// has a separate sum.
+/// Returns true if the uses conflict. Two reads do not conflict, and neither do two accumulations,
+/// because each law has a separate sum.
 bool Collide(const MatchedUse& a, const MatchedUse& b) {
   if (a.property == kNone || a.property != b.property) return false;
   return a.use->access != b.use->access || (a.use->access & VESPER_WRITE) != 0;

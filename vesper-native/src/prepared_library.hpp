@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A law library between its file and its engine.
+// A law library that was opened from its file but is not yet loaded into an engine.
 #pragma once
 
 #include <cstddef>

@@ -30,9 +30,10 @@ struct EngineState {
 /// order of this machine.
 std::vector<std::byte> SaveState(const EngineState& state);
 
-/// Fills the columns of `state` with the values saved under their names, and returns the clock.
-/// Throws INVALID_ARGUMENT if `saved` is not a saved state or is damaged, ACCESS_CONFLICT if it
-/// belongs to another prototype or to other laws. On failure nothing changes.
+/// Fills the columns of `state` with the values that were saved under the same descriptions, and
+/// returns step count and time. Throws INVALID_ARGUMENT if `saved` is not a saved state or is
+/// damaged, ACCESS_CONFLICT if it belongs to another prototype or to other laws. On failure nothing
+/// changes.
 StepClock LoadState(std::span<const std::byte> saved, const EngineState& state);
 
 /// Returns `saved` without the scratch of a library's laws. Throws INVALID_ARGUMENT as LoadState

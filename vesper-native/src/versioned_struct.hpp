@@ -62,8 +62,9 @@ void CheckStructSize(uint32_t size, const char* what) {
   }
 }
 
-/// Returns the struct in the layout of this build. Throws INVALID_ARGUMENT for an impossible size,
-/// and ABI_MISMATCH if a field of a newer contract that this build does not support is not zero.
+/// Returns the caller's struct, converted to the layout of this build. Throws INVALID_ARGUMENT for
+/// an impossible size, and ABI_MISMATCH if a field of a newer contract that this build does not
+/// support is not zero.
 template <class T>
 T ReadStruct(const T& source, const char* what) {
   const uint32_t size = source.struct_size;

@@ -53,7 +53,8 @@ def interest(item: reve.Item, items: Sequence[reve.Item]) -> Tuple[float, float,
 
 
 def along(start: Vector, end: Vector, length: float) -> List[float]:
-    """Returns a vector of that length from start towards end; along x if both are equal."""
+    """Returns a vector of the given length in the direction from start to end; along x if both are
+    equal."""
     distance = math.dist(start, end)
     if distance == 0.0:
         return [length, 0.0, 0.0]
@@ -121,8 +122,8 @@ class Curious:
                 self.pushes += 1
 
     def most_interesting(self, perception: reve.Perception) -> Optional[reve.Item]:
-        """Returns the most interesting item with a place, except the agent, grounds and boring
-        items."""
+        """Returns the most interesting item that has a location, except the agent, grounds and
+        boring items."""
         items = perception.items
         others = [
             i

@@ -307,7 +307,8 @@ class Agent(Client):
         return self.welcome.body
 
     async def act(self, item: Union[str, Item], action: str, /, **arguments: Argument) -> Result:
-        """Requests an action of the item and waits for its result. A refusal is a result."""
+        """Requests an action of the item and waits for its result. A refusal is a result, not an
+        exception."""
         target = item if isinstance(item, str) else item.name
         return await self._ask(lambda id: protocol.act(id, target, action, arguments), Result)
 

@@ -113,7 +113,8 @@ def control(
     tls: Tls = False,
     timeout: float = 10.0,
 ) -> Control:
-    """Joins a world as its controller, without a body. Arguments and errors as in `connect`."""
+    """Joins a world as its controller, without a body. Arguments and exceptions are those of
+    `connect`."""
     greeting = protocol.hello(name, role=protocol.CONTROL, token=token, world=world)
     return Control((host, port), greeting, timeout, tls)
 

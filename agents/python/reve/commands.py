@@ -68,7 +68,8 @@ class Commands(ABC, Generic[R, Q]):
     def add(
         self, *items: Mapping[str, object], prefabs: Optional[Mapping[str, object]] = None
     ) -> R:
-        """Adds items, all or none, as a world file describes them; they may be `like` prefabs.
+        """Adds items, all or none, each described as in a world file, also with `like` and the name
+        of a prefab.
 
         For example `add({"name": "ball", "physical": {"shape": "sphere", "radius": "5 cm"}})`.
         """
@@ -78,19 +79,19 @@ class Commands(ABC, Generic[R, Q]):
         return self._command("add", **fields)
 
     def change(self, item: Union[str, Item], **to: object) -> R:
-        """Changes an item: `name`, `parent`, `physical`, `physics`, `semantic` and `access`, as in
-        a world file. None removes a value.
+        """Changes fields of an item: `name`, `parent`, `physical`, `physics`, `semantic` or
+        `access`, as in a world file. None removes a value.
 
         For example `change("spring", physics={"end2": "hook"})`.
         """
         return self._command("change", item=_name(item), to=to)
 
     def remove(self, item: Union[str, Item], cascade: bool = False) -> R:
-        """Removes an item; in cascade, also all items that refer to it or are attached to it."""
+        """Removes an item; with `cascade`, also all items that refer to it or are attached to it."""
         return self._command("remove", item=_name(item), cascade=cascade)
 
     def rule(self, name: str, rule: Union[str, Mapping[str, object], None]) -> R:
-        """Sets a rule, an expression or a mapping as in a world file; None removes it."""
+        """Sets a rule (an expression, or a mapping as in a world file); None removes the rule."""
         return self._command("rule", name=name, rule=rule)
 
     def batch(self, *changes: Mapping[str, object]) -> R:

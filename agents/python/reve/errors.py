@@ -27,7 +27,7 @@ class ProtocolError(ReveError):
         super().__init__("protocol", message)
 
 
-# Errors of connections, which both clients raise.
+# Errors of connections, which the blocking and the asyncio client raise.
 
 
 def not_welcomed() -> ReveError:

@@ -135,8 +135,8 @@ class Item:
     """One item as perceived.
 
     `location` is x, y, z [m] in the world's frame, and `orientation` a unit quaternion x, y, z, w.
-    `location` is None for an item without a place, or if no sensor reaches it. `needs` are the
-    capabilities that a body must have for an action, for actions that need any; `capabilities` are
+    `location` is None for an item without a place, or if no sensor reaches it. `needs` contains,
+    for each action that requires any, the capabilities that a body must have; `capabilities` are
     the item's own.
     """
 
@@ -151,7 +151,7 @@ class Item:
 
 @dataclass(frozen=True)
 class Perception:
-    """All items that the client perceives in one frame; `time` is the world's [s].
+    """All items that the client perceives in one frame; `time` is the world time [s].
 
     In lock-step, `results` are those of the acts in the round before, in order.
     """
@@ -435,7 +435,8 @@ def decode(line: bytes) -> ServerMessage:
 
 
 def decode_packed(message: bytes) -> ServerMessage:
-    """Decodes MessagePack without its length; raises ProtocolError if it is not a message."""
+    """Decodes a MessagePack message without its length prefix; raises ProtocolError if it is not a
+    message."""
     try:
         return _message(_msgpack().unpackb(message))
     except (ValueError, KeyError, TypeError, AttributeError) as error:
@@ -450,7 +451,7 @@ class Incoming:
     def __init__(self) -> None:
         self._bytes = bytearray()
         self._start = 0  # start of the next message
-        self._searched = 0  # position up to which its end was searched
+        self._searched = 0  # position up to which the end of this message was searched
 
     def feed(self, data: bytes) -> None:
         """Appends received bytes, which may contain several messages and parts of messages."""

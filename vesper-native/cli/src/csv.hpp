@@ -16,7 +16,7 @@ class FileError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Returns the shortest text that reads back as the same number of this type, e.g. "1.5".
+/// Returns the shortest text from which the same number of this type is read back, e.g. "1.5".
 std::string FormatNumber(double number, vesper_scalar_type type);
 
 /// Returns a column name such as "mass" or "position.x"; from the fifth component on, a number:

@@ -139,7 +139,8 @@ AnyColumn& Given(SceneReader& reader, Scene& scene, const char* property) {
   return found->second;
 }
 
-/// Shifts the bodies so that their centre of mass and total momentum are 0.
+/// Shifts positions and velocities of the bodies so that their centre of mass and total momentum
+/// are 0.
 void Centre(std::vector<Body>& bodies, uint64_t disc, double disc_mass, double halo_mass) {
   Body mean{};
   for (uint64_t i = 0; i < bodies.size(); ++i) {

@@ -106,15 +106,16 @@ typedef struct vesper_engine_config {
 /** Information about one loaded law. */
 typedef struct vesper_law_info {
   uint32_t struct_size;
-  vesper_library_id library_id; /**< Id of its library. */
-  const char* library;          /**< Name of its library. */
-  const char* name;             /**< As in `vesper_law_desc`, like all fields up to `parameters`. */
-  const char* version;          /**< major.minor.patch */
-  const char* doc;              /**< One line. */
-  vesper_phase phase;           /**< Phase of a step in which it runs. */
-  uint32_t stages;              /**< Stages of an integrator, else 0. */
-  uint32_t use_count;           /**< Length of `uses`. */
-  uint32_t parameter_count;     /**< Length of `parameters`. */
+  vesper_library_id library_id;            /**< Id of its library. */
+  const char* library;                     /**< Name of its library. */
+  const char* name;                        /**< Same as in `vesper_law_desc`, like all fields up to
+                                              `parameters`. */
+  const char* version;                     /**< major.minor.patch */
+  const char* doc;                         /**< One line. */
+  vesper_phase phase;                      /**< Phase of a step in which it runs. */
+  uint32_t stages;                         /**< Stages of an integrator, else 0. */
+  uint32_t use_count;                      /**< Length of `uses`. */
+  uint32_t parameter_count;                /**< Length of `parameters`. */
   const vesper_property_use* uses;         /**< (use_count). */
   const vesper_parameter_desc* parameters; /**< (parameter_count). */
   uint64_t calls;                          /**< Calls of its `advance` since it was loaded. */
@@ -145,7 +146,8 @@ typedef struct vesper_ledger_entry {
 #define VESPER_LEDGER_UNLOADED 2u /**< Laws that have been unloaded. */
 #define VESPER_LEDGER_TOTAL 3u    /**< Measured change of all bodies: the sum of all lines. */
 
-/** One row of the layout table, which describes how this build lays out the contract's structs. */
+/** One row of the layout table: size of a struct of the contract in this build, or size and offset
+ *  of one of its fields. */
 typedef struct vesper_layout_entry {
   const char* struct_name; /**< e.g. "vesper_error" */
   const char* field;       /**< Null: the row gives the size of the struct. */

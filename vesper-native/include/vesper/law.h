@@ -46,7 +46,8 @@ typedef struct vesper_host {
   uint32_t reserved;
   void* context; /**< First argument of each host function. */
   /** Writes one line to the engine's log. Call it on the thread that called the law, not within
-   *  `parallel_for`. The client receives lines in load order, on its own thread. */
+   *  `parallel_for`. The client receives the lines of concurrent laws in load order, on its own
+   *  thread. */
   void (*log)(void* context, uint32_t level, const char* message);
   /** Calls `body(user, begin, end)` for disjoint ranges that cover [0, count), possibly
    *  concurrently, and returns when all calls have returned. Ranges have `grain` elements (the

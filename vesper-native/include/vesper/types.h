@@ -118,7 +118,7 @@ typedef struct vesper_parameter {
 } vesper_parameter;
 
 /** A function of position, such as wind or a magnetic field: the `data` of a bound FIELD
- *  property. Always f64, whatever the real type of the prototype. */
+ *  property. Its numbers are always f64, whatever the real type of the prototype. */
 typedef struct vesper_field {
   uint32_t struct_size;
   uint32_t reserved;
@@ -150,7 +150,7 @@ typedef struct vesper_property_descriptor {
                        against it at add, rebind and touch. Since 1.1. */
 } vesper_property_descriptor;
 
-/** The set of properties of one use of the engine. The engine copies it at create; types and
+/** The set of properties that an engine is created for. The engine copies it at create; types and
  *  units never change after that. */
 typedef struct vesper_prototype {
   uint32_t struct_size;

@@ -188,7 +188,7 @@ struct EngineConfig {
   /** Receives log lines (VESPER_LOG_..., text) on the calling thread. Must not throw. */
   std::function<void(uint32_t, const char*)> log = {};
 
-  /** Returns the C form; it points into this object. */
+  /** Returns the configuration as the C struct; it points into this object. */
   vesper_engine_config View() const {
     vesper_engine_config config;
     vesper_engine_config_init(&config);

@@ -70,7 +70,8 @@ class Renderer {
   struct ShadowMap {
     GlObject depth, framebuffer;
   };
-  /// A mesh in graphics memory. Its attributes are bound together with the instances of each draw.
+  /// A mesh in graphics memory. Its vertex attributes are bound together with those of the
+  /// instances in each draw.
   struct GpuMesh {
     GlObject vertices, indices;
     GLsizei index_count = 0;

@@ -37,14 +37,8 @@ class View {
  public:
   View(const Camera& camera, const Image& image, const Extent& extent);
 
-  const Vector3f& origin() const {
-    return origin_;
-  }  ///< the camera's target, in world
-     ///< coordinates
-  const Vector3f& forward() const {
-    return forward_;
-  }  ///< unit vector from the eye towards the
-     ///< target
+  const Vector3f& origin() const { return origin_; }    ///< the target, in world coordinates
+  const Vector3f& forward() const { return forward_; }  ///< unit vector to the target
   const Matrix4f& clip() const {
     return clip_;
   }  ///< transforms a position to clip

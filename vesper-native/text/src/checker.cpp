@@ -26,9 +26,7 @@ Checker::Checker(std::string_view text, const LawTree& tree, const Prototype& pr
       prototype_(prototype),
       problems_(problems),
       world_kind_(prototype.FindKind("world")) {
-  if (world_kind_ == kNone)
-    world_kind_ = UINT32_MAX - 1;  // a value that differs from the kind of
-                                   // every property
+  if (world_kind_ == kNone) world_kind_ = UINT32_MAX - 1;  // equals no property's kind
 }
 
 LawCode Checker::Run() {

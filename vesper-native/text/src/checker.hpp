@@ -120,7 +120,7 @@ class Checker {
   std::string Source(Span span) const {
     return std::string(text_.substr(span.begin, span.end - span.begin));
   }
-  /// Returns the part of the text in quotation marks, shortened.
+  /// Returns a part of the text in quotation marks, shortened if it is long.
   std::string Quoted(Span span) const;
   std::string Plural(uint32_t kind) const;
 

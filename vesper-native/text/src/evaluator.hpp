@@ -39,7 +39,7 @@ class Evaluator {
             const Kernels<Real>& kernels = AvailableKernels<Real>().front());
 
   void Bind(const vesper_property* properties);
-  /// Applies the law; returns the first value that is not finite although its operands are.
+  /// Applies the law; returns the first value that is not finite although its operands are finite.
   std::optional<Fault> Advance(const vesper_step& step);
   double PotentialEnergy();
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// All pairs of rows, and the explanation of values that are not finite. Part of evaluator.cpp.
+// All pairs of rows, and the search for the origin of values that are not finite. Part of
+// evaluator.cpp.
 #pragma once
 
 namespace vesper::text {
@@ -65,8 +66,8 @@ void Evaluator<Real>::ForEachRowOfSecond(const Program& program, uint64_t first,
   const auto clear = [&](uint16_t result, size_t count) {
     if (result != kNothing) std::fill_n(place.registers[result], count, Real(0));
   };
-  // Blocks begin at cache lines; pairs with rows up to `first` are skipped by making their results
-  // zero.
+  // Blocks begin at cache lines, so the first block may contain rows up to `first`; the results of
+  // these are cleared.
   for (uint64_t begin = (first + 1) / kPadding * kPadding; begin < rows; begin += kBlock) {
     const auto count = static_cast<size_t>(std::min<uint64_t>(kBlock, rows - begin));
     for (size_t g = 0; g < program.loads.size(); ++g) {

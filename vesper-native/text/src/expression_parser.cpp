@@ -37,7 +37,7 @@ class UnitScanner {
   UnitScanner(std::string_view text, size_t at, int depth = 0)
       : text_(text), at_(at), depth_(depth) {}
 
-  /// Returns the end of the unit; its begin if there is none.
+  /// Returns the position behind the unit; the start position if there is no unit.
   size_t Run() {
     if (!Term()) return at_;
     while (true) {
@@ -418,7 +418,7 @@ class ExpressionParser {
     reader_.FailHere("a value: a number, a name or '('");
   }
 
-  /// Takes a unit behind a number or a tuple, if there is one.
+  /// Reads the unit behind a number or a tuple, if there is one.
   void TakeUnit(Expression& tree) {
     const std::string_view text = reader_.text();
     size_t begin = tree.span.end;
@@ -545,9 +545,7 @@ Name TokenReader::ExpectName(std::string_view what) {
 void TokenReader::FailHere(const std::string& expected, std::string hint) {
   const Token& token = Peek();
   Span span = token.span;
-  if (span.end == span.begin)
-    span.end = span.begin + 1;  // an empty span at the end of a line:
-                                // marks the end
+  if (span.end == span.begin) span.end = span.begin + 1;  // marks the end of the line
   problems_.Fail(span, "found " + Found(token) + ", expected " + expected, std::move(hint));
 }
 

@@ -32,9 +32,7 @@ class Parser {
 
   std::vector<LawTree> Run() {
     std::vector<LawTree> laws;
-    if (!reader_.problems().empty())
-      return laws;  // a wrong token would only cause confusing
-                    // further problems
+    if (!reader_.problems().empty()) return laws;  // further ones would be confusing
     while (reader_.Peek().kind != TokenKind::kEnd && !reader_.problems().full()) {
       Guarded([&] {
         if (!reader_.Peek().Is("law")) {

@@ -44,7 +44,10 @@ public final class AgentClient implements AutoCloseable {
     private final Welcome welcome;
     private final Thread reader;
 
-    /** Lock for sending; acquired before this object's own lock. */
+    /**
+     * Lock for sending. A thread that needs both locks acquires this one before this object's own
+     * lock.
+     */
     private final Object sending = new Object();
 
     /** Written by the reader's thread after a reconnection, with {@link #sending} held. */
@@ -507,7 +510,7 @@ public final class AgentClient implements AutoCloseable {
         try {
             old.close();
         } catch (IOException e) {
-            // Closing frees the descriptor even if it fails.
+            // Ignored: close frees the descriptor even if it fails.
         }
     }
 }

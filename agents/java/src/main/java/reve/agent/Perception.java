@@ -35,7 +35,7 @@ public record Perception(
     /**
      * Returns this perception after an update.
      *
-     * @throws AgentException if the update belongs to another perception
+     * @throws AgentException if the update is relative to another perception
      */
     Perception updated(Update update) {
         if (update.since() != frame) {

@@ -211,7 +211,9 @@ final class Protocol {
     }
 
     /**
-     * @param packed MessagePack without its length
+     * Reads one message.
+     *
+     * @param packed MessagePack, the bytes behind the length prefix
      * @throws AgentException with code {@code protocol} if it is not a message of version 1
      */
     static ServerMessage read(byte[] packed) {

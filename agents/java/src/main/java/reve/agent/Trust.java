@@ -29,9 +29,9 @@ public final class Trust {
     }
 
     /**
-     * Returns the certificates in a file as the only trust anchors.
+     * Returns an SSL context that trusts only the certificates in a file.
      *
-     * @param file PEM: the server's own certificate, or the certificate of its issuer
+     * @param file PEM: the server's own certificate, or that of its issuer
      * @throws IOException naming the file, if it cannot be read or contains no certificate
      */
     public static SSLContext file(Path file) throws IOException {

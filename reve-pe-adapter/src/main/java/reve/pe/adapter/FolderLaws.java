@@ -91,7 +91,7 @@ final class FolderLaws implements AutoCloseable {
         }
     }
 
-    /** Activates the library of a file in place of the file's previous one. */
+    /** Activates the library of a file, in place of the file's previous library if there is one. */
     void put(long frame, Path file, PreparedLibrary library, PreparedLibrary spare) {
         String name = file.getFileName().toString();
         ActiveFile old = byName.get(name);

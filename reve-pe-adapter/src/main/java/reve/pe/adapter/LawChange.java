@@ -5,7 +5,7 @@ import reve.core.world.ItemId;
 
 /** A change to the laws of a world. An index counts libraries in the order of loading, from 0. */
 public sealed interface LawChange {
-    /** A library was loaded after all others. */
+    /** A library was loaded, as the last one in the order. */
     record Loaded(LawLibrary library) implements LawChange {}
 
     /** The library at an index was unloaded. */

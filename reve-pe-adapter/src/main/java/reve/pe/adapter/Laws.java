@@ -82,7 +82,7 @@ public final class Laws {
         /**
          * Checks the name of a library or of one of its laws.
          *
-         * @throws PhysicsException if the library may not use it
+         * @throws PhysicsException if the library may not have this name
          */
         void check(String name, Path file, byte[] library);
     }

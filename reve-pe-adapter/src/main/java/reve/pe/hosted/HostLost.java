@@ -8,8 +8,8 @@ final class HostLost extends Exception {
     private static final long serialVersionUID = 1L;
 
     /**
-     * The time limit after which the client ended it, because it did not answer [ns]; 0 if it ended
-     * by itself.
+     * The time limit after which the client ended the host, because it did not answer [ns]; 0 if it
+     * ended by itself.
      */
     final long lateNanos;
 
@@ -34,7 +34,7 @@ final class HostLost extends Exception {
     final long offset;
 
     /**
-     * @param message how it ended, for example "SIGSEGV"
+     * @param message how the host ended, for example "SIGSEGV"
      */
     HostLost(
             String message,

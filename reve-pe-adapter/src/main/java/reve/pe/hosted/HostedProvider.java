@@ -39,7 +39,7 @@ final class HostedProvider implements PhysicalPropertyProvider {
     /** Properties whose values the client has edited; the next call reports them to the host. */
     private final Set<String> touched = new LinkedHashSet<>();
 
-    /** The properties whose arrays the current host has. */
+    /** The properties whose arrays the current host (engine process) has received. */
     private final Set<String> lent = new HashSet<>();
 
     /** Properties that were rebound since the last call; the next call sends them to the host. */

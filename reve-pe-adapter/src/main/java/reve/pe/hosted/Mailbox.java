@@ -32,7 +32,7 @@ final class Mailbox {
         return putInt(request.number());
     }
 
-    /** Writes the size of the request in front of it. */
+    /** Completes the request: writes its size at its beginning. */
     void end() {
         memory.set(JAVA_INT_UNALIGNED, 0, (int) (at - Integer.BYTES));
     }

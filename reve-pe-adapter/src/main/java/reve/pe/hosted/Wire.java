@@ -109,7 +109,9 @@ final class Wire {
         return parameters;
     }
 
-    /** A {@code vesper_error}: a failure with the numbers that its host uses. */
+    /**
+     * A {@code vesper_error}: a failure as a host reports it; the ids in it are those of the host.
+     */
     record Failure(int status, int library, int law, long row, String property, String message) {
         static Failure read(Mailbox from) {
             int status = from.getInt();

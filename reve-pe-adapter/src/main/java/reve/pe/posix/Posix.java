@@ -17,7 +17,8 @@ import java.lang.invoke.MethodHandle;
  * Bindings of C functions, one static method each; if a function fails, the method returns -errno.
  * Any thread.
  */
-@SuppressWarnings("restricted") // the one place where C library functions are looked up
+@SuppressWarnings("restricted") // this class is the only one that looks up functions of the C
+// library
 final class Posix {
     private static final Linker LINKER = Linker.nativeLinker();
     private static final StructLayout CALL_STATE = Linker.Option.captureStateLayout();

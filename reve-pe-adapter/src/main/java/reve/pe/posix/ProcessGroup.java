@@ -5,7 +5,7 @@ import java.io.IOException;
 import java.nio.file.Files;
 import java.nio.file.Path;
 
-/** A child process that leads a process group of its own. Linux only; any thread. */
+/** A child process that is the leader of a process group of its own. Linux only; any thread. */
 public final class ProcessGroup {
     private static final int SIGKILL = 9;
     private static final int SIGCONT = 18;

@@ -74,7 +74,8 @@ public final class SharedMemory implements AutoCloseable {
         }
     }
 
-    @SuppressWarnings("restricted") // the kernel just mapped this number of bytes at that address
+    @SuppressWarnings("restricted") // safe: the kernel has just mapped this number of bytes at this
+    // address
     private MemorySegment map(String name, long bytes) {
         long address = Posix.mmap(bytes, PROT_READ_WRITE, MAP_SHARED, descriptor, 0);
         check(name, "mmap of " + bytes + " bytes", address);

@@ -375,8 +375,8 @@ public final class VesperEngine implements PhysicsEngine {
     }
 
     /**
-     * Writes the parameters in the order of their names, so that messages about them are
-     * deterministic.
+     * Copies the parameters to C structs in the order of their names, so that messages about them
+     * are deterministic.
      */
     private static MemorySegment writeParameters(Arena arena, Map<String, Double> parameters) {
         MemorySegment array = arena.allocate(PARAMETER, Math.max(1, parameters.size()));

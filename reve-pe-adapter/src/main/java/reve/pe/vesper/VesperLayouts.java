@@ -187,7 +187,7 @@ final class VesperLayouts {
     }
 
     /** Copies the table that {@code vesper_abi_layout} returned. */
-    @SuppressWarnings("restricted") // C says how many entries there are
+    @SuppressWarnings("restricted") // safe: C returns the number of entries
     static List<Row> read(MemorySegment first, int count) {
         return first.reinterpret(count * LAYOUT_ENTRY.byteSize())
                 .elements(LAYOUT_ENTRY)

@@ -27,7 +27,7 @@ final class VesperLedger {
 
     private VesperLedger() {}
 
-    /** Returns the lines of the laws in order, then the others. */
+    /** Returns the lines of the laws in the order of `laws`, then the lines of other sources. */
     static List<LedgerLine> read(MemorySegment engine, List<PhysicsLaw> laws, VesperErrors errors) {
         List<LedgerLine> lines = new ArrayList<>();
         try (Arena call = Arena.ofConfined()) {

@@ -19,7 +19,7 @@ import java.lang.invoke.MethodHandle;
  * arguments. The methods return C's status numbers; {@link VesperErrors} converts them to
  * exceptions.
  */
-@SuppressWarnings("restricted") // the one place where native functions are looked up
+@SuppressWarnings("restricted") // this class is the only one that looks up functions of the engine
 final class VesperLibrary {
     private static final Linker LINKER = Linker.nativeLinker();
     private static final SymbolLookup SYMBOLS =

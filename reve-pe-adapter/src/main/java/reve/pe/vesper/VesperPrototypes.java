@@ -240,7 +240,7 @@ final class VesperPrototypes {
         return array.asSlice(index * layout.byteSize(), layout);
     }
 
-    @SuppressWarnings("restricted") // C guarantees a struct of this layout at the address
+    @SuppressWarnings("restricted") // safe: C guarantees a struct of this layout at this address
     private static MemorySegment struct(MemorySegment address, StructLayout layout) {
         return address.reinterpret(layout.byteSize());
     }

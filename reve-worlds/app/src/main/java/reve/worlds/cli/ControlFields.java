@@ -96,7 +96,7 @@ final class ControlFields {
         inner.put(keys[keys.length - 1], value);
     }
 
-    @SuppressWarnings("unchecked") // only this class puts maps into the fields
+    @SuppressWarnings("unchecked") // safe: only this class puts maps into the fields
     private static Map<String, Object> nested(Object map) {
         return (Map<String, Object>) map;
     }

@@ -33,7 +33,7 @@ final class Interrupt implements AutoCloseable {
     /**
      * Registers the action that asks the command to stop.
      *
-     * @param asks called on another thread
+     * @param asks the action; called on another thread
      */
     void stopWith(Runnable asks) {
         stop = asks;

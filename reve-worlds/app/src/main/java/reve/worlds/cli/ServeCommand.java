@@ -295,8 +295,9 @@ public final class ServeCommand implements Callable<Integer> {
     }
 
     /**
-     * Reserves a file and the files derived from its name: a store uses names that begin with its
-     * name and {@code -}; older recordings and audit files are named {@code FILE.1} and so on.
+     * Records the file of an option; refuses it if another option uses it. Derived names count,
+     * too: a store uses names that begin with its name and {@code -}; older recordings and audit
+     * files are named {@code FILE.1} and so on.
      */
     private void requireOwn(Map<Path, String> taken, String option, Optional<Path> given)
             throws IOException {

@@ -73,7 +73,7 @@ final class LawFacts {
                 .orElseGet(() -> new LawReference(law.library(), Map.of(), ""));
     }
 
-    /** Returns the value of a parameter; empty if the law declares none of this name. */
+    /** Returns the value of a parameter; empty if the law declares no parameter of this name. */
     Optional<Double> parameter(PhysicsLaw law, String name) {
         return law.parameters().stream()
                 .filter(parameter -> parameter.name().equals(name))

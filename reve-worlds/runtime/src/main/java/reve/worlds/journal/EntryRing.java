@@ -32,7 +32,7 @@ final class EntryRing {
         return written.getPlain() - read.getAcquire() == entries.length;
     }
 
-    /** Returns whether the writer has released all entries. */
+    /** Returns whether the ring is empty, that is, whether the writer has released all entries. */
     boolean isEmpty() {
         return written.getPlain() == read.getAcquire();
     }

@@ -102,7 +102,7 @@ public final class ImageCodec {
      * Decodes an image; the caller closes it.
      *
      * @param libraries returns the bytes of a law library by SHA-256, or null if there is none
-     * @throws CorruptException if the image contradicts itself or lacks a library
+     * @throws CorruptException if the image is inconsistent, or a library is missing
      */
     public SimulationImage read(Stored stored, Function<String, byte @Nullable []> libraries) {
         SimulationImage image;

@@ -44,7 +44,7 @@ public final class SimulationImage implements AutoCloseable {
         physics = itsPhysics.save();
     }
 
-    /** Sets the physics part of an image whose world part was filled separately. */
+    /** Sets the physics part of the image; its world part was filled separately. */
     void setPhysics(PhysicsImage newPhysics) {
         physics = newPhysics;
     }
@@ -54,12 +54,12 @@ public final class SimulationImage implements AutoCloseable {
         return world.frame();
     }
 
-    /** Returns the world's part. */
+    /** Returns the world's part of the image. */
     public WorldImage world() {
         return world;
     }
 
-    /** Returns the engine's part. */
+    /** Returns the engine's part of the image. */
     public PhysicsImage physics() {
         return physics;
     }

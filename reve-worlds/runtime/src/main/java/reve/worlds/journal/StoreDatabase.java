@@ -92,13 +92,13 @@ final class StoreDatabase {
      */
     record Identity(UUID id, long since) {}
 
-    /** An image without its bytes. */
+    /** A row of an image in the database, without the image's bytes. */
     record ImageRow(long framesFile, long frame, long sum, boolean isGood) {}
 
     /**
      * The readable rows of the database.
      *
-     * @param isIdentified whether the store's version has an identity
+     * @param isIdentified whether stores of this version have an identity
      * @param images newest first
      * @param libraries by the SHA-256 of their actual bytes
      * @param damagedLibraries expected SHA-256 of libraries whose bytes differ

@@ -5,7 +5,10 @@ import java.nio.ByteBuffer;
 import java.nio.ByteOrder;
 import java.util.List;
 
-/** A growing buffer of packed little-endian numbers of 4 bytes, as in the scene stream. */
+/**
+ * A growing buffer of packed little-endian numbers of 4 bytes, the format of columns in messages to
+ * the renderer.
+ */
 final class GrowingColumn {
 
     private ByteBuffer bytes = allocate(1024);

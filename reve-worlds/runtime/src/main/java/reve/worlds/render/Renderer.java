@@ -14,8 +14,9 @@ import java.util.concurrent.atomic.AtomicBoolean;
 import java.util.concurrent.locks.ReentrantLock;
 
 /**
- * Renderer of scenes in a separate process, so that a crash in a graphics library costs a picture
- * and never the world. The process starts with the first picture, and again after it has ended.
+ * Renderer of scenes in a separate process, so that a crash in a graphics library loses a picture
+ * but does not end the world's process. The process starts with the first picture, and again after
+ * it has ended.
  *
  * <p>Any thread may call it; pictures are made one after the other, and callers wait. {@link
  * #close()} never waits, and aborts the picture in progress.

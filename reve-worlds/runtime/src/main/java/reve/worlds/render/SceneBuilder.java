@@ -95,7 +95,8 @@ public record SceneBuilder(
     }
 
     /**
-     * Returns the view from a body's origin along its +Z axis, with its +Y axis up.
+     * Returns the camera at a body's origin that looks along the body's +Z axis, with its +Y axis
+     * up.
      *
      * @param verticalFovRadians see {@link Camera#extent()}
      * @return empty if the body does not exist

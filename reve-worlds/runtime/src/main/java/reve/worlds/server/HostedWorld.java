@@ -225,7 +225,7 @@ final class HostedWorld implements AutoCloseable {
         events.happened("ready", fields);
     }
 
-    /** Makes the planned frames, or fewer if {@link #stop} is called, and returns the report. */
+    /** Computes the planned frames, or fewer if {@link #stop} is called, and returns the report. */
     RunReport run() {
         long start = System.nanoTime();
         simulation.loop().run(plan.frames());

@@ -188,8 +188,8 @@ public record LawPath(
     /**
      * Opens the library of a law.
      *
-     * @throws PhysicsException as {@link #find}, and if the library comes with the world and the
-     *     operator does not trust the world
+     * @throws PhysicsException as in {@link #find}; also if the library comes with the world and
+     *     the operator does not trust the world
      */
     PreparedLibrary prepare(PhysicsEngine engine, String name, Found found) {
         if (found.origin() == Origin.WORLD && !trusted && !found.isText()) {
@@ -277,7 +277,9 @@ public record LawPath(
                 + world.map(_ -> ", or in the world's own folder " + WORLDS_OWN + "/").orElse("");
     }
 
-    /** Returns the names of all libraries in these places, in alphabetical order. Reads folders. */
+    /**
+     * Returns the names of all libraries on the search path, in alphabetical order. Reads folders.
+     */
     List<String> names() {
         SortedSet<String> names = new TreeSet<>();
         Stream.concat(
@@ -290,7 +292,7 @@ public record LawPath(
         return List.copyOf(names);
     }
 
-    /** Returns the name that was probably meant, or all names. */
+    /** Returns a suggestion for a name that was not found: the most similar name, or all names. */
     private String suggestion(String wrong) {
         List<String> names = names();
         String near = Suggestion.of(wrong, names);

@@ -22,7 +22,7 @@ import java.util.concurrent.TimeUnit;
 
 /**
  * Pictures of a running world at given frames. The world's thread only builds the scene; another
- * thread draws it. A failed picture has no other effect.
+ * thread draws it. If a picture fails, the world continues.
  */
 public final class Pictures implements AutoCloseable {
     /** Default size of pictures. */

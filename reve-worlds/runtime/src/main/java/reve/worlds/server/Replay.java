@@ -228,7 +228,7 @@ public final class Replay implements AutoCloseable {
         subscriptions.add(made.bus().subscribe(FramePhase.PUBLISH, "replay", this::comeLate));
     }
 
-    /** Returns a description of a world that has only the content of an image. */
+    /** Returns a description of a world from an image alone, without its world file. */
     private static WorldDescription description(WorldHeader header) {
         return WorldDescription.bare(header.name(), header.prototype(), header.timing());
     }

@@ -264,7 +264,7 @@ final class ServerControl implements WorldControl, AutoCloseable {
         }
     }
 
-    /** An image of this simulation. */
+    /** An image of this simulation that a client has named, for rewinding and forks. */
     private final class Kept implements Image {
         private final SimulationImage image;
 

@@ -14,8 +14,8 @@ import java.util.Map;
  *
  * @param runs reports of the worlds that did not fail
  * @param worlds number of worlds
- * @param unkept what the stores lack
- * @param gaps what the recordings lack
+ * @param unkept messages about data that the stores lack
+ * @param gaps messages about frames that the recordings lack
  */
 public record ServerReport(
         List<RunReport> runs,

@@ -285,7 +285,8 @@ public final class Simulation implements AutoCloseable {
     }
 
     /**
-     * Returns a description of the current world, with the laws that act on it now. World's thread.
+     * Returns a description of the current world, with the laws that are loaded now. World's
+     * thread.
      */
     public WorldDescription descriptionNow() {
         return description.of(
@@ -430,8 +431,8 @@ public final class Simulation implements AutoCloseable {
     }
 
     /**
-     * Returns an image of the world as described, before its first frame. Any thread; the caller
-     * closes it.
+     * Returns an image of the world as its file describes it, before the first frame. Any thread;
+     * the caller closes it.
      */
     SimulationImage beginning() {
         try (Simulation begun = new Simulation(description, Pacing.FAST, lawPath)) {

@@ -28,7 +28,7 @@ final class WorldAnswers {
 
     private final Simulation simulation;
 
-    /** Changes since the last question about them; null before the first. */
+    /** The collected changes since the last question about them; null before the first question. */
     private @Nullable List<Map<String, Object>> changes;
 
     private long lost;

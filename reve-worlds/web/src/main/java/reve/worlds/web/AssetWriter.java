@@ -29,9 +29,9 @@ final class AssetWriter {
     private AssetWriter() {}
 
     /**
-     * Returns a mesh: type, id, number of vertices, of indices, attributes, number of parts; then
-     * coordinates, normals, texture coordinates, colours, indices; then for each part the first
-     * triangle, the number of triangles, colour, roughness, metallic, id of the texture.
+     * Encodes a mesh as a message: type, id, number of vertices, of indices, attributes, number of
+     * parts; then coordinates, normals, texture coordinates, colours, indices; then for each part
+     * the first triangle, the number of triangles, colour, roughness, metallic, id of the texture.
      */
     static ByteBuffer mesh(int id, Mesh mesh, ToIntFunction<Object> assetId) {
         FloatBuffer vertices = mesh.vertices();

@@ -46,7 +46,7 @@ final class LimitedConnector extends ServerConnector {
         try {
             channel.close();
         } catch (IOException e) {
-            // Closing frees the descriptor even if it fails.
+            // Ignored: close frees the descriptor even if it fails.
         }
         return false;
     }

@@ -31,7 +31,7 @@ final class PageOutput {
     private final Session page;
     private final OpenPages pages;
 
-    /** Held while a message is written; fair, so that lines and frames take turns. */
+    /** Held while a message is written; a fair lock, so that lines and frames take turns. */
     private final ReentrantLock turn = new ReentrantLock(true);
 
     /** Time by which the page must accept the present piece [ns since the start]. */
@@ -51,7 +51,7 @@ final class PageOutput {
     /**
      * Sends a part of a line, and returns when the page's socket has accepted it. One thread.
      *
-     * @param last whether the line ends here
+     * @param last true if the line ends with this part
      * @throws CompletionException if the connection ended first
      */
     void line(String piece, boolean last) {

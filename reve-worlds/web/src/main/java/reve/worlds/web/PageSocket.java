@@ -127,7 +127,7 @@ public final class PageSocket implements Session.Listener.AutoDemanding, Relay {
             try {
                 channel.close();
             } catch (IOException e) {
-                // Closing frees the descriptor even if it fails.
+                // Ignored: close frees the descriptor even if it fails.
             }
         }
     }
