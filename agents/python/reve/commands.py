@@ -87,7 +87,7 @@ class Commands(ABC, Generic[R, Q]):
         return self._command("change", item=_name(item), to=to)
 
     def remove(self, item: Union[str, Item], cascade: bool = False) -> R:
-        """Removes an item; with `cascade`, also all items that refer to it or are attached to it."""
+        """Removes an item; with `cascade`, also all items that refer to it or are attached."""
         return self._command("remove", item=_name(item), cascade=cascade)
 
     def rule(self, name: str, rule: Union[str, Mapping[str, object], None]) -> R:

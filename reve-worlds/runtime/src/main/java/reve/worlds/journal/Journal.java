@@ -32,10 +32,10 @@ import java.util.function.Consumer;
  * fixed interval of frames; between images it contains, for each frame, a digest and all changes
  * that laws did not cause. The world's thread copies data and computes digests; the journal's
  * threads write. A frame is published only after the previous frame was written, so a crash of the
- * process loses at most one frame, unless the disk is slower than {@link
- * #FRAME_PATIENCE_NANOSECONDS}. If a write fails, the world continues, and the journal resumes with
- * the next image. If the journal's own thread fails, the world stops with an IOError. The world's
- * thread creates and closes the journal, between frames.
+ * process loses at most one frame, unless the disk is slower than FRAME_PATIENCE_NANOSECONDS. If a
+ * write fails, the world continues, and the journal resumes with the next image. If the journal's
+ * own thread fails, the world stops with an IOError. The world's thread creates and closes the
+ * journal, between frames.
  */
 public final class Journal implements AutoCloseable {
     private static final int FRAMES_WAITING = 2048;
