@@ -110,8 +110,8 @@ void Service::Dispatch(Reader request, Writer& reply) {
       return Advance(request, reply);
     case Request::kClearFault:
       return Check(vesper_engine_clear_fault(engine_.get(), &error_));
-    case Request::kMoveRow:
-      return MoveRow(request);
+    case Request::kMoveRows:
+      return MoveRows(request);
     case Request::kSetStepCount: {
       const auto steps = request.Value<uint64_t>();
       const auto dt = request.Value<double>();
@@ -342,11 +342,14 @@ void Service::Advance(Reader& request, Writer& reply) {
   }
 }
 
-void Service::MoveRow(Reader& request) {
+void Service::MoveRows(Reader& request) {
   const std::string kind = request.Text();
-  const auto from = request.Value<uint64_t>();
-  const auto to = request.Value<uint64_t>();
-  Check(vesper_engine_move_row(engine_.get(), kind.c_str(), from, to, &error_));
+  const auto count = request.Value<uint32_t>();
+  for (uint32_t i = 0; i < count; ++i) {
+    const auto from = request.Value<uint64_t>();
+    const auto to = request.Value<uint64_t>();
+    Check(vesper_engine_move_row(engine_.get(), kind.c_str(), from, to, &error_));
+  }
 }
 
 /// Writes the state to the client's memory and replies with the step count, the size of the state

@@ -27,7 +27,7 @@ enum class Request : uint32_t {
   kLaws,
   kAdvance,
   kClearFault,
-  kMoveRow,
+  kMoveRows,
   kSetStepCount,
   kStateHash,
   kStateMemory,
@@ -74,7 +74,7 @@ class Service {
   void Unload(Reader& request, Writer& reply);
   void Laws(Reader& request, Writer& reply);
   void Advance(Reader& request, Writer& reply);
-  void MoveRow(Reader& request);
+  void MoveRows(Reader& request);
   void SaveState(Writer& reply);
   void LoadState(Reader& request);
   void Ledger(Reader& request, Writer& reply);

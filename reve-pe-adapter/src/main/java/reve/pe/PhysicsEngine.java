@@ -110,12 +110,14 @@ public interface PhysicsEngine extends AutoCloseable {
     void clearFault();
 
     /**
-     * Notifies the engine that the client moves row {@code from} of a kind to row {@code to <=
-     * from}, whose item was removed. The laws' state for the moved item moves with it, and row
-     * {@code from} is then a new row. {@code from == to} means that the item of that row was
-     * removed.
+     * Notifies the engine that the client moves rows of a kind, one after the other: row {@code
+     * from} to row {@code to <= from}, whose item was removed. The laws' state for the moved item
+     * moves with it, and row {@code from} is then a new row. {@code from == to} means that the item
+     * of that row was removed.
+     *
+     * @param moves from and to of each move; the engine keeps the array, which must not change
      */
-    void moveRow(String kind, long from, long to);
+    void moveRows(String kind, long[] moves);
 
     /**
      * Sets the step count, as if the arrays were the result of this many steps from time 0.

@@ -4,6 +4,7 @@ package reve.pe.adapter;
 import reve.core.world.Table;
 import reve.pe.PhysicsEngine;
 
+import java.util.Arrays;
 import java.util.HashMap;
 import java.util.Map;
 
@@ -11,6 +12,11 @@ import java.util.Map;
 final class BoundRows {
     private final Table table;
     private long[] items = {};
+
+    /** Moves of rows, from and to of each. */
+    private long[] moves = {};
+
+    private int moved;
 
     BoundRows(Table table) {
         this.table = table;
@@ -21,6 +27,7 @@ final class BoundRows {
      * of laws follows them. Called before the engine receives the new number of rows.
      */
     void follow(PhysicsEngine engine) {
+        moved = 0;
         long[] now = new long[table.physicsRowCount()];
         for (int row = 0; row < now.length; row++) {
             now[row] = table.idAt(row).value();
@@ -35,12 +42,23 @@ final class BoundRows {
         for (int row = 0; row < Math.min(now.length, items.length); row++) {
             if (now[row] != items[row]) {
                 int from = left.getOrDefault(now[row], -1);
-                engine.moveRow(table.kind(), from > row ? from : row, row);
+                move(from > row ? from : row, row);
             }
         }
         for (int row = now.length; row < items.length; row++) {
-            engine.moveRow(table.kind(), row, row); // before another item gets this row
+            move(row, row); // before another item gets this row
         }
         items = now;
+        if (moved > 0) {
+            engine.moveRows(table.kind(), Arrays.copyOf(moves, moved));
+        }
+    }
+
+    private void move(int from, int to) {
+        if (moved == moves.length) {
+            moves = Arrays.copyOf(moves, Math.max(16, 2 * moved));
+        }
+        moves[moved++] = from;
+        moves[moved++] = to;
     }
 }

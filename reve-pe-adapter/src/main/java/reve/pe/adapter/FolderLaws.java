@@ -98,6 +98,9 @@ final class FolderLaws implements AutoCloseable {
         if (old == null && adopted(name, library, spare)) {
             return;
         }
+        if (old != null) {
+            old = followed(name, old);
+        }
         boolean replaces = old != null && laws.isLoaded(old.libraryId);
         if (replaces && old.sha256.equals(library.sha256())) {
             drop(library);
@@ -129,12 +132,7 @@ final class FolderLaws implements AutoCloseable {
      * the world file names it. Returns false if there is none.
      */
     private boolean adopted(String name, PreparedLibrary library, PreparedLibrary spare) {
-        Set<Integer> owned =
-                byName.values().stream().map(ActiveFile::libraryId).collect(Collectors.toSet());
-        Optional<Integer> free =
-                laws.forFolder(library.sha256()).stream()
-                        .filter(id -> !owned.contains(id))
-                        .findFirst();
+        Optional<Integer> free = free(library.sha256());
         free.ifPresent(
                 id -> {
                     byName.put(name, new ActiveFile(id, library.sha256(), spare, library.bytes()));
@@ -143,10 +141,35 @@ final class FolderLaws implements AutoCloseable {
         return free.isPresent();
     }
 
+    /** Returns a loaded library with these bytes that belongs to no file. */
+    private Optional<Integer> free(String sha256) {
+        Set<Integer> owned =
+                byName.values().stream().map(ActiveFile::libraryId).collect(Collectors.toSet());
+        return laws.forFolder(sha256).stream().filter(id -> !owned.contains(id)).findFirst();
+    }
+
+    /**
+     * Returns the active file with the present id of its library, which has another one after it
+     * was loaded again, for example with other parameters.
+     */
+    private ActiveFile followed(String name, ActiveFile file) {
+        if (laws.isLoaded(file.libraryId)) {
+            return file;
+        }
+        ActiveFile found =
+                free(file.sha256)
+                        .map(id -> new ActiveFile(id, file.sha256, file.spare, file.bytes))
+                        .orElse(file);
+        byName.put(name, found);
+        return found;
+    }
+
     /** Unloads the library of a removed file. */
     void remove(long frame, String name) {
-        ActiveFile old = byName.remove(name);
+        ActiveFile old = byName.get(name);
         if (old != null) {
+            old = followed(name, old);
+            byName.remove(name);
             drop(old.spare);
             if (laws.isLoaded(old.libraryId)) {
                 laws.unload(frame, old.libraryId);

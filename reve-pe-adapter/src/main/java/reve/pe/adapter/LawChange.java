@@ -3,6 +3,8 @@ package reve.pe.adapter;
 
 import reve.core.world.ItemId;
 
+import java.util.Map;
+
 /** A change to the laws of a world. An index counts libraries in the order of loading, from 0. */
 public sealed interface LawChange {
     /** A library was loaded, as the last one in the order. */
@@ -10,6 +12,13 @@ public sealed interface LawChange {
 
     /** The library at an index was unloaded. */
     record Unloaded(int place) implements LawChange {}
+
+    /**
+     * Parameters of the library at an index were changed; laws keep what they remember.
+     *
+     * @param changed by {@code parameter} or {@code law.parameter}
+     */
+    record ParametersSet(int place, Map<String, Double> changed) implements LawChange {}
 
     /**
      * The library at an index failed in PHYSICS, the frame's phase in which laws act, was unloaded

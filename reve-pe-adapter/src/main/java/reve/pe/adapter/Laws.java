@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.pe.adapter;
 
+import org.jspecify.annotations.Nullable;
+
 import reve.core.world.Item;
 import reve.core.world.World;
 import reve.core.world.WorldEvent;
@@ -31,6 +33,12 @@ import java.util.stream.Collectors;
 public final class Laws {
     private static final Pattern NOT_FINITE = Pattern.compile("wrote -?(nan|inf)");
 
+    /** Maximum number of tries of a change during which the engine's process is lost. */
+    private static final int MOST_TRIES = 3;
+
+    /** What the engine throws if its process was lost. */
+    private static final Set<Status> LOSSES = Set.of(Status.ENGINE_LOST, Status.LAW_CRASHED);
+
     private final World world;
     private final PhysicsEngine engine;
     private final Map<Integer, LawLibrary> loaded = new LinkedHashMap<>();
@@ -43,6 +51,9 @@ public final class Laws {
     private NameGuard guard = (name, file, library) -> {};
     private long version;
     private boolean unmoved;
+
+    /** The changes of an attempt in progress, which listeners receive at its end. */
+    private @Nullable List<LawChange> attempted;
 
     Laws(World world, PhysicsEngine engine) {
         this.world = world;
@@ -160,29 +171,87 @@ public final class Laws {
 
     /**
      * Changes parameters of a loaded library, outside PHYSICS. The library and those loaded after
-     * it are loaded again, so that the order of the laws stays the same.
+     * it are loaded again, so that the order of the laws stays the same; all laws keep what they
+     * remember.
      *
      * @param changed by {@code parameter} or {@code law.parameter}; the others keep their values
      * @throws IllegalArgumentException if no library has the name
      * @throws PhysicsException if the engine refuses a parameter; then nothing changed
      */
     public void setParameters(long frame, String library, Map<String, Double> changed) {
-        List<LawLibrary> before = libraries();
-        List<Quarantined> out = quarantined();
-        List<LawLibrary> after = new ArrayList<>(before);
-        int place = 0;
-        while (place < before.size() && !before.get(place).name().equals(library)) {
-            place++;
-        }
-        if (place == before.size()) {
+        int place = libraries().stream().map(LawLibrary::name).toList().indexOf(library);
+        if (place < 0) {
             throw new IllegalArgumentException("no library \"" + library + "\" is loaded");
         }
-        after.set(place, before.get(place).with(changed));
+        setParameters(frame, place, changed);
+    }
+
+    private void setParameters(long frame, int place, Map<String, Double> changed) {
+        List<LawLibrary> wanted = new ArrayList<>(libraries());
+        wanted.set(place, wanted.get(place).with(changed));
+        attempt(
+                frame,
+                (made, memory) -> {
+                    restore(frame, wanted, quarantined());
+                    engine.loadState(memory);
+                    made.clear();
+                    made.add(new LawChange.ParametersSet(place, Map.copyOf(changed)));
+                });
+    }
+
+    /**
+     * Loads a library outside PHYSICS in place of a loaded one of the same name, whose laws it
+     * would exclude. If the new one is refused, the old one and what the laws remember return.
+     *
+     * @param old id of the loaded library
+     * @return id of the new library
+     * @throws PhysicsException if the engine refuses the new library
+     */
+    public int replace(
+            long frame,
+            int old,
+            PreparedLibrary prepared,
+            Map<String, Double> parameters,
+            Path file) {
+        attempt(
+                frame,
+                (made, memory) -> {
+                    unload(frame, old);
+                    load(frame, prepared, parameters, file);
+                });
+        return latest().orElseThrow().getKey();
+    }
+
+    /** Loads and unloads libraries; the listeners receive the changes that it leaves. */
+    private interface Attempt {
+        /**
+         * @param made the changes so far
+         * @param memory the engine's state before the attempt
+         */
+        void make(List<LawChange> made, byte[] memory);
+    }
+
+    /** Makes an attempt; if the engine refuses a step, all libraries are as before. */
+    private void attempt(long frame, Attempt attempt) {
+        List<LawLibrary> before = libraries();
+        List<Quarantined> out = quarantined();
+        byte[] memory = engine.saveState();
+        List<LawChange> made = new ArrayList<>();
+        attempted = made;
         try {
-            restore(frame, after, out);
+            attempt.make(made, memory);
         } catch (PhysicsException refused) {
-            restore(frame, before, out);
+            try {
+                restore(frame, before, out);
+                engine.loadState(memory);
+                made.clear();
+            } catch (PhysicsException notBack) {
+                refused.addSuppressed(notBack);
+            }
             throw refused;
+        } finally {
+            attempted = null;
+            made.forEach(this::tell);
         }
     }
 
@@ -253,6 +322,10 @@ public final class Laws {
     }
 
     private void tell(LawChange change) {
+        if (attempted != null) {
+            attempted.add(change);
+            return;
+        }
         listeners.forEach(listener -> listener.accept(change));
     }
 
@@ -273,6 +346,10 @@ public final class Laws {
                 }
             }
             case LawChange.Unloaded gone -> unload(frame, idAt(gone.place()));
+            case LawChange.ParametersSet set -> {
+                idAt(set.place());
+                setParameters(frame, set.place(), set.changed());
+            }
             case LawChange.Failed failed -> {
                 unload(frame, idAt(failed.place()));
                 quarantined.put(failed.reason().sha256(), failed.reason());
@@ -300,11 +377,25 @@ public final class Laws {
     }
 
     /**
-     * Loads and unloads until exactly these libraries are loaded, in this order.
+     * Loads and unloads until exactly these libraries are loaded, in this order. If the engine's
+     * process is lost meanwhile, the next one continues.
      *
-     * @throws PhysicsException if the engine refuses a library
+     * @throws PhysicsException if the engine refuses a library, or its process is lost too often
      */
     void restore(long frame, List<LawLibrary> wanted, List<Quarantined> out) {
+        for (int tries = 1; ; tries++) {
+            try {
+                restoreOnce(frame, wanted, out);
+                return;
+            } catch (PhysicsException refused) {
+                if (tries == MOST_TRIES || !LOSSES.contains(refused.status())) {
+                    throw refused;
+                }
+            }
+        }
+    }
+
+    private void restoreOnce(long frame, List<LawLibrary> wanted, List<Quarantined> out) {
         List<LawLibrary> present = libraries();
         int same = 0;
         while (same < Math.min(present.size(), wanted.size())

@@ -28,7 +28,7 @@ import java.util.concurrent.TimeUnit;
  * replies; {@code vesper-native/host/control.hpp} defines its layout. One call at a time, from any
  * thread.
  */
-final class HostProcess implements AutoCloseable {
+class HostProcess implements AutoCloseable {
     private static final Logger LOG = LoggerFactory.getLogger("laws");
     private static final long CONTROL_BYTES = 1 << 20;
     private static final long REQUEST = 64;
@@ -107,9 +107,8 @@ final class HostProcess implements AutoCloseable {
         Process started = null;
         try {
             started = start(program, control.descriptor(), memoryBytes);
-            Thread.ofVirtual().name("output of laws").start(new OutputOfLaws(started, LOG));
-        } catch (IOException | OutOfMemoryError e) { // OutOfMemoryError: the system permits no more
-            // threads
+            startReading(started);
+        } catch (IOException | OutOfMemoryError e) { // OutOfMemoryError: no more threads permitted
             if (started != null) {
                 started.destroyForcibly();
             }
@@ -120,6 +119,15 @@ final class HostProcess implements AutoCloseable {
         }
         process = started;
         group = new ProcessGroup(process.pid());
+    }
+
+    /**
+     * Reads the output on a platform thread. A read of a pipe keeps the carrier of a virtual
+     * thread; two of them, on two processors, leave no carrier for any other virtual thread once
+     * the pool has ended its further threads, after 30 s without work.
+     */
+    private static void startReading(Process started) {
+        Thread.ofPlatform().daemon().name("output of laws").start(new OutputOfLaws(started, LOG));
     }
 
     private SharedWord word(MemorySegment memory, long offset) {

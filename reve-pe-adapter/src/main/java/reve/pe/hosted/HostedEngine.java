@@ -63,6 +63,9 @@ public final class HostedEngine implements PhysicsEngine {
     /** Number of frames after which a long one counts about a third. */
     private static final int MEMORY = 256;
 
+    /** Numbers of rows in one request, from and to of each move; the mailbox has more room. */
+    private static final int ROWS_PER_REQUEST = 2 * 16 * 1024;
+
     private final Hosts hosts;
     private final Duration frameLimit;
     private final VesperConfig config;
@@ -72,7 +75,7 @@ public final class HostedEngine implements PhysicsEngine {
     private final KeptState state = new KeptState();
 
     /** Moves of rows since the state was kept. */
-    private final List<Move> moves = new ArrayList<>();
+    private final List<Moves> moves = new ArrayList<>();
 
     private @Nullable HostProcess host;
     private int nextId = 1;
@@ -86,7 +89,12 @@ public final class HostedEngine implements PhysicsEngine {
 
     private volatile boolean closed;
 
-    private record Move(String kind, long from, long to) {}
+    /**
+     * Moves of rows of a kind.
+     *
+     * @param rows from and to of each move
+     */
+    private record Moves(String kind, long[] rows) {}
 
     /**
      * Creates an engine and its first host.
@@ -199,10 +207,10 @@ public final class HostedEngine implements PhysicsEngine {
         try {
             Calls calls = connected();
             loadWithReport(calls, added);
+            keep(calls); // before it counts as loaded: a new host needs its state
             library.taken();
             libraries.add(added);
             nextId++;
-            keep(calls);
             expectBuilding();
             return added.id;
         } catch (HostLost lost) {
@@ -361,9 +369,9 @@ public final class HostedEngine implements PhysicsEngine {
     }
 
     @Override
-    public void moveRow(String kind, long from, long to) {
+    public void moveRows(String kind, long[] rows) {
         checkOpen();
-        Move move = new Move(kind, from, to);
+        Moves moved = new Moves(kind, rows);
         HostProcess current = host;
         if (current != null) {
             try {
@@ -371,16 +379,27 @@ public final class HostedEngine implements PhysicsEngine {
                 if (provider.hasPending()) {
                     provider.flush(calls);
                 }
-                calls.call(request -> put(request, move));
+                send(moved, calls);
             } catch (HostLost lost) {
                 lose();
             }
         }
-        moves.add(move); // a new host makes it, too
+        moves.add(moved); // a new host makes them, too
     }
 
-    private static void put(HostProcess host, Move move) {
-        host.begin(Request.MOVE_ROW).putText(move.kind).putLong(move.from).putLong(move.to);
+    private static void send(Moves moves, Calls calls) throws HostLost {
+        for (int at = 0; at < moves.rows.length; at += ROWS_PER_REQUEST) {
+            int begin = at;
+            int end = Math.min(moves.rows.length, at + ROWS_PER_REQUEST);
+            calls.call(
+                    to -> {
+                        Mailbox request = to.begin(Request.MOVE_ROWS).putText(moves.kind);
+                        request.putInt((end - begin) / 2);
+                        for (int i = begin; i < end; i++) {
+                            request.putLong(moves.rows[i]);
+                        }
+                    });
+        }
     }
 
     @Override
@@ -573,8 +592,8 @@ public final class HostedEngine implements PhysicsEngine {
         }
         state.lend(calls);
         state.restore(calls);
-        for (Move move : moves) {
-            calls.call(to -> put(to, move));
+        for (Moves moved : moves) {
+            send(moved, calls);
         }
         if (ledger) {
             calls.call(to -> to.begin(Request.SET_LEDGER).putInt(1));

@@ -15,7 +15,7 @@ enum Request {
     LAWS,
     ADVANCE,
     CLEAR_FAULT,
-    MOVE_ROW,
+    MOVE_ROWS,
     SET_STEP_COUNT,
     STATE_HASH,
     STATE_MEMORY,

@@ -216,12 +216,15 @@ public final class VesperEngine implements PhysicsEngine {
     }
 
     @Override
-    public void moveRow(String kind, long from, long to) {
+    public void moveRows(String kind, long[] moves) {
         checkOpen();
         try (Arena call = Arena.ofConfined()) {
-            errors.check(
-                    VesperLibrary.engineMoveRow(
-                            engine, VesperStrings.write(call, kind), from, to, errors.segment()));
+            MemorySegment name = VesperStrings.write(call, kind);
+            for (int i = 0; i < moves.length; i += 2) {
+                errors.check(
+                        VesperLibrary.engineMoveRow(
+                                engine, name, moves[i], moves[i + 1], errors.segment()));
+            }
         }
     }
 

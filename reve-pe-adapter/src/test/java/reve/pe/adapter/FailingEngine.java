@@ -94,8 +94,8 @@ final class FailingEngine implements PhysicsEngine {
     }
 
     @Override
-    public void moveRow(String kind, long from, long to) {
-        engine.moveRow(kind, from, to);
+    public void moveRows(String kind, long[] moves) {
+        engine.moveRows(kind, moves);
     }
 
     @Override

@@ -27,6 +27,7 @@ import java.lang.foreign.MemorySegment;
 import java.nio.file.Path;
 import java.time.Duration;
 import java.util.ArrayList;
+import java.util.Arrays;
 import java.util.HashMap;
 import java.util.List;
 import java.util.Map;
@@ -171,7 +172,7 @@ class HostedEngineNativeTest extends EngineContract {
             for (EngineFixture orbit : List.of(hosted, undisturbed)) {
                 int wind = orbit.engine.loadPhysicsLaw("wind", Map.of());
                 orbit.engine.advance(SpringOrbit.DT, 3);
-                orbit.engine.moveRow("body", 1, 0);
+                orbit.engine.moveRows("body", new long[] {1, 0});
                 switch (next) {
                     case "load" -> orbit.engine.loadPhysicsLaw("greets", Map.of());
                     case "unload" -> orbit.engine.unloadPhysicsLaw(wind);
@@ -183,6 +184,74 @@ class HostedEngineNativeTest extends EngineContract {
             hosted.engine.advance(SpringOrbit.DT, 1);
             undisturbed.engine.advance(SpringOrbit.DT, 1);
             assertThat(hosted.get("velocity")).isEqualTo(undisturbed.get("velocity"));
+        }
+    }
+
+    /** The library is loaded, and its memory is in no state that was kept. */
+    @Test
+    void aHostThatIsLostAfterALoadKnowsNothingOfTheLibrary() {
+        boolean[] doomed = {false};
+        Path program = NativeFiles.program("vesper-host");
+        Hosts hosts =
+                new Hosts(
+                        () ->
+                                new HostProcess(program, 0) {
+                                    @Override
+                                    Mailbox begin(Request number) {
+                                        if (number == Request.SAVE_STATE && doomed[0]) {
+                                            doomed[0] = false;
+                                            killHosts();
+                                        }
+                                        return super.begin(number);
+                                    }
+                                },
+                        Runnable::run);
+        try (EngineFixture orbit = new EngineFixture(new Hosted(hosts)).springOrbit()) {
+            orbit.engine.advance(SpringOrbit.DT, 1);
+            doomed[0] = true;
+            assertThatExceptionOfType(PhysicsException.class)
+                    .isThrownBy(() -> orbit.engine.loadPhysicsLaw("counts_years", Map.of()))
+                    .withMessageContaining("while it was loaded");
+            orbit.engine.loadPhysicsLaw("counts_years", Map.of());
+            orbit.engine.advance(SpringOrbit.DT, 1);
+            assertThat(orbit.engine.laws())
+                    .extracting(PhysicsLaw::library)
+                    .endsWith("counts_years")
+                    .doesNotHaveDuplicates();
+        }
+    }
+
+    /** A virtual thread would occupy a carrier, as HostProcess explains. */
+    @Test
+    void theOutputOfLawsIsReadByAPlatformThread() {
+        try (EngineFixture orbit = new EngineFixture(home()).springOrbit()) {
+            orbit.engine.advance(SpringOrbit.DT, 1);
+            // getAllStackTraces has no virtual threads
+            assertThat(Thread.getAllStackTraces().keySet())
+                    .extracting(Thread::getName)
+                    .contains("output of laws");
+        }
+    }
+
+    /** The moves need three requests, and only the last move changes something. */
+    @Test
+    void manyRowsMoveAsInTheSameProcess() {
+        long[] moves = new long[80_000];
+        Arrays.fill(moves, 2); // no such row
+        moves[moves.length - 2] = 1;
+        moves[moves.length - 1] = 0;
+        try (EngineFixture hosted = new EngineFixture(home()).springOrbit().load("counts_years");
+                EngineFixture inProcess =
+                        new EngineFixture(new EngineFixture.InProcess())
+                                .springOrbit()
+                                .load("counts_years")) {
+            for (EngineFixture orbit : List.of(hosted, inProcess)) {
+                orbit.engine.advance(SpringOrbit.DT, 3);
+                byte[] before = orbit.engine.saveState();
+                orbit.engine.moveRows("body", moves);
+                assertThat(orbit.engine.saveState()).isNotEqualTo(before);
+            }
+            assertThat(hosted.engine.saveState()).isEqualTo(inProcess.engine.saveState());
         }
     }
 

@@ -136,6 +136,10 @@ public final class FrameCodec {
                                     case "released" ->
                                             new LawChange.Released(Trees.text(change, "sha256"));
                                     case "unmoved" -> new LawChange.Unmoved();
+                                    case "parameters" ->
+                                            new LawChange.ParametersSet(
+                                                    (int) Trees.integer(change, "place"),
+                                                    ImageCodec.parameters(change));
                                     default ->
                                             new LawChange.Failed(
                                                     (int) Trees.integer(change, "place"),
@@ -158,6 +162,11 @@ public final class FrameCodec {
             case LawChange.Unloaded gone -> {
                 tree.put("law", "unloaded");
                 tree.put("place", gone.place());
+            }
+            case LawChange.ParametersSet set -> {
+                tree.put("law", "parameters");
+                tree.put("place", set.place());
+                tree.put("parameters", set.changed());
             }
             case LawChange.Failed failed -> {
                 tree.put("law", "failed");

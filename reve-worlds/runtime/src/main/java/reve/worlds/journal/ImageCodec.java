@@ -149,6 +149,10 @@ public final class ImageCodec {
             throw new CorruptException(
                     "the law library " + name + " (SHA-256 " + sha256 + ") is missing or damaged");
         }
+        return new LawLibrary(name, sha256, parameters(tree), bytes);
+    }
+
+    static Map<String, Double> parameters(JsonNode tree) {
         Map<String, Double> parameters = new LinkedHashMap<>();
         Trees.field(tree, "parameters")
                 .properties()
@@ -157,7 +161,7 @@ public final class ImageCodec {
                                 parameters.put(
                                         parameter.getKey(),
                                         Trees.number("a parameter", parameter.getValue())));
-        return new LawLibrary(name, sha256, parameters, bytes);
+        return parameters;
     }
 
     static Map<String, Object> tree(Quarantined reason) {

@@ -392,25 +392,15 @@ final class ServerControl implements WorldControl, AutoCloseable {
                             .filter(law -> law.library().equals(prepared.name()))
                             .mapToInt(PhysicsLaw::libraryId)
                             .findFirst();
-            Optional<LawLibrary> replaced =
+            boolean isText =
                     laws.libraries().stream()
                             .filter(library -> library.name().equals(prepared.name()))
-                            .filter(LawLibrary::isText)
-                            .findFirst();
-            if (old.isEmpty() || replaced.isEmpty() || !PreparedLibrary.isText(prepared.bytes())) {
+                            .anyMatch(LawLibrary::isText);
+            if (old.isEmpty() || !isText || !PreparedLibrary.isText(prepared.bytes())) {
                 laws.load(frame, prepared, parameters, file);
                 return;
             }
-            laws.unload(frame, old.getAsInt());
-            try {
-                laws.load(frame, prepared, parameters, file);
-            } catch (PhysicsException refused) {
-                PreparedLibrary back = simulation.engine().prepare(replaced.get().bytes());
-                try (back) {
-                    laws.load(frame, back, replaced.get().parameters());
-                }
-                throw refused;
-            }
+            laws.replace(frame, old.getAsInt(), prepared, parameters, file);
         }
 
         @Override

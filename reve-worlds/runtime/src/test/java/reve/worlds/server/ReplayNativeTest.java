@@ -80,6 +80,35 @@ class ReplayNativeTest {
         }
     }
 
+    /** A contact that lasts is a memory of surface_contact: the spring of its static friction. */
+    @Test
+    void lawsKeepWhatTheyRememberWhenParametersChange() throws IOException {
+        long undisturbed = record(FRAMES, (simulation, frame) -> {});
+        Files.delete(log);
+        assertThat(record(FRAMES, maximumDepth(2.0)))
+                .as("a depth not reached")
+                .isEqualTo(undisturbed);
+        Files.delete(log);
+        long loose = record(FRAMES, maximumDepth(1e-6));
+        assertThat(loose).isNotEqualTo(undisturbed);
+        try (Replay replay = replay(log);
+                Simulation again = replay.release()) {
+            assertThat(replay.divergence()).isEmpty();
+            assertThat(again.physics().stateHash()).isEqualTo(loose);
+        }
+    }
+
+    private static Interference maximumDepth(double metres) {
+        return (simulation, frame) -> {
+            if (frame == FRAMES / 2) {
+                simulation
+                        .physics()
+                        .laws()
+                        .setParameters(frame, "surface_contact", Map.of("maximumDepth", metres));
+            }
+        };
+    }
+
     @Test
     void goingBackInTheRecordedRunIsFollowed() throws IOException {
         long hash;
