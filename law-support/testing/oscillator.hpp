@@ -23,7 +23,7 @@ struct Oscillator {
 
   double Strain() const { return double{scene.position[3]}; }
   double Energy() const { return scene.KineticEnergy() + 0.5 * 100 * Strain() * Strain(); }
-  /// Returns the strain [m] of the undamped motion.
+  /// Returns the spring's strain [m] at a time, for the motion without damping.
   static double ExactStrain(double time) { return 0.5 * std::cos(5 * time); }
 
   Scene<Real> scene;

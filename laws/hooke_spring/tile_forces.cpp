@@ -141,7 +141,7 @@ HWY_INLINE void Give(const Axes<double>& force, double (*forces)[4]) {
   hn::Store(hn::ConcatUpperUpper(l, z02, xy2), l, forces[3]);
 }
 
-/// Loads a row that is not the last one; also reads the number behind its three.
+/// Loads the three numbers of a row that is not the last one, and also the number behind them.
 template <class Real>
 HWY_INLINE void TakeMotion(const Vec3<Real>& position, const Vec3<Real>& velocity,
                            Motion<Real>& motion) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Laws in Python, through libvesper_python.so, which is loaded when the first one is opened.
+// Laws in Python, through libvesper_python.so, which is loaded when the first such law is opened.
 #pragma once
 
 #include <cstdint>

@@ -29,7 +29,7 @@ struct PropertyCode {
   bool read = false;      // a formula depends on it
   bool stored = false;    // assigned by `=` in every row and every call
   bool modified = false;  // written in another way
-  bool added = false;     // added to by `+=`, and an accumulator
+  bool added = false;     // an accumulator to which `+=` adds
   Span set_at{};          // first statement that changes it
 
   vesper_access Access() const;

@@ -56,7 +56,7 @@ final class JournalWriter {
      */
     private long reached = -1;
 
-    /** Frame of the first image since the journal last began or began again. */
+    /** Frame of the image with which the journal began, or last began again. */
     private long begunAt = -1;
 
     private boolean lastImageKept = true;

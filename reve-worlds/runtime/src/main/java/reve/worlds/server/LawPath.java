@@ -313,7 +313,10 @@ public record LawPath(
         }
     }
 
-    /** Returns the name of the law in a file, or nothing if the file is no law. */
+    /**
+     * Returns the name of the law for which a file name stands, or nothing if it is no file of a
+     * law.
+     */
     private static Optional<String> nameOf(String file) {
         if (file.startsWith(PREFIX) && file.endsWith(SUFFIX)) {
             return Optional.of(file.substring(PREFIX.length(), file.length() - SUFFIX.length()));

@@ -298,7 +298,10 @@ public final class Replay implements AutoCloseable {
         compare(frame, "digest");
     }
 
-    /** Compares the digest, and stores the first difference. */
+    /**
+     * Compares the world with the digest {@code name} of a recorded frame, and stores the first
+     * difference.
+     */
     private void compare(JsonNode frame, String name) {
         if (codec != null && digest != null) {
             long[] recorded = codec.readDigest(frame, name);

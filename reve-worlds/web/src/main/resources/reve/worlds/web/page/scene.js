@@ -563,7 +563,7 @@ export class Scene {
     return new THREE.Box3(centre.clone().subScalar(r), centre.clone().addScalar(r));
   }
 
-  /** Rotates the camera around its target by these angles. */
+  /** Rotates the camera around its target by x and y steps (about 5 degrees each). */
   orbit(x, y) {
     const offset = this.camera.position.clone().sub(this.controls.target);
     const place = new THREE.Spherical().setFromVector3(offset);
