@@ -141,7 +141,10 @@ final class FolderLaws implements AutoCloseable {
         return free.isPresent();
     }
 
-    /** Returns a loaded library with these bytes that belongs to no file. */
+    /**
+     * Returns the id of a loaded library with these bytes that does not come from a file of the
+     * folder.
+     */
     private Optional<Integer> free(String sha256) {
         Set<Integer> owned =
                 byName.values().stream().map(ActiveFile::libraryId).collect(Collectors.toSet());
@@ -149,8 +152,8 @@ final class FolderLaws implements AutoCloseable {
     }
 
     /**
-     * Returns the active file with the present id of its library, which has another one after it
-     * was loaded again, for example with other parameters.
+     * Returns the active file with the present id of its library: loading it again, for example
+     * with other parameters, gives a library a new id.
      */
     private ActiveFile followed(String name, ActiveFile file) {
         if (laws.isLoaded(file.libraryId)) {

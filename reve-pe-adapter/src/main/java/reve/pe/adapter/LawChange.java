@@ -14,7 +14,7 @@ public sealed interface LawChange {
     record Unloaded(int place) implements LawChange {}
 
     /**
-     * Parameters of the library at an index were changed; laws keep what they remember.
+     * Parameters of the library at an index were changed; the laws keep their SCRATCH memory.
      *
      * @param changed by {@code parameter} or {@code law.parameter}
      */

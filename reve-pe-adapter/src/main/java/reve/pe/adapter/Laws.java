@@ -33,10 +33,10 @@ import java.util.stream.Collectors;
 public final class Laws {
     private static final Pattern NOT_FINITE = Pattern.compile("wrote -?(nan|inf)");
 
-    /** Maximum number of tries of a change during which the engine's process is lost. */
+    /** Maximum number of attempts at a change, if the engine's process is lost during it. */
     private static final int MOST_TRIES = 3;
 
-    /** What the engine throws if its process was lost. */
+    /** Statuses that the engine throws if its process was lost. */
     private static final Set<Status> LOSSES = Set.of(Status.ENGINE_LOST, Status.LAW_CRASHED);
 
     private final World world;
@@ -52,7 +52,7 @@ public final class Laws {
     private long version;
     private boolean unmoved;
 
-    /** The changes of an attempt in progress, which listeners receive at its end. */
+    /** The changes of the attempt in progress; listeners receive them at its end. */
     private @Nullable List<LawChange> attempted;
 
     Laws(World world, PhysicsEngine engine) {
@@ -171,8 +171,8 @@ public final class Laws {
 
     /**
      * Changes parameters of a loaded library, outside PHYSICS. The library and those loaded after
-     * it are loaded again, so that the order of the laws stays the same; all laws keep what they
-     * remember.
+     * it are loaded again, so that the order of the laws stays the same; all laws keep their
+     * SCRATCH memory.
      *
      * @param changed by {@code parameter} or {@code law.parameter}; the others keep their values
      * @throws IllegalArgumentException if no library has the name
@@ -200,8 +200,9 @@ public final class Laws {
     }
 
     /**
-     * Loads a library outside PHYSICS in place of a loaded one of the same name, whose laws it
-     * would exclude. If the new one is refused, the old one and what the laws remember return.
+     * Loads a library outside PHYSICS in place of a loaded one of the same name, because the laws
+     * of both cannot be loaded together. If the new one is refused, the old one and the laws'
+     * SCRATCH memory are restored.
      *
      * @param old id of the loaded library
      * @return id of the new library
@@ -222,16 +223,19 @@ public final class Laws {
         return latest().orElseThrow().getKey();
     }
 
-    /** Loads and unloads libraries; the listeners receive the changes that it leaves. */
+    /**
+     * An action that loads and unloads libraries; listeners receive only the changes that remain at
+     * its end.
+     */
     private interface Attempt {
         /**
-         * @param made the changes so far
+         * @param made receives the changes
          * @param memory the engine's state before the attempt
          */
         void make(List<LawChange> made, byte[] memory);
     }
 
-    /** Makes an attempt; if the engine refuses a step, all libraries are as before. */
+    /** Runs an action; if the engine refuses one of its changes, restores all libraries. */
     private void attempt(long frame, Attempt attempt) {
         List<LawLibrary> before = libraries();
         List<Quarantined> out = quarantined();
@@ -378,7 +382,7 @@ public final class Laws {
 
     /**
      * Loads and unloads until exactly these libraries are loaded, in this order. If the engine's
-     * process is lost meanwhile, the next one continues.
+     * process is lost meanwhile, its successor continues.
      *
      * @throws PhysicsException if the engine refuses a library, or its process is lost too often
      */

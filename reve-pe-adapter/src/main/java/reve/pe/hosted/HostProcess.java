@@ -122,9 +122,10 @@ class HostProcess implements AutoCloseable {
     }
 
     /**
-     * Reads the output on a platform thread. A read of a pipe keeps the carrier of a virtual
-     * thread; two of them, on two processors, leave no carrier for any other virtual thread once
-     * the pool has ended its further threads, after 30 s without work.
+     * Reads the output on a platform thread. On a virtual thread, a blocking read of a pipe would
+     * keep the carrier thread. On a machine with two processors, two such reads would leave no
+     * carrier for other virtual threads, as soon as the pool has ended its extra threads after 30 s
+     * without work.
      */
     private static void startReading(Process started) {
         Thread.ofPlatform().daemon().name("output of laws").start(new OutputOfLaws(started, LOG));
