@@ -62,11 +62,6 @@ class Picture {
   std::vector<Colour> pixels_;
 };
 
-Outcome RunScene(const std::string& scene, std::vector<std::string> options) {
-  options.insert(options.begin(), {"run", scene, "--laws", VESPER_LAW_PATH});
-  return RunVesper(options);
-}
-
 /// The first picture of a scene.
 Picture Draw(const std::string& body) {
   const Folder folder;

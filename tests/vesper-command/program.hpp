@@ -75,4 +75,9 @@ inline Outcome RunVesper(const std::vector<std::string>& arguments) {
   return RunProgram(VESPER_COMMAND, arguments);
 }
 
+inline Outcome RunScene(const std::string& scene, std::vector<std::string> options) {
+  options.insert(options.begin(), {"run", scene, "--laws", VESPER_LAW_PATH});
+  return RunVesper(options);
+}
+
 }  // namespace vesper

@@ -37,11 +37,6 @@ Table ReadCsv(const std::string& path) {
   return table;
 }
 
-Outcome RunScene(const std::string& scene, std::vector<std::string> options) {
-  options.insert(options.begin(), {"run", scene, "--laws", VESPER_LAW_PATH});
-  return RunVesper(options);
-}
-
 Table CsvOf(const std::string& scene, uint64_t frames, uint64_t every) {
   const Folder folder;
   const Outcome outcome = RunScene(scene, {"--frames", std::to_string(frames), "--every",
@@ -156,8 +151,7 @@ TEST(RunTest, LedgerFindsTheLawThatBreaksMomentum) {
                                          "scene 1\n"
                                          "dt 1/100\n"
                                          "law hooke_spring\n"
-                                         "law " TESTED_LAWS
-                                         "/libvesper_law_broken_momentum.so\n"
+                                         "law broken_momentum\n"
                                          "law newton_motion\n"
                                          "rows body 2\n"
                                          "mass all 1\n"
@@ -167,7 +161,7 @@ TEST(RunTest, LedgerFindsTheLawThatBreaksMomentum) {
                                          "endpoints (0 1)\n"
                                          "length 0.5\n"
                                          "hookeConstant 10\n");
-  const Outcome outcome = RunScene(scene, {"--ledger", "--json"});
+  const Outcome outcome = RunScene(scene, {"--laws", TESTED_LAWS, "--ledger", "--json"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
   const auto ledger = nlohmann::json::parse(outcome.output).at("ledger");
   ASSERT_EQ(ledger.size(), 4u);
@@ -179,7 +173,7 @@ TEST(RunTest, LedgerFindsTheLawThatBreaksMomentum) {
     const bool wrong = line.value("law", "") == "broken" || line.value("line", "") == "total";
     EXPECT_EQ(momentum > 1e-9, wrong) << line;
   }
-  const Outcome table = RunScene(scene, {"--ledger"});
+  const Outcome table = RunScene(scene, {"--laws", TESTED_LAWS, "--ledger"});
   std::istringstream lines(table.output.substr(table.output.find("\n  ledger ")));
   std::string marked;
   for (std::string line; std::getline(lines, line);) {
@@ -222,6 +216,15 @@ TEST(RunTest, InvalidSceneEndsWith3AndNamesThePlace) {
   EXPECT_EQ(outcome.errors, "vesper: " + scene + ":3:6: 'bodi' is no kind; did you mean 'body'?\n");
 }
 
+TEST(RunTest, TextOfASceneCannotCommandTheTerminal) {
+  const Folder folder;
+  const std::string scene = folder.Write("s.vesper", "scene 1\ndt 1\nrows \"\x1b[2J\u202e\" 1\n");
+  const Outcome outcome = RunScene(scene, {});
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_NE(outcome.errors.find(":3:6: '\\u{1b}[2J\\u{202e}' is no kind"), std::string::npos)
+      << outcome.errors;
+}
+
 TEST(RunTest, MissingSceneEndsWith3) {
   const Outcome outcome = RunScene("nowhere.vesper", {});
   EXPECT_EQ(outcome.exit_code, 3);
@@ -235,6 +238,40 @@ TEST(RunTest, UnknownLawEndsWith4AtItsLine) {
   EXPECT_EQ(outcome.exit_code, 4);
   EXPECT_NE(outcome.errors.find(scene + ":3:5: newton_motoin: "), std::string::npos)
       << outcome.errors;
+}
+
+TEST(RunTest, LibraryThatASceneNamesByItsPathIsOpenedOnlyWithTrust) {
+  const Folder folder;
+  std::filesystem::copy(TESTED_LAWS "/libvesper_law_broken_crash.so", folder / "own.so");
+  const std::string scene = folder.Write(
+      "s.vesper", "scene 1\ndt 1\nlaw ./own.so\nrows body 1\nmass 1\nposition (0 0 0)\n");
+  const Outcome refused = RunScene(scene, {});
+  EXPECT_EQ(refused.exit_code, 3);
+  EXPECT_EQ(refused.output, "");
+  EXPECT_NE(refused.errors.find(scene + ":3:5: './own.so' is a path; "), std::string::npos)
+      << refused.errors;
+  EXPECT_NE(refused.errors.find("--trust"), std::string::npos) << refused.errors;
+  const Outcome trusted = RunScene(scene, {"--trust", "--frames", "0", "--json"});
+  EXPECT_EQ(trusted.exit_code, 0) << trusted.errors;
+  EXPECT_EQ(nlohmann::json::parse(trusted.output).at("laws")[0].at("library"), "broken_crash");
+}
+
+TEST(RunTest, FileOutsideTheFolderOfASceneIsReadOnlyWithTrust) {
+  const Folder folder;
+  std::filesystem::create_directory(folder / "scene");
+  folder.Write("secret.csv", "hunter2\n");
+  const std::string scene =
+      folder.Write("scene/s.vesper", "scene 1\ndt 1\nrows body from ../secret.csv\n");
+  const Outcome refused = RunScene(scene, {});
+  EXPECT_EQ(refused.exit_code, 3);
+  EXPECT_NE(refused.errors.find(scene + ":3:16: '../secret.csv' is a path with '..'; "),
+            std::string::npos)
+      << refused.errors;
+  EXPECT_EQ(refused.errors.find("hunter2"), std::string::npos) << refused.errors;
+  const Outcome trusted = RunScene(scene, {"--trust"});
+  EXPECT_EQ(trusted.exit_code, 3);
+  EXPECT_NE(trusted.errors.find("'hunter2' is no property of body"), std::string::npos)
+      << trusted.errors;
 }
 
 TEST(RunTest, SceneWithoutAPropertyThatALawNeedsEndsWith3AndNamesIt) {

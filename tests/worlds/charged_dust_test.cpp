@@ -14,7 +14,7 @@ namespace {
 using Json = nlohmann::json;
 using Vector = Vec3<double>;
 
-const std::string kFolder = VESPER_WORLDS "/charged-dust/";
+const std::string kDust = VESPER_WORLDS "/charged-dust/";
 constexpr size_t kGrains = 1200, kCloud = 400;  // light, negative, heavy
 constexpr double kFlux = 1, kDrag = 3e-15;      // [T], [kg/s]
 
@@ -58,7 +58,7 @@ DustRun RunDust(int seconds, int threads) {
   const Folder folder;
   const std::string frames = std::to_string(60 * seconds);
   const Outcome outcome =
-      RunProgram(VESPER_COMMAND, {"run", kFolder + "charged-dust.vesper", "--laws", VESPER_LAW_PATH,
+      RunProgram(VESPER_COMMAND, {"run", kDust + "charged-dust.vesper", "--laws", VESPER_LAW_PATH,
                                   "--frames", frames, "--every", frames, "--threads",
                                   std::to_string(threads), "--csv", folder / "dust.csv", "--json"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
@@ -73,7 +73,7 @@ void ExpectWithin(const Json& range, double value, const std::string& what) {
 }
 
 TEST(ChargedDust, PartsAndKeepsItsBooksOfMomentum) {
-  const Json expected = Json::parse(ReadText(kFolder + "expected.json"));
+  const Json expected = Json::parse(ReadText(kDust + "expected.json"));
   const int seconds = expected["seconds"];
   const DustRun run = RunDust(seconds, 1);
   ASSERT_EQ(run.end.position.size(), kGrains);

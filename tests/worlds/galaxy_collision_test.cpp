@@ -14,13 +14,13 @@ namespace {
 using Json = nlohmann::json;
 using Vector = Vec3<double>;
 
-const std::string kFolder = VESPER_WORLDS "/galaxy-collision/";
+const std::string kGalaxies = VESPER_WORLDS "/galaxy-collision/";
 constexpr uint64_t kFewer = 25;  // times
 constexpr size_t kBodies = 100000 / kFewer;
 
 /// The scene with every row number and count divided by kFewer.
 std::string SmallScene() {
-  std::string text = ReadText(kFolder + "galaxy-collision.vesper");
+  std::string text = ReadText(kGalaxies + "galaxy-collision.vesper");
   for (const uint64_t rows : {100000, 75000, 50000, 25000}) {
     const auto replace = [&](uint64_t number, uint64_t by) {
       text = std::regex_replace(text, std::regex("\\b" + std::to_string(number) + "\\b"),
@@ -80,7 +80,7 @@ class GalaxyCollisionTest : public ::testing::Test {
     EXPECT_LE(value, expected_.at(name).at("to").get<double>()) << name;
   }
 
-  const Json expected_ = Json::parse(ReadText(kFolder + "expected.json"));
+  const Json expected_ = Json::parse(ReadText(kGalaxies + "expected.json"));
 };
 
 TEST_F(GalaxyCollisionTest, IsBoundByTheFirstPassageAndKeepsEnergyMomentumAndBodies) {

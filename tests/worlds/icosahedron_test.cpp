@@ -16,7 +16,7 @@ namespace {
 using Json = nlohmann::json;
 using Vector = Vec3<double>;
 
-const std::string kFolder = VESPER_WORLDS "/icosahedron/";
+const std::string kIcosahedron = VESPER_WORLDS "/icosahedron/";
 constexpr size_t kCorners = 12, kBodies = 15;
 const double kEdge = 2 * icosahedron::HalfEdge();
 
@@ -54,9 +54,9 @@ struct SceneRun {
 SceneRun RunScene(const std::string& name, int seconds, int threads) {
   const Folder folder;
   const Outcome outcome = RunProgram(
-      VESPER_COMMAND, {"run", kFolder + name + ".vesper", "--laws", VESPER_LAW_PATH, "--frames",
-                       std::to_string(60 * seconds), "--threads", std::to_string(threads), "--csv",
-                       folder / "frames.csv", "--json"});
+      VESPER_COMMAND, {"run", kIcosahedron + name + ".vesper", "--laws", VESPER_LAW_PATH,
+                       "--frames", std::to_string(60 * seconds), "--threads",
+                       std::to_string(threads), "--csv", folder / "frames.csv", "--json"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
   return {CornersOf(ReadFrames(ReadText(folder / "frames.csv"))),
           Json::parse(outcome.output)["stateHash"]};
@@ -124,7 +124,7 @@ Json Measure(const std::vector<Corners>& frames, double slope) {
 class Icosahedron : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(Icosahedron, DoesWhatIsExpectedOfIt) {
-  const Json expected = Json::parse(ReadText(kFolder + "expected.json"))[GetParam()];
+  const Json expected = Json::parse(ReadText(kIcosahedron + "expected.json"))[GetParam()];
   const SceneRun run = RunScene(GetParam(), expected["seconds"], 1);
   const double slope = expected["slopeDegrees"].get<double>() * std::numbers::pi / 180;
   const Json measured = Measure(run.frames, slope);
@@ -161,7 +161,7 @@ size_t Count(const std::string& text, const std::string& part) {
 }
 
 TEST_P(Icosahedron, HasTheEdgesAndFacesOfARegularOne) {
-  const std::string scene = ReadText(kFolder + GetParam() + ".vesper");
+  const std::string scene = ReadText(kIcosahedron + GetParam() + ".vesper");
   auto edges = icosahedron::Edges();
   std::ranges::sort(edges);
   EXPECT_EQ(Count(scene, "\nendpoints " + Listed(edges) + "\n"), 1u);
@@ -169,7 +169,7 @@ TEST_P(Icosahedron, HasTheEdgesAndFacesOfARegularOne) {
 }
 
 TEST(IcosahedronWorld, HasTheEdgesAndFacesOfARegularOne) {
-  const std::string world = ReadText(kFolder + "world.yaml");
+  const std::string world = ReadText(kIcosahedron + "world.yaml");
   const auto corner = [](uint32_t row) { return "c" + std::to_string(row); };
   EXPECT_EQ(Count(world, "kind: spring"), 30u);
   for (const auto& [a, b] : icosahedron::Edges()) {
@@ -184,7 +184,7 @@ TEST(IcosahedronWorld, HasTheEdgesAndFacesOfARegularOne) {
 
 // The world file is the scene `rolling` item by item: both end at the same place.
 TEST(IcosahedronWorld, RollingEndsWhereTheWorldFileDoes) {
-  const Json expected = Json::parse(ReadText(kFolder + "expected.json"));
+  const Json expected = Json::parse(ReadText(kIcosahedron + "expected.json"));
   const SceneRun run = RunScene("rolling", expected["seconds"], 1);
   for (const Json& corner : expected["positions"]) {
     const size_t row = std::stoul(corner["item"].get<std::string>().substr(1));

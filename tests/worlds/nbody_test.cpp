@@ -14,7 +14,7 @@ namespace {
 using Json = nlohmann::json;
 using Vector = Vec3<double>;
 
-const std::string kFolder = VESPER_WORLDS "/nbody-1536/";
+const std::string kNBody = VESPER_WORLDS "/nbody-1536/";
 constexpr size_t kSuns = 1536;
 constexpr double kMass = 1.0 / kSuns, kSoftening = 0.05;  // [kg], [m]; G is 1
 
@@ -45,7 +45,7 @@ SunsRun RunSuns(const std::string& scene, int frames) {
   const Folder folder;
   const std::string count = std::to_string(frames);
   const Outcome outcome = RunProgram(
-      VESPER_COMMAND, {"run", kFolder + scene + ".vesper", "--laws", VESPER_LAW_PATH, "--frames",
+      VESPER_COMMAND, {"run", kNBody + scene + ".vesper", "--laws", VESPER_LAW_PATH, "--frames",
                        count, "--every", count, "--threads", "2", "--csv", folder / "suns.csv"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
   const std::vector<Frame> written = ReadFrames(ReadText(folder / "suns.csv"));
@@ -64,7 +64,7 @@ double LargestDistance(const Suns& a, const Suns& b) {
 
 class NBodyWorldTest : public ::testing::Test {
  protected:
-  const Json expected_ = Json::parse(ReadText(kFolder + "expected.json"));
+  const Json expected_ = Json::parse(ReadText(kNBody + "expected.json"));
   const int frames_ = expected_["frames"];
 };
 

@@ -4,15 +4,17 @@
 //
 // The client writes a request into the mailbox, raises `request` and wakes the host. The host
 // writes the reply into the mailbox, sets `reply` to the same number and wakes the client. Only one
-// of the two may use the mailbox at a time. Both sleep while they wait. The client's side is
-// reve.pe.hosted.Exchange in Java, with the same offsets.
+// of the two may use the mailbox at a time. The client's side is reve.pe.hosted.HostProcess in
+// Java, with the same offsets.
 #pragma once
 
 #include <linux/futex.h>
+#include <sched.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 
@@ -30,17 +32,12 @@ struct Control {
   uint32_t magic;
   alignas(64) std::atomic<uint32_t> request;  // number of the newest request
   alignas(64) std::atomic<uint32_t> reply;    // number of the newest answered request
-  alignas(64) uint64_t running[kMaxThreads];  // law that each thread is calling, as in
-                                              // vesper_engine_config
-  alignas(64) char wrote[56];                 // read-only property to which a law was writing when
-                                              // the process crashed
-  uint64_t wrote_offset;                      // offset of that write in the property's column
-                                              // [bytes]
-  alignas(64) uint32_t log_used;              // number of bytes of `log` that this request has
-                                              // filled
-  uint32_t log_dropped;                       // number of log lines of this request that did not
-                                              // fit
-  char log[kLogSize];  // for each line, its level and length (uint32_t each), and its text
+  alignas(64) uint64_t running[kMaxThreads];  // law that each thread calls (vesper_engine_config)
+  alignas(64) char wrote[56];                 // read-only property that a law wrote at the crash
+  uint64_t wrote_offset;                      // offset of that write in its column [bytes]
+  alignas(64) uint32_t log_used;              // bytes of `log` that this request has filled
+  uint32_t log_dropped;                       // number of log lines that did not fit
+  char log[kLogSize];  // for each line, its level and length (uint32_t each) and its text
 };
 static_assert(sizeof(Control) <= kMailboxOffset);
 static_assert(offsetof(Control, request) == 64 && offsetof(Control, reply) == 128 &&
@@ -52,14 +49,33 @@ inline std::byte* Mailbox(Control& control) {
   return reinterpret_cast<std::byte*>(&control) + kMailboxOffset;
 }
 
-/// Sleeps until the word is different from `seen`; returns its value.
-inline uint32_t AwaitChange(std::atomic<uint32_t>& word, uint32_t seen) {
-  uint32_t now;
-  while ((now = word.load(std::memory_order_acquire)) == seen) {
-    syscall(SYS_futex, &word, FUTEX_WAIT, seen, nullptr, nullptr, 0);
+/// Waits for changes of a word. If the previous wait was short, a wait begins with a busy-wait, in
+/// which other processes may use the processor, because waking this process takes longer than most
+/// frames. If the client's world waits for the clock, waits are longer.
+class Patience {
+ public:
+  /// Waits until the word is different from `seen`; returns its value.
+  uint32_t AwaitChange(std::atomic<uint32_t>& word, uint32_t seen) {
+    const auto begin = Clock::now();
+    uint32_t now = word.load(std::memory_order_acquire);
+    while (quick_ && now == seen && Clock::now() - begin < kAwake) {
+      sched_yield();
+      now = word.load(std::memory_order_acquire);
+    }
+    for (; now == seen; now = word.load(std::memory_order_acquire)) {
+      syscall(SYS_futex, &word, FUTEX_WAIT, seen, nullptr, nullptr, 0);
+    }
+    quick_ = Clock::now() - begin < kQuick;
+    return now;
   }
-  return now;
-}
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  static constexpr auto kAwake = std::chrono::microseconds(100);
+  static constexpr auto kQuick = std::chrono::microseconds(200);
+
+  bool quick_ = false;
+};
 
 /// Sets the word and wakes the process that waits for it.
 inline void Announce(std::atomic<uint32_t>& word, uint32_t value) {

@@ -24,8 +24,9 @@ void Serve(int client, uint32_t descriptor) {
   vesper::host::Service service(client, control);
   served = &service;
   vesper::host::ReportFaults([](const void* address) { served->NoteFault(address); });
+  vesper::host::Patience patience;
   for (uint32_t seen = 0;;) {
-    seen = vesper::host::AwaitChange(control.request, seen);
+    seen = patience.AwaitChange(control.request, seen);
     service.Answer();
     vesper::host::Announce(control.reply, seen);
   }

@@ -12,7 +12,7 @@ class AdvanceTest : public BothModes {};
 IN_BOTH_MODES(AdvanceTest);
 
 // Power of two, so that the closed forms below are exact.
-constexpr double kDt = 1.0 / 64;
+constexpr double kExactDt = 1.0 / 64;
 
 TEST_P(AdvanceTest, ConstantForceMatchesDiscreteClosedForm) {
   Bodies bodies(4);
@@ -23,12 +23,12 @@ TEST_P(AdvanceTest, ConstantForceMatchesDiscreteClosedForm) {
   engine.Load("euler");
   engine.Load("push", {{"force", 16}});
   constexpr uint32_t kSteps = 32;
-  EXPECT_OK(engine.Advance(kDt, kSteps));
+  EXPECT_OK(engine.Advance(kExactDt, kSteps));
   for (size_t i = 0; i < 4; ++i) {
     const double a = 16 / bodies.mass[i];
-    const double x = start.position[3 * i] + start.velocity[3 * i] * kSteps * kDt +
-                     a * kDt * kDt * kSteps * (kSteps + 1) / 2;
-    EXPECT_EQ(bodies.velocity[3 * i], start.velocity[3 * i] + a * kSteps * kDt) << "row " << i;
+    const double x = start.position[3 * i] + start.velocity[3 * i] * kSteps * kExactDt +
+                     a * kExactDt * kExactDt * kSteps * (kSteps + 1) / 2;
+    EXPECT_EQ(bodies.velocity[3 * i], start.velocity[3 * i] + a * kSteps * kExactDt) << "row " << i;
     EXPECT_EQ(bodies.position[3 * i], x) << "row " << i;
     EXPECT_EQ(bodies.position[3 * i + 1], start.position[3 * i + 1]) << "row " << i;
   }
@@ -43,7 +43,7 @@ TEST_P(AdvanceTest, BodyWithoutMassDoesNotMove) {
   engine.AddBodies(bodies);
   engine.Load("euler");
   engine.Load("push");
-  EXPECT_OK(engine.Advance(kDt, 10));
+  EXPECT_OK(engine.Advance(kExactDt, 10));
   EXPECT_EQ(bodies.position[0], start.position[0]);
   EXPECT_NE(bodies.position[3], start.position[3]);
 }
@@ -70,7 +70,7 @@ TEST_P(AdvanceTest, LawsRunByPhaseThenByOrderOfLoading) {
   engine.Load("trace_constrain");
   engine.Load("trace_integrate");
   engine.Load("trace_force");
-  EXPECT_OK(engine.Advance(kDt, 1));
+  EXPECT_OK(engine.Advance(kExactDt, 1));
   // The integrator before the first stage (5), then force (1) and integrator (6, 7) in two stages,
   // constraint (2), observer (3).
   EXPECT_EQ(bodies.orientation[0], 5161723);
@@ -85,7 +85,7 @@ TEST_P(AdvanceTest, IntegratorIsCalledFromItsFirstStageOn) {
     engine.AddBodies(bodies);
     const vesper_library_id integrator = engine.Load("trace_from_stage_1");
     engine.Load("trace_force");
-    EXPECT_OK(engine.Advance(kDt, 1));
+    EXPECT_OK(engine.Advance(kExactDt, 1));
     EXPECT_EQ(bodies.orientation[0], 1617) << threads << " threads";
     EXPECT_EQ(engine.LawInfo(integrator).calls, 2u);
   }
@@ -97,7 +97,7 @@ TEST_P(AdvanceTest, LawsOfOnePhaseRunInOrderOfLoading) {
   engine.AddBodies(bodies);
   engine.Load("misbehaving");
   engine.Load("trace_constrain");
-  EXPECT_OK(engine.Advance(kDt, 2));
+  EXPECT_OK(engine.Advance(kExactDt, 2));
   EXPECT_EQ(bodies.orientation[0], 22);
 }
 
@@ -106,7 +106,7 @@ TEST_P(AdvanceTest, ForcesAreEvaluatedOnceWithoutAnIntegrator) {
   TestEngine engine(Options());
   engine.AddBodies(bodies);
   const vesper_library_id push = engine.Load("push", {{"force", 3}});
-  EXPECT_OK(engine.Advance(kDt, 5));
+  EXPECT_OK(engine.Advance(kExactDt, 5));
   EXPECT_EQ(bodies.force[6], 3);
   EXPECT_EQ(engine.LawInfo(push).calls, 5u);
 }
@@ -117,7 +117,7 @@ TEST_P(AdvanceTest, ForcesAreEvaluatedOncePerStage) {
   engine.AddBodies(bodies);
   engine.Load("euler_four_stages");
   const vesper_library_id push = engine.Load("push");
-  EXPECT_OK(engine.Advance(kDt, 3));
+  EXPECT_OK(engine.Advance(kExactDt, 3));
   EXPECT_EQ(engine.LawInfo(push).calls, 12u);
   EXPECT_EQ(bodies.force[0], 1);
 }
@@ -127,13 +127,13 @@ TEST_P(AdvanceTest, LawLoadedLaterActsFromTheNextStepOn) {
   TestEngine engine(Options());
   engine.AddBodies(bodies);
   engine.Load("euler");
-  EXPECT_OK(engine.Advance(kDt, 4));
+  EXPECT_OK(engine.Advance(kExactDt, 4));
   EXPECT_EQ(bodies.velocity[0], 1);
   const vesper_library_id push = engine.Load("push", {{"force", 64}});
-  EXPECT_OK(engine.Advance(kDt, 1));
+  EXPECT_OK(engine.Advance(kExactDt, 1));
   EXPECT_EQ(bodies.velocity[0], 2);
   EXPECT_OK(engine.Unload(push));
-  EXPECT_OK(engine.Advance(kDt, 4));
+  EXPECT_OK(engine.Advance(kExactDt, 4));
   EXPECT_EQ(bodies.velocity[0], 2);
   EXPECT_EQ(bodies.force[0], 0);
 }
@@ -145,7 +145,7 @@ TEST_P(AdvanceTest, EmptyKindsAreStepped) {
   engine.Load("euler");
   engine.Load("push");
   engine.Load("push_again");
-  EXPECT_OK(engine.Advance(kDt, 2));
+  EXPECT_OK(engine.Advance(kExactDt, 2));
   EXPECT_EQ(vesper_engine_step_count(engine.get()), 2u);
 }
 
@@ -153,9 +153,9 @@ TEST_P(AdvanceTest, ZeroStepsOnlyBind) {
   Bodies bodies(1);
   TestEngine engine(Options());
   engine.Load("euler");
-  EXPECT_REFUSED(NOT_FOUND, "law euler: needs property mass", engine.Advance(kDt, 0));
+  EXPECT_REFUSED(NOT_FOUND, "law euler: needs property mass", engine.Advance(kExactDt, 0));
   engine.AddBodies(bodies);
-  EXPECT_OK(engine.Advance(kDt, 0));
+  EXPECT_OK(engine.Advance(kExactDt, 0));
   EXPECT_EQ(vesper_engine_step_count(engine.get()), 0u);
 }
 
@@ -164,7 +164,7 @@ TEST_P(AdvanceTest, TimeStepMustBeFiniteAndPositive) {
   for (const double dt : {0.0, -1.0, double{INFINITY}, double{NAN}}) {
     EXPECT_REFUSED(INVALID_ARGUMENT, "dt is", engine.Advance(dt, 1));
   }
-  EXPECT_OK(engine.Advance(kDt, 1));
+  EXPECT_OK(engine.Advance(kExactDt, 1));
 }
 
 TEST_P(AdvanceTest, TimeIsMultipliedAndGoesOnWhenTheStepChanges) {

@@ -11,7 +11,7 @@
 namespace vesper::test {
 namespace {
 
-constexpr uint32_t kSeed = 4711;
+constexpr uint32_t kPathSeed = 4711;
 
 struct Totals {
   std::array<double, 7> values{};  // momentum, angular momentum, energy
@@ -66,7 +66,7 @@ class LedgerTest : public BothModes {
     options.deferred = deferred;
     engine = std::make_unique<TestEngine>(options);
     bodies = Bodies(count);
-    std::mt19937 random(kSeed);
+    std::mt19937 random(kPathSeed);
     std::uniform_real_distribution<double> coordinate(-2, 2);
     for (double& x : bodies.position) x = coordinate(random);
     for (double& v : bodies.velocity) v = coordinate(random);
@@ -372,10 +372,10 @@ TEST_P(LedgerTest, AsksForTheArraysItNeeds) {
   EXPECT_OK(bare.Advance(1, 1));
 }
 
-struct Free {
+struct FreeEngine {
   void operator()(vesper_engine* engine) const { vesper_engine_destroy(engine); }
 };
-using EnginePointer = std::unique_ptr<vesper_engine, Free>;
+using EnginePointer = std::unique_ptr<vesper_engine, FreeEngine>;
 
 const std::string kMass = "prototype mine\nreal f64\ntime [s]\nbody mass: real x1 [g] read\n";
 const std::string kPosition = kMass + "body position: real x3 [km] read_write\n";

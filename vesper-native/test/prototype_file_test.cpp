@@ -9,10 +9,10 @@
 namespace vesper::test {
 namespace {
 
-struct Free {
+struct FreePrototype {
   void operator()(vesper_prototype* prototype) const { vesper_prototype_free(prototype); }
 };
-using PrototypePointer = std::unique_ptr<vesper_prototype, Free>;
+using PrototypePointer = std::unique_ptr<vesper_prototype, FreePrototype>;
 
 vesper_error TryParse(const std::string& text, PrototypePointer* out = nullptr) {
   vesper_prototype* prototype = nullptr;
@@ -24,14 +24,14 @@ vesper_error TryParse(const std::string& text, PrototypePointer* out = nullptr) 
   return error;
 }
 
-PrototypePointer Parse(const std::string& text) {
+PrototypePointer ParsePrototype(const std::string& text) {
   PrototypePointer prototype;
   EXPECT_OK(TryParse(text, &prototype));
   return prototype;
 }
 
 TEST(PrototypeFileTest, EveryPartOfALineReachesTheDescriptor) {
-  const PrototypePointer prototype = Parse(
+  const PrototypePointer prototype = ParsePrototype(
       "# what glows\n"
       "prototype heat\r\n"
       "real f32\n"
@@ -78,7 +78,7 @@ TEST(PrototypeFileTest, EveryPartOfALineReachesTheDescriptor) {
 TEST(PrototypeFileTest, ExtendingKeepsTheBaseAndAddsToIt) {
   const vesper_prototype* base = vesper_prototype_standard("si-f32");
   const PrototypePointer heat =
-      Parse("prototype heat extends si-f32\nbody temperature: real x1 [K] read_write\n");
+      ParsePrototype("prototype heat extends si-f32\nbody temperature: real x1 [K] read_write\n");
   ASSERT_EQ(heat->property_count, base->property_count + 1);
   EXPECT_EQ(heat->real_type, VESPER_F32);
   for (uint32_t i = 0; i < base->property_count; ++i) {
@@ -89,7 +89,7 @@ TEST(PrototypeFileTest, ExtendingKeepsTheBaseAndAddsToIt) {
 
 TEST(PrototypeFileTest, LawsWorkOnPropertiesThatAFileDeclares) {
   PrototypePointer prototype =
-      Parse("prototype moon extends si-f64\nbody albedo: real x1 [1] read\n");
+      ParsePrototype("prototype moon extends si-f64\nbody albedo: real x1 [1] read\n");
   const vesper_engine_config config = TestConfig();
   vesper_engine* engine = nullptr;
   EXPECT_OK(Try([&](vesper_error* error) {
@@ -203,10 +203,10 @@ std::vector<std::string> Examples(const std::string& page, const std::string& la
 TEST(PrototypeFileTest, ExamplesOfThePageParse) {
   const std::vector<std::string> examples = Examples("properties-and-units.md", "prototype");
   ASSERT_EQ(examples.size(), 2u);
-  const PrototypePointer heat = Parse(examples[0]);
+  const PrototypePointer heat = ParsePrototype(examples[0]);
   ASSERT_NE(heat, nullptr);
   EXPECT_EQ(heat->property_count, vesper_prototype_standard("si-f64")->property_count + 6);
-  const PrototypePointer traffic = Parse(examples[1]);
+  const PrototypePointer traffic = ParsePrototype(examples[1]);
   ASSERT_NE(traffic, nullptr);
   EXPECT_EQ(traffic->property_count, 2u);
   std::string slip = examples[0];

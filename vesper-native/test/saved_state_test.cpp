@@ -28,8 +28,8 @@ vesper_error Load(const TestEngine& engine, const Bytes& state) {
 }
 
 /// A world after `steps` steps whose law uses SCRATCH.
-struct Remembering {
-  Remembering(const EngineOptions& options, uint32_t steps, size_t count = 3)
+struct RememberingWorld {
+  RememberingWorld(const EngineOptions& options, uint32_t steps, size_t count = 3)
       : bodies(count), engine(options) {
     engine.AddBodies(bodies);
     engine.Load("remembering");
@@ -44,7 +44,7 @@ class SavedStateTest : public BothModes {};
 IN_BOTH_MODES(SavedStateTest);
 
 TEST_P(SavedStateTest, AnotherEngineGoesOnFromIt) {
-  Remembering first(Options(), 5), second(Options(), 0);
+  RememberingWorld first(Options(), 5), second(Options(), 0);
   EXPECT_OK(Load(second.engine, Save(first.engine)));
   EXPECT_EQ(vesper_engine_step_count(second.engine.get()), 5u);
   EXPECT_OK(first.engine.Advance(1, 2));
@@ -96,7 +96,7 @@ TEST_P(SavedStateTest, StepsOfNoLengthAreRefused) {
 }
 
 TEST_P(SavedStateTest, TurnsAnEngineBack) {
-  Remembering world(Options(), 2);
+  RememberingWorld world(Options(), 2);
   const Bytes state = Save(world.engine);
   EXPECT_OK(world.engine.Advance(1, 4));
   EXPECT_OK(Load(world.engine, state));
@@ -106,7 +106,7 @@ TEST_P(SavedStateTest, TurnsAnEngineBack) {
 }
 
 TEST_P(SavedStateTest, WithoutALibraryItFitsAnEngineWithoutIt) {
-  Remembering first(Options(), 5);
+  RememberingWorld first(Options(), 5);
   Bytes state = Save(first.engine);
   const auto remove = [&state](const char* library) {
     uint64_t size = state.size();
@@ -130,7 +130,7 @@ TEST_P(SavedStateTest, WithoutALibraryItFitsAnEngineWithoutIt) {
 }
 
 TEST_P(SavedStateTest, BringsItsRowsAlong) {
-  Remembering few(Options(), 4, 2), many(Options(), 1, 5);
+  RememberingWorld few(Options(), 4, 2), many(Options(), 1, 5);
   EXPECT_OK(Load(many.engine, Save(few.engine)));
   EXPECT_OK(many.engine.Advance(1, 1));
   EXPECT_EQ(many.bodies.acceleration[3 * 1 + 2], 5);
@@ -138,7 +138,7 @@ TEST_P(SavedStateTest, BringsItsRowsAlong) {
 }
 
 TEST_P(SavedStateTest, OfOtherLawsIsRefusedByName) {
-  Remembering with(Options(), 1);
+  RememberingWorld with(Options(), 1);
   Bodies bodies(3);
   TestEngine without(Options());
   without.AddBodies(bodies);
@@ -160,7 +160,7 @@ TEST_P(SavedStateTest, OfAnotherPrototypeIsRefusedByName) {
 }
 
 TEST_P(SavedStateTest, DamagedInAnyByteIsRefusedAndChangesNothing) {
-  Remembering world(Options(), 2, 1);
+  RememberingWorld world(Options(), 2, 1);
   const Bytes state = Save(world.engine);
   EXPECT_OK(world.engine.Advance(1, 1));
   for (size_t i = 0; i < state.size(); ++i) {
@@ -174,7 +174,7 @@ TEST_P(SavedStateTest, DamagedInAnyByteIsRefusedAndChangesNothing) {
 }
 
 TEST_P(SavedStateTest, CutAnywhereIsRefused) {
-  Remembering world(Options(), 2, 1);
+  RememberingWorld world(Options(), 2, 1);
   const Bytes state = Save(world.engine);
   for (size_t size = 0; size < state.size(); ++size) {
     const Bytes cut(state.begin(), state.begin() + static_cast<std::ptrdiff_t>(size));
@@ -183,14 +183,14 @@ TEST_P(SavedStateTest, CutAnywhereIsRefused) {
 }
 
 TEST_P(SavedStateTest, OfAnotherVersionIsRefusedByNumber) {
-  Remembering world(Options(), 1);
+  RememberingWorld world(Options(), 1);
   Bytes state = Save(world.engine);
   state[8] = 7;
   EXPECT_REFUSED(INVALID_ARGUMENT, "version is 7, expected 2", Load(world.engine, state));
 }
 
 TEST_P(SavedStateTest, RoomMustBeAsLargeAsSaid) {
-  Remembering world(Options(), 1);
+  RememberingWorld world(Options(), 1);
   Bytes room(10);
   EXPECT_REFUSED(INVALID_ARGUMENT, "size is 10", Try([&](vesper_error* error) {
                    return vesper_engine_save_state(world.engine.get(), room.data(), room.size(),

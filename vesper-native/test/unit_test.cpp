@@ -12,13 +12,13 @@
 namespace vesper::test {
 namespace {
 
-vesper_error Parse(const std::string& text, vesper_unit& out) {
+vesper_error ParseUnit(const std::string& text, vesper_unit& out) {
   return Try([&](vesper_error* error) { return vesper_unit_parse(text.c_str(), &out, error); });
 }
 
 vesper_error Refusal(const std::string& text) {
   vesper_unit out{};
-  return Parse(text, out);
+  return ParseUnit(text, out);
 }
 
 TEST(UnitTest, TextsOfTheStandardPrototypesParseToTheirUnits) {
@@ -26,7 +26,7 @@ TEST(UnitTest, TextsOfTheStandardPrototypesParseToTheirUnits) {
   for (uint32_t i = 0; i < prototype->property_count; ++i) {
     const vesper_unit& expected = prototype->properties[i].unit;
     vesper_unit parsed{};
-    EXPECT_OK(Parse(expected.symbol, parsed));
+    EXPECT_OK(ParseUnit(expected.symbol, parsed));
     EXPECT_EQ(std::memcmp(&parsed, &expected, sizeof parsed), 0) << expected.symbol;
   }
 }
@@ -65,7 +65,7 @@ TEST(UnitTest, ExponentsAndScaleAreThoseOfTheBrochure) {
   };
   for (const auto& [text, row] : expected) {
     vesper_unit parsed{};
-    EXPECT_OK(Parse(text, parsed));
+    EXPECT_OK(ParseUnit(text, parsed));
     for (size_t i = 0; i < 7; ++i) EXPECT_EQ(parsed.exponent[i], row.exponent[i]) << text;
     EXPECT_EQ(parsed.scale, row.scale) << text;
     EXPECT_EQ(parsed.symbol, text);
@@ -84,10 +84,10 @@ TEST(UnitTest, TextsMeanWhatTheyMeanToTheWorldStore) {
     std::getline(row, scale, ',');
     vesper_unit parsed{};
     if (scale == "refused") {
-      EXPECT_EQ(Parse(text, parsed).status, VESPER_INVALID_ARGUMENT) << text;
+      EXPECT_EQ(ParseUnit(text, parsed).status, VESPER_INVALID_ARGUMENT) << text;
       continue;
     }
-    EXPECT_OK(Parse(text, parsed));
+    EXPECT_OK(ParseUnit(text, parsed));
     EXPECT_EQ(parsed.scale, std::stod(scale)) << text;
     for (int8_t exponent : parsed.exponent) {
       std::string expected;
@@ -100,9 +100,9 @@ TEST(UnitTest, TextsMeanWhatTheyMeanToTheWorldStore) {
 
 TEST(UnitTest, TextTooLongForASymbolLeavesItEmpty) {
   vesper_unit parsed{};
-  EXPECT_OK(Parse("kg*m^2/(s^3*A^2)", parsed));
+  EXPECT_OK(ParseUnit("kg*m^2/(s^3*A^2)", parsed));
   EXPECT_STREQ(parsed.symbol, "");
-  EXPECT_OK(Parse("kg*m^2/(s^3*A)", parsed));
+  EXPECT_OK(ParseUnit("kg*m^2/(s^3*A)", parsed));
   EXPECT_STREQ(parsed.symbol, "kg*m^2/(s^3*A)");
 }
 

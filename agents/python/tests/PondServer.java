@@ -16,7 +16,7 @@ import java.util.Optional;
 
 /**
  * Serves a world file on an ephemeral port for the tests in this folder. Prints the port, then
- * makes frames until its standard input ends. Run as a source file.
+ * makes frames until its standard input ends.
  */
 final class PondServer {
 

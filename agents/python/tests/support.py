@@ -4,11 +4,13 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import json
 import os
 import pathlib
 import subprocess
 import sys
+import tempfile
 from typing import Any, Iterator, List
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -24,8 +26,8 @@ def vectors(name: str) -> List[Any]:
     return [json.loads(line) for line in text.splitlines()]
 
 
-def java(program: str, *arguments: str) -> List[str]:
-    """Returns the command that runs a class, or a Java source file, with the project's classes."""
+def tool(program: str, *options: str) -> List[str]:
+    """Returns the start of the command of a program of the JDK, with the project's classes."""
     class_path = os.environ.get("REVE_TEST_CLASSPATH")
     java_home = os.environ.get("REVE_JAVA_HOME")
     if not class_path or not java_home:
@@ -33,8 +35,23 @@ def java(program: str, *arguments: str) -> List[str]:
             "these tests start Java programs: set REVE_TEST_CLASSPATH to their class path and "
             "REVE_JAVA_HOME to a JDK 25, or run `./reve test`, which does"
         )
-    java = [f"{java_home}/bin/java", "--enable-native-access=ALL-UNNAMED", "-cp", class_path]
-    return [*java, program, *arguments]
+    return [f"{java_home}/bin/{program}", *options, "-cp", class_path]
+
+
+def java(program: str, *arguments: str) -> List[str]:
+    """Returns the command that runs a class, or a Java source file, with the project's classes."""
+    # The programs live for seconds: see SHORT_LIVED in scripts/run_tests.py.
+    options = ["-XX:+UseSerialGC", "-XX:TieredStopAtLevel=1", "--enable-native-access=ALL-UNNAMED"]
+    return [*tool("java", *options), program, *arguments]
+
+
+@functools.cache
+def pond_classes() -> "tempfile.TemporaryDirectory[str]":
+    """Compiles PondServer.java once; the folder of its classes is removed at the end."""
+    folder = tempfile.TemporaryDirectory()
+    compiler = tool("javac", "-proc:none", "-d", folder.name)
+    subprocess.run([*compiler, str(HERE / "PondServer.java")], check=True)
+    return folder
 
 
 @contextlib.contextmanager
@@ -56,7 +73,8 @@ def launched(*arguments: str) -> Iterator[int]:
 @contextlib.contextmanager
 def pond() -> Iterator[int]:
     """Runs a server with the world of pond.yaml as a separate process; yields its port."""
-    command = java(str(HERE / "PondServer.java"), str(HERE / "pond.yaml"))
+    command = java("PondServer", str(HERE / "pond.yaml"))
+    command[command.index("-cp") + 1] += os.pathsep + pond_classes().name
     server = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
     try:
         assert server.stdin is not None and server.stdout is not None

@@ -5,7 +5,6 @@
 #include <span>
 
 #include "csv.hpp"
-#include "folders.hpp"
 #include "generators.hpp"
 #include "nearest_name.hpp"
 
@@ -161,8 +160,8 @@ class RowsReader {
 
 }  // namespace
 
-void ReadCsvRows(const std::string& file, const std::string& kind, Scene& scene) {
-  RowsReader(CsvReader(ReadFile(file), file), kind, scene).Read();
+void ReadCsvRows(std::string text, const std::string& file, const std::string& kind, Scene& scene) {
+  RowsReader(CsvReader(std::move(text), file), kind, scene).Read();
 }
 
 }  // namespace vesper::cli

@@ -22,7 +22,7 @@ double NumberIn(SceneReader& reader, const std::string& what, const double (&lim
                   FormatNumber(limits[1], VESPER_F64));
 }
 
-Vec3<double> Point(SceneReader& reader, const std::string& what) {
+Vec3<double> ReadPoint(SceneReader& reader, const std::string& what) {
   const Value value = reader.ReadValue(what);
   if (value.size() != 3) reader.FailLast("expected " + what + ", a point such as (0 1 5)");
   return {value[0], value[1], value[2]};
@@ -79,9 +79,9 @@ void ReadImage(SceneReader& reader, Scene& scene) {
 void ReadCamera(SceneReader& reader, Scene& scene) {
   Camera camera;
   reader.Expect("from");
-  camera.eye = Point(reader, "where the camera is");
+  camera.eye = ReadPoint(reader, "where the camera is");
   reader.Expect("at");
-  camera.target = Point(reader, "what the camera looks at");
+  camera.target = ReadPoint(reader, "what the camera looks at");
   const Vec3<double> sight = camera.target - camera.eye;
   if (!(std::hypot(sight.x, sight.z) > 1e-3 * Length(sight))) {
     reader.FailLast(

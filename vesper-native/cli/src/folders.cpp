@@ -19,15 +19,15 @@ std::string FromFolderOf(const std::string& file, const std::string& path) {
                                                              : file.substr(0, slash + 1) + path;
 }
 
-std::string ReadFile(const std::string& file) {
+std::string ReadFile(const std::string& file, const std::string& shown) {
   constexpr uintmax_t kLargestFile = 64 << 20;
   std::error_code error;
   const uintmax_t size = std::filesystem::file_size(file, error);
-  if (error) throw std::runtime_error(file + ": " + error.message());
-  if (size > kLargestFile) throw std::runtime_error(file + ": larger than 64 MiB");
+  if (error) throw std::runtime_error(shown + ": " + error.message());
+  if (size > kLargestFile) throw std::runtime_error(shown + ": larger than 64 MiB");
   std::ifstream stream(file, std::ios::binary);
   std::string text{std::istreambuf_iterator<char>(stream), {}};
-  if (!stream) throw std::runtime_error(file + ": cannot be read");
+  if (!stream) throw std::runtime_error(shown + ": cannot be read");
   return text;
 }
 

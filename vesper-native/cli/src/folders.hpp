@@ -11,8 +11,10 @@ namespace vesper::cli {
 std::string ProgramFolder();
 /// Resolves a relative path in a file against the folder of that file.
 std::string FromFolderOf(const std::string& file, const std::string& path);
-/// Returns the bytes of a file of at most 64 MiB. Throws std::runtime_error if it cannot be read.
-std::string ReadFile(const std::string& file);
+/// Returns the bytes of a file of at most 64 MiB. Throws std::runtime_error, with `shown` as the
+/// file's name, if it cannot be read.
+std::string ReadFile(const std::string& file, const std::string& shown);
+inline std::string ReadFile(const std::string& file) { return ReadFile(file, file); }
 /// Returns the folders in the environment variable VESPER_LAW_PATH (separated by ':'). If it is not
 /// set, returns the folder `laws` beside this program if it exists.
 std::vector<std::string> DefaultLawFolders();

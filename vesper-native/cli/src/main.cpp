@@ -15,6 +15,7 @@
 #include "run_command.hpp"
 #include "test_command.hpp"
 #include "vesper/vesper.hpp"
+#include "visible.hpp"
 
 namespace {
 
@@ -55,6 +56,8 @@ void AddRun(CLI::App& app, int& code) {
   command->add_flag("--validate", options->validate, "Check laws against their declarations");
   command->add_flag("--ledger", options->ledger,
                     "Report how much each law changed momentum, angular momentum and energy");
+  command->add_flag("--trust", options->trusted,
+                    "Let the scene open law libraries by path, and read files outside its folder");
   command->add_flag("--json", options->json, "Print the report as one JSON document");
   command->callback([options, &code] { code = Run(*options); });
 }
@@ -139,7 +142,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return CodeAfterPrinting(app.exit(error) == 0 ? kDone : kWrongUsage);
   } catch (const std::exception& error) {
-    std::cerr << "vesper: " << error.what() << "\n";
+    std::cerr << "vesper: " << Visible(error.what()) << "\n";
     return kFailed;
   }
   return CodeAfterPrinting(code);

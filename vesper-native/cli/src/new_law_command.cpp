@@ -42,11 +42,6 @@ bool Write(const std::filesystem::path& path, const char* text, const std::strin
   return static_cast<bool>(file);
 }
 
-int Fail(int code, const std::string& message) {
-  std::cerr << "vesper: " << message << "\n";
-  return code;
-}
-
 /// Returns the folder with Vesper's CMake files that belongs to this program, in a build, a release
 /// or an installation. Empty if there is none and CMake has to search.
 std::filesystem::path ConfigFolder() {

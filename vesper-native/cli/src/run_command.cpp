@@ -19,6 +19,7 @@
 #include "scene.hpp"
 #include "text_table.hpp"
 #include "vesper/vesper.hpp"
+#include "visible.hpp"
 
 namespace vesper::cli {
 namespace {
@@ -42,16 +43,6 @@ std::string Join(const std::vector<std::string>& texts, char separator) {
   return joined;
 }
 
-/// Resolves a library path against the scene's folder.
-std::string Locate(const std::string& library, const std::string& scene) {
-  return library.find('/') == std::string::npos ? library : FromFolderOf(scene, library);
-}
-
-int Fail(int code, const std::string& message) {
-  std::cerr << "vesper: " << message << "\n";
-  return code;
-}
-
 /// A law of a scene that could not be loaded, or that does not match its prototype.
 class LawError : public SceneError {
   using SceneError::SceneError;
@@ -67,7 +58,7 @@ class SceneRun {
                                     .law_path = Join(options.law_folders, ':'),
                                     .deferred = true,
                                     .log = [](uint32_t, const char* line) {
-                                      std::cerr << "vesper: " << line << "\n";
+                                      std::cerr << "vesper: " << Visible(line) << "\n";
                                     }}) {
     AddSums();
     for (auto& [name, column] : scene_.columns) column.AddTo(engine_.PropertyProvider());
@@ -119,8 +110,7 @@ class SceneRun {
 
   void Load(const SceneLaw& law) {
     try {
-      libraries_.push_back(
-          engine_.LoadPhysicsLaw(Locate(law.library, scene_.file), law.parameters));
+      libraries_.push_back(engine_.LoadPhysicsLaw(law.library, law.parameters));
     } catch (const Error& error) {
       throw LawError(law.place, law.library + ": " + error.what());
     }
@@ -233,7 +223,7 @@ int Run(const RunOptions& options) {
   EndOnSignals();
   std::optional<SceneRun> run;
   try {
-    run.emplace(ReadScene(options.scene), options);
+    run.emplace(ReadScene(options.scene, options.trusted), options);
   } catch (const LawError& error) {
     return Fail(kNotLoaded, error.what());
   } catch (const RendererError& error) {

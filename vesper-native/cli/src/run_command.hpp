@@ -21,6 +21,7 @@ struct RunOptions {
   uint32_t threads = 1;
   bool validate = false;
   bool ledger = false;
+  bool trusted = false;  // whether the scene may name files by any path
   bool json = false;
 };
 

@@ -10,6 +10,7 @@
 #include "folders.hpp"
 #include "galaxy.hpp"
 #include "generators.hpp"
+#include "scene_files.hpp"
 #include "scene_reader.hpp"
 
 namespace vesper::cli {
@@ -22,7 +23,8 @@ using Names = std::vector<std::string>;
 /// Interpreter of the lines of a scene.
 class SceneParser {
  public:
-  SceneParser(std::string text, const std::string& file) : reader_(std::move(text), file) {
+  SceneParser(std::string text, const std::string& file, bool trusted)
+      : reader_(std::move(text), file), files_(file, trusted) {
     scene_.file = file;
     scene_.prototype = &StandardPrototype("si-f64");
   }
@@ -141,12 +143,25 @@ class SceneParser {
   }
 
   void LoadPrototype(const std::string& path) {
+    const std::string text = Read(path);
+    if (text.find('\0') != std::string::npos) {
+      reader_.FailLast("'" + path + "' contains a zero byte; expected text");
+    }
     try {
-      scene_.own_prototype.emplace(FromFolderOf(scene_.file, path));
+      scene_.own_prototype.emplace(text, path.substr(path.rfind('/') + 1));
     } catch (const Error& error) {
       reader_.FailLast(error.what());
     }
     scene_.prototype = &scene_.own_prototype->get();
+  }
+
+  /// Returns the bytes of the file that the last word names.
+  std::string Read(const std::string& path) const {
+    try {
+      return files_.Read(path);
+    } catch (const std::runtime_error& error) {
+      reader_.FailLast(error.what());
+    }
   }
 
   void ReadDt() {
@@ -160,7 +175,16 @@ class SceneParser {
   }
 
   void ReadLaw() {
-    SceneLaw law{reader_.Word("the name or path of a law library"), {}, reader_.Last()};
+    SceneLaw law{reader_.Word("the name of a law library"), {}, reader_.Last()};
+    if (law.library.find('/') != std::string::npos) {
+      if (!files_.trusted()) {
+        reader_.FailLast("'" + law.library +
+                         "' is a path; a scene names laws by name, such as newton_motion: put the "
+                         "library into a folder of --laws, or run the scene with --trust, which "
+                         "opens the library with all of your rights");
+      }
+      law.library = files_.PathOf(law.library);
+    }
     while (!reader_.AtEnd()) {
       const std::string name = reader_.Word("the name of a parameter");
       reader_.Expect("=");
@@ -177,8 +201,8 @@ class SceneParser {
       reader_.FailLast("the rows of " + kind_ + " were given before");
     }
     if (reader_.Accept("from")) {
-      const std::string file = FromFolderOf(scene_.file, reader_.Word("the name of a CSV file"));
-      ReadCsvRows(file, kind_, scene_);
+      const std::string name = reader_.Word("the name of a CSV file");
+      ReadCsvRows(Read(name), files_.PathOf(name), kind_, scene_);
       for (const auto* property : PropertiesOf(kind_)) {
         scene_.places.insert_or_assign(property->name, reader_.LineStart());
       }
@@ -223,6 +247,7 @@ class SceneParser {
   }
 
   SceneReader reader_;
+  SceneFiles files_;
   Scene scene_;
   std::string kind_;  // kind of the rows being described
 };
@@ -250,10 +275,12 @@ const AnyColumn* Scene::Find(const std::string& property) const {
   return found == columns.end() ? nullptr : &found->second;
 }
 
-Scene ReadScene(const std::string& file) { return ParseScene(ReadFile(file), file); }
+Scene ReadScene(const std::string& file, bool trusted) {
+  return ParseScene(ReadFile(file), file, trusted);
+}
 
-Scene ParseScene(std::string text, const std::string& file) {
-  return SceneParser(std::move(text), file).Parse();
+Scene ParseScene(std::string text, const std::string& file, bool trusted) {
+  return SceneParser(std::move(text), file, trusted).Parse();
 }
 
 }  // namespace vesper::cli

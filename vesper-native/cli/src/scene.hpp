@@ -16,7 +16,7 @@
 namespace vesper::cli {
 
 struct SceneLaw {
-  std::string library;  // a bare name, or a path
+  std::string library;  // a bare name; or a path, only in a trusted scene
   std::vector<ParameterValue> parameters;
   Place place;
 };
@@ -38,8 +38,9 @@ struct Scene {
 };
 
 /// Reads a scene. Throws SceneError for an error in the text, std::runtime_error if the file cannot
-/// be read.
-Scene ReadScene(const std::string& file);
-Scene ParseScene(std::string text, const std::string& file);
+/// be read. Unless the scene is trusted, refuses paths of laws, and files outside the scene's
+/// folder (see SceneFiles).
+Scene ReadScene(const std::string& file, bool trusted);
+Scene ParseScene(std::string text, const std::string& file, bool trusted = false);
 
 }  // namespace vesper::cli

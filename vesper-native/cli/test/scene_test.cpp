@@ -3,8 +3,12 @@
 #include "scene.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
+#include <filesystem>
 #include <fstream>
+
+#include "visible.hpp"
 
 namespace vesper::cli {
 namespace {
@@ -44,7 +48,8 @@ TEST(SceneTest, NumbersMayBeFractionsAndCommentsEndLines) {
 }
 
 TEST(SceneTest, LawsKeepTheirOrderAndParameters) {
-  const Scene scene = Parse("law b x=2 y = -1e3\nlaw \"./a b.so\"\n");
+  const Scene scene =
+      ParseScene("scene 1\ndt 1\nlaw b x=2 y = -1e3\nlaw \"./a b.so\"\n", "s", true);
   ASSERT_EQ(scene.laws.size(), 2u);
   EXPECT_EQ(scene.laws[0].library, "b");
   ASSERT_EQ(scene.laws[0].parameters.size(), 2u);
@@ -95,7 +100,8 @@ TEST(SceneTest, PrototypeMayComeFromAFileBesideTheScene) {
       folder + "s.vesper");
   EXPECT_STREQ(scene.prototype->name, "heat");
   EXPECT_EQ(Values(scene, "temperature"), (std::vector<double>{0.02, 2}));
-  EXPECT_EQ(ErrorOf("scene 1\nprototype ./none.prototype\n").substr(0, 19), "s:2:11: NOT_FOUND: ");
+  EXPECT_EQ(ErrorOf("scene 1\nprototype ./none.prototype\n"),
+            "s:2:11: './none.prototype' cannot be read: No such file or directory");
 }
 
 /// Reads a scene whose bodies come from a CSV file with this text.
@@ -135,6 +141,116 @@ TEST(CsvRowsTest, WhatIsWrongIsNamedByLineAndColumn) {
             ":1:1: 'externalForce.x' is summed up by the engine and cannot be given");
   EXPECT_EQ(ErrorOfCsv("mass\n1\n1,2\n"), ":3:1: 2 cells; expected 1, as in the first line");
   EXPECT_EQ(ErrorOfCsv("mass,charge\n1,nan\n"), ":2:3: found 'nan'; expected a number");
+}
+
+/// A folder with a scene's folder and files outside it.
+class SceneTrustTest : public ::testing::Test {
+ protected:
+  SceneTrustTest() {
+    std::string pattern = ::testing::TempDir() + "trust-XXXXXX";
+    folder_ = mkdtemp(pattern.data());
+    std::filesystem::create_directories(folder_ / "scene/sub");
+    std::ofstream(folder_ / "secret.csv") << "hunter2\n";
+    std::ofstream(folder_ / "mass.csv") << "mass\n7\n";
+    std::ofstream(folder_ / "scene/sub/mass.csv") << "mass\n5\n";
+  }
+  ~SceneTrustTest() override { std::filesystem::remove_all(folder_); }
+
+  void Link(const std::string& name, const std::filesystem::path& target) const {
+    std::filesystem::create_symlink(target, folder_ / "scene" / name);
+  }
+
+  /// Reads a scene whose third line is `line`.
+  Scene Read(const std::string& line, bool trusted) const {
+    return ParseScene("scene 1\ndt 1\n" + line + "\n", folder_ / "scene/s", trusted);
+  }
+
+  std::string ErrorIn(const std::string& line, bool trusted = false) const {
+    try {
+      Read(line, trusted);
+    } catch (const SceneError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+
+  std::filesystem::path folder_;
+};
+
+TEST_F(SceneTrustTest, LawsHaveNamesAndNoPathsUnlessTheSceneIsTrusted) {
+  for (const std::string path : {"./evil.so", "/tmp/evil.so", "sub/evil.law", "../evil.py", "/"}) {
+    EXPECT_EQ(ErrorIn("law " + path),
+              folder_.string() + "/scene/s:3:5: '" + path +
+                  "' is a path; a scene names laws by name, such as newton_motion: put the library "
+                  "into a folder of --laws, or run the scene with --trust, which opens the library "
+                  "with all of your rights");
+    EXPECT_EQ(ErrorIn("law " + path, true), "no error");
+  }
+  EXPECT_EQ(Read("law ./a.so", true).laws.at(0).library, folder_ / "scene/./a.so");
+}
+
+TEST_F(SceneTrustTest, FilesOutsideTheFolderOfASceneAreRefusedWithoutBeingRead) {
+  Link("file.csv", "../secret.csv");
+  Link("far.csv", folder_ / "secret.csv");
+  Link("up", "..");
+  Link("null.csv", "/dev/null");
+  ASSERT_EQ(mkfifo((folder_ / "scene/pipe.csv").c_str(), 0600), 0);
+  const std::string absolute = folder_ / "secret.csv";
+  const std::pair<std::string, std::string> refused[] = {
+      {"../secret.csv", "a path with '..'"},
+      {"sub/../../secret.csv", "a path with '..'"},
+      {absolute, "an absolute path"},
+      {"file.csv", "a link that leads out of the scene's folder"},
+      {"far.csv", "a link that leads out of the scene's folder"},
+      {"up/secret.csv", "a link that leads out of the scene's folder"},
+      {"null.csv", "a link that leads out of the scene's folder"},
+      {"pipe.csv", "not a regular file"},
+      {"./sub", "not a regular file"},
+  };
+  for (const auto& [name, found] : refused) {
+    const std::string end = ": '" + name + "' is " + found +
+                            "; a scene reads only regular files in its own folder or below it: "
+                            "copy the file there, or run the scene with --trust if you trust its "
+                            "author";
+    const std::string scene = folder_ / "scene/s";
+    EXPECT_EQ(ErrorIn("rows body from " + name), scene + ":3:16" + end);
+    EXPECT_EQ(ErrorIn("prototype " + name), scene + ":3:11" + end);
+  }
+}
+
+TEST_F(SceneTrustTest, FilesOfTheKernelAreRefusedInAFolderThatHoldsThem) {
+  const auto error_of = [](const std::string& file) {
+    try {
+      ParseScene("scene 1\ndt 1\nrows body from " + file + "\n", "/s");
+    } catch (const SceneError& error) {
+      return std::string(error.what()).substr(0, 50);
+    }
+    return std::string("no error");
+  };
+  EXPECT_EQ(error_of("proc/version"), "/s:3:16: 'proc/version' is not a regular file; a s");
+  EXPECT_EQ(error_of("dev/null"), "/s:3:16: 'dev/null' is not a regular file; a scene");
+}
+
+TEST_F(SceneTrustTest, FilesBelowTheFolderAreReadAndOthersOnlyOfATrustedScene) {
+  Link("near.csv", "sub/mass.csv");
+  Link("whole.csv", folder_ / "scene/sub/mass.csv");
+  for (const char* name : {"sub/mass.csv", "./sub/mass.csv", "near.csv", "whole.csv"}) {
+    const Scene scene = Read(std::string("rows body from ") + name, false);
+    EXPECT_EQ(Values(scene, "mass"), std::vector<double>{5}) << name;
+  }
+  for (const std::string& name : {std::string("../mass.csv"), (folder_ / "mass.csv").string()}) {
+    EXPECT_EQ(Values(Read("rows body from " + name, true), "mass"), std::vector<double>{7}) << name;
+  }
+  EXPECT_EQ(ErrorIn("prototype ../none.prototype", true),
+            folder_.string() + "/scene/s:3:11: " + folder_.string() +
+                "/scene/../none.prototype: No such file or directory");
+}
+
+TEST(VisibleTest, UnsafeCharactersAreEscapedAndLettersAreNot) {
+  EXPECT_EQ(Visible("Ö 名前 می\u200cخواهم 🦆 §\n"), "Ö 名前 می\u200cخواهم 🦆 §\n");
+  EXPECT_EQ(Visible("a\x1b[31m\r\x7f\u009b\u2028\u202e\ufeff"),
+            "a\\u{1b}[31m\\u{d}\\u{7f}\\u{9b}\\u{2028}\\u{202e}\\u{feff}");
+  EXPECT_EQ(Visible("\xff\xc0\x9b\xe2\x80"), "\\u{fffd}\\u{fffd}\\u{fffd}\\u{fffd}\\u{fffd}");
 }
 
 TEST(SceneTest, TimeUnitOfAPrototypeMustBeKnownBeforeDt) {
@@ -248,7 +364,7 @@ const Wrong kWrong[] = {
     {"dt 1 s", "6: found 's'; expected the end of the line"},
     {"steps 1.5", "7: expected the number of steps per frame, a whole number from 1 to 1e9"},
     {"prototype si-f64", "1: must come before the first 'rows'"},
-    {"law", "4: the line ends; expected the name or path of a law library"},
+    {"law", "4: the line ends; expected the name of a law library"},
     {"law x y", "8: found the end of the line; expected '='"},
     {"law x y=z", "9: found 'z'; expected the value of y, a number such as 1.5, 2e-3 or 1/240"},
     {"law \"x", "5: a quote without its end"},

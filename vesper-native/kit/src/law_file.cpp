@@ -170,7 +170,7 @@ const vesper_host kHost = {
     },
     nullptr};
 
-void Check(vesper_status status, const vesper_error& error) {
+void RequireOk(vesper_status status, const vesper_error& error) {
   if (status != VESPER_OK) throw std::runtime_error(error.message);
 }
 
@@ -184,7 +184,7 @@ vesper_suite* Open(const vesper_law_library* library) {
   if (library == nullptr || library->open == nullptr) return nullptr;
   vesper_suite* suite = nullptr;
   vesper_error error{};
-  Check(library->open(&kHost, &suite, &error), error);
+  RequireOk(library->open(&kHost, &suite, &error), error);
   return suite;
 }
 
@@ -197,7 +197,7 @@ vesper_law* Create(const vesper_law_desc& desc, const vesper_host& host, vesper_
   }
   vesper_law* law = nullptr;
   vesper_error error{};
-  Check(desc.create(&host, suite, parameters.data(), &law, &error), error);
+  RequireOk(desc.create(&host, suite, parameters.data(), &law, &error), error);
   return law;
 }
 
@@ -221,7 +221,7 @@ void BareLaw::TakeArrays() const {
 void BareLaw::Bind() const {
   for (vesper_property& property : properties_) ++property.version;
   vesper_error error{};
-  Check(desc_.bind(law_.get(), properties_.data(), &error), error);
+  RequireOk(desc_.bind(law_.get(), properties_.data(), &error), error);
 }
 
 void BareLaw::Step(const Time& time, const std::function<void(uint32_t)>& evaluate) const {
@@ -237,10 +237,10 @@ void BareLaw::Step(const Time& time, const std::function<void(uint32_t)>& evalua
 void BareLaw::Advance(const vesper_step& step) const {
   TakeArrays();
   vesper_error error{};
-  Check(desc_.advance(law_.get(), &step, &error), error);
+  RequireOk(desc_.advance(law_.get(), &step, &error), error);
   for (uint32_t i = 0; i < desc_.use_count; ++i) {
     if (!Defers(desc_.uses[i]) || desc_.uses[i].access == VESPER_READ) continue;
-    Check(desc_.synchronize(law_.get(), i, &error), error);
+    RequireOk(desc_.synchronize(law_.get(), i, &error), error);
   }
 }
 
@@ -248,7 +248,7 @@ double BareLaw::PotentialEnergy() const {
   TakeArrays();
   double energy = 0;
   vesper_error error{};
-  Check(desc_.potential_energy(law_.get(), &energy, &error), error);
+  RequireOk(desc_.potential_energy(law_.get(), &energy, &error), error);
   return energy;
 }
 

@@ -30,7 +30,7 @@ class CommandLineIT {
 
     @Test
     void helpNamesEveryCommandAndExitCode() throws Exception {
-        Outcome help = Reve.run("--help");
+        Outcome help = Reve.runAsProcess("--help");
         assertThat(help.code()).isZero();
         assertThat(help.out())
                 .contains(
@@ -42,7 +42,7 @@ class CommandLineIT {
 
     @Test
     void wrongUsageIsExitCode2AndSaysWhatIsWrongAndWhereToReadMore() throws Exception {
-        Outcome unknown = Reve.run("snapshots");
+        Outcome unknown = Reve.runAsProcess("snapshots");
         assertThat(unknown.code()).isEqualTo(2);
         assertThat(unknown.err())
                 .contains("snapshots")
@@ -108,10 +108,10 @@ class CommandLineIT {
     @Test
     void aNewWorldRunsWithoutAWarning() throws Exception {
         Path world = folder.resolve("my world");
-        Outcome made = Reve.run("new", "world", world.toString());
+        Outcome made = Reve.runAsProcess("new", "world", world.toString());
         assertThat(made.code()).as(made.err()).isZero();
         assertThat(made.out()).contains("serve '" + world + "'");
-        assertThat(Reve.run("check", "--strict", world.toString()).code()).isZero();
+        assertThat(Reve.runAsProcess("check", "--strict", world.toString()).code()).isZero();
         Outcome again = Reve.run("new", "world", world.toString());
         assertThat(again.code()).isEqualTo(1);
         assertThat(again.err()).contains("is there already; nothing was written");
@@ -168,7 +168,7 @@ class CommandLineIT {
 
     @Test
     void runReportsTheSameStateTwice() throws Exception {
-        JsonNode first = json(Reve.run("run", SPRING_ORBIT, "--seconds", "1", "--json"));
+        JsonNode first = json(Reve.runAsProcess("run", SPRING_ORBIT, "--seconds", "1", "--json"));
         JsonNode second = json(Reve.run("run", SPRING_ORBIT, "--seconds", "1", "--json"));
         assertThat(first.get("frames").asLong()).isEqualTo(60);
         assertThat(first.get("stateHash").asString())
@@ -226,7 +226,7 @@ class CommandLineIT {
     void snapshotWritesThePictureItNames() throws Exception {
         Path picture = folder.resolve("orbit.png");
         Outcome outcome =
-                Reve.run(
+                Reve.runAsProcess(
                         "snapshot",
                         SPRING_ORBIT,
                         "--at",
@@ -248,7 +248,7 @@ class CommandLineIT {
     void everyPictureOfAFastServerIsTaken() throws Exception {
         Path pictures = folder.resolve("pictures");
         Outcome outcome =
-                Reve.run(
+                Reve.runAsProcess(
                         "serve",
                         SPRING_ORBIT,
                         "--port",
@@ -324,7 +324,7 @@ class CommandLineIT {
                             kind: spring
                             physics: {springConstant: 1, end1: a, end2: nobody}
                         """);
-        Outcome outcome = Reve.run("check", world.toString());
+        Outcome outcome = Reve.runAsProcess("check", world.toString());
         assertThat(outcome.code()).isEqualTo(3);
         assertThat(outcome.out()).isEmpty();
         assertThat(outcome.err().lines()).hasSize(5).allMatch(line -> line.startsWith(world + ":"));
@@ -487,7 +487,7 @@ class CommandLineIT {
         try (var taken =
                 new java.net.ServerSocket(0, 1, java.net.InetAddress.getLoopbackAddress())) {
             String port = Integer.toString(taken.getLocalPort());
-            Outcome outcome = Reve.run("serve", SPRING_ORBIT, "--port", port);
+            Outcome outcome = Reve.runAsProcess("serve", SPRING_ORBIT, "--port", port);
             assertThat(outcome.code()).isEqualTo(5);
             assertThat(outcome.err()).contains(port);
         }

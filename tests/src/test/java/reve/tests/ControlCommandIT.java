@@ -36,7 +36,7 @@ class ControlCommandIT {
                         "--saves",
                         folder.toString())) {
             String port = server.port();
-            assertThat(Reve.run("control", "pause", "--port", port).err())
+            assertThat(Reve.runAsProcess("control", "pause", "--port", port).err())
                     .contains("no-such-world", "icosahedron");
             assertThat(control(port, "pause").code()).isZero();
             long frame = Long.parseLong(control(port, "rewind").out().replaceAll("\\D", ""));

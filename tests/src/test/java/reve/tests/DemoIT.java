@@ -22,7 +22,7 @@ class DemoIT {
 
     @Test
     void everyPartOfTheMainJobHappens() throws Exception {
-        Outcome outcome = Reve.run("demo", "--json", "--out", folder.toString());
+        Outcome outcome = Reve.runAsProcess("demo", "--json", "--out", folder.toString());
         assertThat(outcome.code()).as(outcome.err()).isZero();
         JsonNode demo = new JsonMapper().readTree(outcome.out());
 

@@ -64,7 +64,7 @@ class DescriptorsIT {
         assertThat(Files.readString(folder.resolve("server.err")))
                 .containsOnlyOnce("the process may open " + LIMIT + " files, enough for ")
                 .contains("connections instead of 4096; raise the limit (ulimit -n) for more");
-        Outcome check = Reve.run("store", "check", store.toString());
+        Outcome check = Reve.runAsProcess("store", "check", store.toString());
         assertThat(check.code()).as(check.out()).isZero();
     }
 

@@ -41,7 +41,7 @@ class PackIT {
     @Test
     void aPackedWorldRunsElsewhereToTheSameBits() throws Exception {
         Path world = windy("here");
-        Outcome packed = reve("pack", world.toString(), "--out", file("a.reve"));
+        Outcome packed = Reve.runAsProcess("pack", world.toString(), "--out", file("a.reve"));
         assertThat(packed.code()).as(packed.err()).isZero();
         assertThat(packed.out()).contains("a.reve: windy, 5 files, ").doesNotContain("--trust");
         assertThat(names(folder.resolve("a.reve")))

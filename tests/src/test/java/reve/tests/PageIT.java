@@ -253,7 +253,8 @@ class PageIT {
     void aTokenIsEnteredInThePageAndStandsNowhereElse() throws Exception {
         Path tokens = folder.resolve("tokens.json");
         Reve.Outcome made =
-                Reve.run("token", "new", "ada", "--file", tokens.toString(), "--roles", "control");
+                Reve.runAsProcess(
+                        "token", "new", "ada", "--file", tokens.toString(), "--roles", "control");
         assertThat(made.code()).as(made.err()).isZero();
         String token =
                 java.util.regex.Pattern.compile("[0-9a-f]{32}")

@@ -1,15 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.tests;
 
+import reve.worlds.cli.Main;
+
+import java.io.ByteArrayOutputStream;
 import java.io.IOException;
+import java.io.PrintStream;
 import java.nio.charset.StandardCharsets;
 import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.List;
+import java.util.concurrent.ExecutionException;
+import java.util.concurrent.FutureTask;
 import java.util.concurrent.TimeUnit;
+import java.util.concurrent.TimeoutException;
 import java.util.regex.Pattern;
 
-/** The {@code ./reve} command line as a process of the current release. */
+/**
+ * The {@code ./reve} command line. A command runs in the JVM of the tests, because the start of
+ * another JVM takes more processor time than most commands. It runs as a process of the current
+ * release where the process matters: its environment, its limits, its launcher, how it ends.
+ */
 final class Reve {
     private static final long PATIENCE_SECONDS = 120;
 
@@ -26,8 +37,44 @@ final class Reve {
 
     private Reve() {}
 
-    /** Runs a command to its end. */
-    static Outcome run(String... arguments) throws IOException, InterruptedException {
+    /**
+     * Runs a command to its end in this JVM. Must not be called by two threads at once, because the
+     * standard output of the JVM belongs to the command meanwhile.
+     */
+    static Outcome run(String... arguments) throws InterruptedException {
+        var out = new ByteArrayOutputStream();
+        var err = new ByteArrayOutputStream();
+        var command = new FutureTask<>(() -> Main.run(arguments));
+        PrintStream usualOut = System.out;
+        PrintStream usualErr = System.err;
+        try {
+            System.setOut(new PrintStream(out, true, StandardCharsets.UTF_8));
+            System.setErr(new PrintStream(err, true, StandardCharsets.UTF_8));
+            Thread.ofPlatform().name("reve").daemon().start(command);
+            int code = command.get(PATIENCE_SECONDS, TimeUnit.SECONDS);
+            return new Outcome(code, text(out), withoutPatience(text(err)));
+        } catch (ExecutionException failed) {
+            throw new AssertionError(
+                    List.of(arguments) + " failed without an exit code", failed.getCause());
+        } catch (TimeoutException late) {
+            throw new AssertionError(
+                    List.of(arguments) + " did not end within " + PATIENCE_SECONDS + " s", late);
+        } finally {
+            System.setOut(usualOut);
+            System.setErr(usualErr);
+        }
+    }
+
+    private static String text(ByteArrayOutputStream written) {
+        return written.toString(StandardCharsets.UTF_8);
+    }
+
+    private static String withoutPatience(CharSequence err) {
+        return PATIENCE.matcher(err).replaceAll("");
+    }
+
+    /** Runs a command to its end as a process of the current release. */
+    static Outcome runAsProcess(String... arguments) throws IOException, InterruptedException {
         return run(command(arguments));
     }
 
@@ -62,7 +109,7 @@ final class Reve {
             throw new AssertionError(command + " did not end within " + PATIENCE_SECONDS + " s");
         }
         reader.join();
-        return new Outcome(process.exitValue(), out, PATIENCE.matcher(err).replaceAll(""));
+        return new Outcome(process.exitValue(), out, withoutPatience(err));
     }
 
     /**

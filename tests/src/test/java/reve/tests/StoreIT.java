@@ -190,7 +190,7 @@ class StoreIT {
             python.waitFor();
             assertThat(server.exitCode()).isZero();
         }
-        Outcome replay = Reve.run("replay", log.toString());
+        Outcome replay = Reve.runAsProcess("replay", log.toString());
         assertThat(replay.code()).as(replay.out() + replay.err()).isZero();
         assertThat(replay.out()).contains("identical: 240 frames", "state hash: " + hash);
     }
@@ -313,7 +313,7 @@ class StoreIT {
                 .isLessThan(found.path("knownFrame").asLong());
         assertThat(frames).hasBinaryContent(half);
 
-        Outcome repaired = Reve.run("store", "repair", store.toString());
+        Outcome repaired = Reve.runAsProcess("store", "repair", store.toString());
         assertThat(repaired.code()).as(repaired.err()).isZero();
         assertThat(repaired.out()).contains("continues from frame " + found.path("frame").asLong());
         assertThat(folder.resolve("my.db.damaged-1/my.db-frames-1")).hasBinaryContent(half);

@@ -58,6 +58,19 @@ class UsageIT {
         assertThat(outcome.err()).contains("wicked");
     }
 
+    @Test
+    void aFileOfAnEditThatIsNoYamlIsRefusedInOneLine() throws Exception {
+        for (String text : List.of("name: " + "[".repeat(50_000), "name: [a,\nb: c}\n")) {
+            Path file = Files.writeString(folder.resolve("edit.yaml"), text);
+            Outcome outcome = Reve.run("control", "add", file.toString(), "--port", "1");
+            assertThat(outcome.code()).as(outcome.err()).isEqualTo(1);
+            assertThat(outcome.err())
+                    .startsWith("reve: " + file)
+                    .doesNotContain("\\u{a}")
+                    .hasLineCount(1);
+        }
+    }
+
     @ParameterizedTest
     @ValueSource(strings = {"--store", "--record", "--laws", "--audit"})
     void anEmptyFileNameIsRefused(String option) throws Exception {

@@ -223,7 +223,8 @@ class WorldTrustIT {
         Path own = ownLaws().resolve("libvesper_law_newton_motion.so");
         Files.copy(evil, own);
         Outcome outcome =
-                Reve.run("run", world("[newton_motion]"), "--seconds", "0.1", "--trust", "--json");
+                Reve.runAsProcess(
+                        "run", world("[newton_motion]"), "--seconds", "0.1", "--trust", "--json");
         assertThat(outcome.code()).as(outcome.err()).isZero();
         assertThat(new JsonMapper().readTree(outcome.out()).get("laws").toString())
                 .contains("newton_motion")

@@ -37,8 +37,9 @@ import java.util.Optional;
 import java.util.stream.Stream;
 
 /**
- * Server for agents over TCP, protocol version 1. Each world keeps its own pace; agents join and
- * leave at any time. Methods may be called on any thread.
+ * Server for agents (client programs) over TCP, protocol version 1. It serves one or more worlds,
+ * whose frames do not wait for each other. Agents join and leave at any time. Methods may be called
+ * on any thread.
  */
 public final class AgentServer implements AutoCloseable {
 
@@ -56,7 +57,7 @@ public final class AgentServer implements AutoCloseable {
     private final Descriptors descriptors;
     private final Optional<AuditLog> audit;
 
-    /** Belongs to the event loop while it runs. */
+    /** While the event loop runs, only its thread uses this list. */
     private final List<FileProblem> fileProblems;
 
     private volatile boolean closed;
@@ -64,10 +65,11 @@ public final class AgentServer implements AutoCloseable {
     /**
      * Starts the server.
      *
-     * @param ports of worlds with different names, at least one
-     * @param problems receives problems of the server's files while it runs
+     * @param ports ports of worlds with different names, at least one
+     * @param problems receives problems with the server's files (audit record, tokens, certificate)
+     *     while it runs
      * @throws BindException naming the address if it is not available
-     * @throws IOException if the audit file cannot be written, or the process may open too few
+     * @throws IOException if the audit record cannot be written, or the process may not open enough
      *     files
      */
     public static AgentServer start(
@@ -121,8 +123,9 @@ public final class AgentServer implements AutoCloseable {
                         log,
                         new KeptSessions(config.limits().kept(), log),
                         loop::wake);
-        // A thread of a world in real time must make frames while agents are served; so must the
-        // threads of several worlds.
+        // Only the thread of a single world without a fixed rate runs the event loop while it
+        // waits. In real time, or with several worlds, the frames must continue while agents are
+        // served.
         boolean helps = ports.size() == 1 && ports.getFirst().loop().pacing() == Pacing.FAST;
         LockStep.Waiting waiting = helps ? new LoopHelper(loop) : LockStep.Waiting.IDLE;
         this.worlds = ports.stream().map(port -> new ServedWorld(services, port, waiting)).toList();
@@ -181,18 +184,19 @@ public final class AgentServer implements AutoCloseable {
                 .orElseThrow();
     }
 
-    /** Returns the address with the actual port. */
+    /** Returns the address of the server, with the actual port. */
     public InetSocketAddress address() {
         return address;
     }
 
     /**
      * Opens a connection for a client that another server of this process has accepted, such as a
-     * page. It has the same rights, limits and records as any other connection.
+     * web page. The same rights, limits and audit record apply as to any other connection.
      *
      * @param client address of the client, to which limits by address apply
-     * @param relay receives what the session decides
-     * @return the client's end, in blocking mode: lines of JSON, without TLS; the caller closes it
+     * @param relay is notified when the session begins and when the connection ends
+     * @return the client's end of the connection, in blocking mode: lines of JSON, without TLS; the
+     *     caller closes it
      * @throws IOException if the process may open no more files; the log reports it
      */
     public SocketChannel connect(InetSocketAddress client, Relay relay) throws IOException {
@@ -205,29 +209,29 @@ public final class AgentServer implements AutoCloseable {
     }
 
     /**
-     * Returns the number of connections that another server of this process may have open: each
-     * takes up to three descriptors when it is passed on to this server, and this server's own
-     * connections keep a quarter of all.
+     * Returns the number of connections that another server of this process may have open. Each
+     * takes up to three file descriptors when it is passed on to this server, and a quarter of all
+     * descriptors stays for this server's own connections.
      */
     public int roomForOtherServers() {
         return Math.clamp(descriptors.room() / 4, 1, config.limits().maxConnections());
     }
 
     /**
-     * Takes a descriptor for a connection of another server of this process.
+     * Takes a file descriptor for a connection of another server of this process.
      *
-     * @return false if only the reserve for stores and records is left
+     * @return false if only the reserve for store files and records is left
      */
     public boolean takeDescriptor() {
         return descriptors.takeIfLeft(1);
     }
 
     /**
-     * Writes a message to the audit record that the client receives in another form, if the server
-     * keeps a record. Any thread.
+     * Writes a message that a client receives in another form to the audit record, if the server
+     * keeps one. Any thread.
      *
      * @param message a JSON object
-     * @return false if the message must not be sent, because it could not be recorded
+     * @return false if the message could not be recorded and must therefore not be sent
      */
     public boolean record(String world, String client, String message) {
         return audit.isEmpty()
@@ -255,7 +259,10 @@ public final class AgentServer implements AutoCloseable {
                 audit.map(AuditLog::unrecorded).orElse(0L));
     }
 
-    /** Ends a world: sends {@code bye} to all its clients, and admits no more. */
+    /**
+     * Ends a world: sends the message {@code bye} to all its clients, and admits no more clients to
+     * it.
+     */
     public void end(String world) {
         loop.later(
                 () ->
@@ -266,7 +273,7 @@ public final class AgentServer implements AutoCloseable {
 
     /**
      * Sends {@code bye} to all clients, and returns when all connections are closed, at the latest
-     * after the linger time.
+     * after the time {@code linger} of the settings.
      */
     @Override
     public void close() {
@@ -292,7 +299,7 @@ public final class AgentServer implements AutoCloseable {
         audit.ifPresent(AgentServer::closeQuietly);
     }
 
-    /** Work of the event loop in each turn, after reading. */
+    /** The work that the event loop does in each turn after it has read from sockets. */
     private final class LoopWork implements EventLoop.Work {
 
         @Override
@@ -338,7 +345,7 @@ public final class AgentServer implements AutoCloseable {
         }
     }
 
-    /** For tests. */
+    /** For tests: the connections. */
     Connections connections() {
         return connections;
     }
@@ -368,7 +375,7 @@ public final class AgentServer implements AutoCloseable {
         try {
             resource.close();
         } catch (IOException e) {
-            // Closing frees the descriptor even if it fails.
+            // Ignored: closing frees the descriptor even if it fails.
         }
     }
 }

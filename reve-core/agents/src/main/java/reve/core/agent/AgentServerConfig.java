@@ -12,10 +12,10 @@ import java.time.Duration;
 import java.util.Optional;
 
 /**
- * Settings of the server.
+ * Settings of the agent server.
  *
- * @param address port 0 selects a free port
- * @param limits on clients' messages and on stored data
+ * @param address address to listen on; port 0 selects a free port
+ * @param limits limits on clients' messages and on the data stored for clients
  * @param timeouts time limits
  * @param audit settings of the audit record
  * @param security authentication and encryption
@@ -43,17 +43,17 @@ public record AgentServerConfig(
         }
     }
 
-    /** Returns the protocol's limits on 127.0.0.1. */
+    /** Returns settings for the address 127.0.0.1, with the protocol's limits. */
     public static AgentServerConfig onPort(int port) {
         return on(new InetSocketAddress(InetAddress.ofLiteral("127.0.0.1"), port));
     }
 
-    /** Returns the protocol's limits on a loopback address. */
+    /** Returns settings for a loopback address, with the protocol's limits. */
     public static AgentServerConfig on(InetSocketAddress address) {
         return on(address, AgentSecurity.NONE);
     }
 
-    /** Returns the protocol's limits on any address. */
+    /** Returns settings for any address, with the protocol's limits. */
     public static AgentServerConfig on(InetSocketAddress address, AgentSecurity security) {
         return new AgentServerConfig(
                 address, AgentLimits.PROTOCOL, AgentTimeouts.PROTOCOL, Optional.empty(), security);
@@ -64,14 +64,14 @@ public record AgentServerConfig(
         return new AgentServerConfig(address, limits, timeouts, Optional.of(plan), security);
     }
 
-    /** Returns a copy with another maximum deadline for agents in lock-step. */
+    /** Returns a copy with another maximum for the deadlines of agents in lock-step. */
     public AgentServerConfig withDeadline(Duration longest) {
         return with(longest, timeouts.waiting());
     }
 
     /**
-     * Returns a copy with another allowance for delays by agents in lock-step; if empty, there is
-     * no limit.
+     * Returns a copy with another limit on the time by which agents in lock-step may delay others;
+     * if empty, there is no limit.
      */
     public AgentServerConfig withWaiting(Optional<Duration> allowance) {
         return with(timeouts.deadline(), allowance);

@@ -4,13 +4,13 @@ package reve.core.agent;
 /**
  * Counters since the start of the server.
  *
- * @param connections accepted so far
- * @param open connections now
- * @param agents with a body now
- * @param joined agents that were sent a welcome so far
+ * @param connections connections accepted so far
+ * @param open connections open now
+ * @param agents agents with a body now
+ * @param joined agents that were admitted (sent a welcome) so far
  * @param lines messages received
  * @param errors messages refused with an error
- * @param perceptions queued for connections
+ * @param perceptions perceptions queued for connections
  * @param actsAccepted acts that took effect
  * @param actsRefused acts that were refused
  * @param cut connections that the server ended because the client exceeded a limit

@@ -4,7 +4,9 @@ package reve.core.agent;
 import java.util.Optional;
 import java.util.function.Supplier;
 
-/** Reports the problem of one of a server's files when it begins, changes or ends. */
+/**
+ * Reporter of the problem with one of the server's files, when the problem begins, changes or ends.
+ */
 final class FileProblem {
 
     private final String source;
@@ -28,7 +30,7 @@ final class FileProblem {
         this.listener = listener;
     }
 
-    /** Called periodically by one thread at a time. */
+    /** Reports a change. Called periodically by one thread at a time. */
     void check() {
         Optional<String> now = problem.get();
         if (!now.equals(reported)) {

@@ -9,17 +9,20 @@ import java.nio.channels.ServerSocketChannel;
 import java.nio.channels.SocketChannel;
 
 /**
- * Two connected sockets of this process.
+ * Two connected sockets within this process, the ends of one connection.
  *
- * @param inner for the event loop
- * @param outer for the client; in blocking mode
+ * @param inner the end for the event loop
+ * @param outer the end for the client, in blocking mode
  */
 record SocketPair(SocketChannel inner, SocketChannel outer) {
 
-    /** Maximum number of connections of other processes that are refused before the own one. */
+    /**
+     * Maximum number of connections by other processes that are refused while the own connection is
+     * awaited.
+     */
     private static final int ATTEMPTS = 64;
 
-    /** Number of descriptors while the pair is opened. */
+    /** Number of file descriptors that are open while the pair is opened. */
     static final int DESCRIPTORS = 3;
 
     /** Size of the receive buffer of the client's end [bytes]. */

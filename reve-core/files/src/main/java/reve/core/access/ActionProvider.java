@@ -14,13 +14,16 @@ import java.util.List;
  * instance.
  */
 public interface ActionProvider {
-    /** Returns the name for world files, for example {@code example.levitate}. */
+    /**
+     * Returns the name by which world files refer to the action, for example {@code
+     * example.levitate}.
+     */
     String name();
 
     /** Returns one sentence that describes the action to its callers. */
     String doc();
 
-    /** Returns the parameters in the order of the documentation; their names are unique. */
+    /** Returns the parameters in the order in which they are documented; their names are unique. */
     default List<Parameter> parameters() {
         return List.of();
     }

@@ -11,7 +11,7 @@ import reve.core.world.Parameter;
 import java.util.ArrayList;
 import java.util.List;
 
-/** The values of the names in an action's expressions, for one call. */
+/** Provider of the values that the names in an action's expressions have in one call. */
 final class CallNames {
     private CallNames() {}
 

@@ -28,15 +28,16 @@ import java.util.Optional;
 import java.util.Set;
 
 /**
- * The changes of one call, applied all or none. Everything that can fail is checked first: against
- * the world before the call, and against the physics values that earlier effects set, because two
- * subjects may be the same item. Removals are applied last.
+ * The changes of the world by one call of an action, applied all or none. {@link #prepare} first
+ * checks everything that can fail, against the world before the call. Physics values that earlier
+ * effects of the call set also count, because several effects may change the same item. Removals
+ * are applied last.
  */
 final class Changes {
     private static final String PHYSICS = "physics.";
     private static final String SEMANTIC = "semantic.";
 
-    /** Speed below which a body stays at rest on an axis after an impulse [m/s]. */
+    /** Speed along an axis that counts as 0 after an impulse if it is smaller [m/s]. */
     private static final double SLOWEST = 1e-30;
 
     private final ActionCall call;
@@ -104,7 +105,7 @@ final class Changes {
         return changes;
     }
 
-    /** Applies the changes. Cannot fail. */
+    /** Applies all prepared changes. Cannot fail. */
     void make() {
         call.events().take(call.quota().agent(), call.frame(), eventBytes);
         if (!created.isEmpty()) {
@@ -237,7 +238,9 @@ final class Changes {
         return () -> {};
     }
 
-    /** Returns the name, followed by a number if an item or an agent's body has it already. */
+    /**
+     * Returns the wanted name; appends a number if an item or an agent's body has the name already.
+     */
     private String freeName(String wanted) {
         String name = wanted;
         for (int number = 2; call.world().find(name).isPresent(); number++) {
@@ -300,7 +303,7 @@ final class Changes {
         };
     }
 
-    /** Returns the value of a property after the effects so far. */
+    /** Returns the value that a property has after the effects prepared so far. */
     private double[] physics(Item item, String property) {
         double[] given = planned.getOrDefault(item.id(), Map.of()).get(property);
         return given != null ? given : item.physics().vector(property);
@@ -322,8 +325,8 @@ final class Changes {
     }
 
     /**
-     * Converts a value for a symbol: expressions yield SI units, but a symbol with a declared unit
-     * is stored in that unit.
+     * Converts the value of an expression, which is in SI units, into the declared unit of the
+     * symbol.
      */
     private Object inItsUnit(String symbol, Operand to, Object value) {
         Unit unit =
@@ -404,7 +407,7 @@ final class Changes {
                                         "items of kind " + kind + " have no property " + property));
     }
 
-    /** Returns {@code count} finite numbers. */
+    /** Returns the value of an operand as {@code count} finite numbers. */
     private double[] numbers(Operand operand, int count, Unit unit) throws ActionRefused {
         double[] numbers = operand.numbers(call, count, unit);
         boolean finite = true;

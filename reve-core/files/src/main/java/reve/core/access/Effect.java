@@ -11,8 +11,8 @@ import java.util.Map;
 /** One change that an action makes to an item, as data. {@link Changes} applies it. Immutable. */
 public sealed interface Effect {
     /**
-     * Returns the value that this effect changes, for example {@code physics.velocity} or {@code
-     * semantic.lit of actor}.
+     * Returns the name of the value that this effect changes, for example {@code physics.velocity}
+     * or {@code semantic.lit of actor}.
      */
     String changes();
 
@@ -21,10 +21,10 @@ public sealed interface Effect {
 
     /** An impulse: velocity += impulse / mass. */
     record Impulse(Subject of, Operand impulse) implements Effect {
-        /** Unit of the operand. */
+        /** Unit of the effect's value. */
         public static final Unit UNIT = Unit.parse("N*s");
 
-        /** Creates an impulse on the item itself. */
+        /** Creates an impulse on the item that has the action. */
         public Impulse(Operand impulse) {
             this(Subject.ITEM, impulse);
         }
@@ -41,7 +41,7 @@ public sealed interface Effect {
      * @param seconds duration, rounded to whole frames, at least one frame
      */
     record Force(Subject of, Operand force, double seconds) implements Effect {
-        /** Unit of the operand. */
+        /** Unit of the effect's value. */
         public static final Unit UNIT = Unit.parse("N");
 
         /** Checks the duration. */
@@ -60,7 +60,7 @@ public sealed interface Effect {
 
     /** Sets a physics property. */
     record SetProperty(Subject of, String property, Operand to) implements Effect {
-        /** Sets a property of the item itself. */
+        /** Sets a property of the item that has the action. */
         public SetProperty(String property, Operand to) {
             this(Subject.ITEM, property, to);
         }
@@ -73,7 +73,7 @@ public sealed interface Effect {
 
     /** Moves the item to a location in the world's reference frame (3) [m]. */
     record SetLocation(Subject of, Operand to) implements Effect {
-        /** Unit of the operand. */
+        /** Unit of the effect's value. */
         public static final Unit UNIT = Unit.parse("m");
 
         @Override
@@ -92,7 +92,7 @@ public sealed interface Effect {
 
     /** Sets the colour of the item, {@code #rrggbb} or {@code #rrggbbaa}. */
     record SetColour(Subject of, Operand to) implements Effect {
-        /** Sets the colour of the item itself. */
+        /** Sets the colour of the item that has the action. */
         public SetColour(Operand to) {
             this(Subject.ITEM, to);
         }
@@ -105,7 +105,7 @@ public sealed interface Effect {
 
     /** Sets a semantic symbol. */
     record SetSymbol(Subject of, String symbol, Operand to) implements Effect {
-        /** Sets a symbol of the item itself. */
+        /** Sets a symbol of the item that has the action. */
         public SetSymbol(String symbol, Operand to) {
             this(Subject.ITEM, symbol, to);
         }
@@ -116,7 +116,7 @@ public sealed interface Effect {
         }
     }
 
-    /** Attaches the item to another item. Its present pose relative to the parent is kept. */
+    /** Attaches the item to another item, the parent. The item keeps its present pose. */
     record Attach(Subject of, Subject to) implements Effect {
         @Override
         public String changes() {
@@ -124,7 +124,7 @@ public sealed interface Effect {
         }
     }
 
-    /** Detaches an item from its parent. Its present pose in the world is kept. */
+    /** Detaches the item from its parent. The item keeps its present pose in the world. */
     record Detach(Subject of) implements Effect {
         @Override
         public String changes() {
@@ -136,9 +136,9 @@ public sealed interface Effect {
      * Adds an item. Its name is the name of the definition, a hyphen, and the id of the item, so
      * that it is always unique.
      *
-     * @param with values that differ from the definition, by name: {@code physics.PROPERTY}, {@code
-     *     semantic.SYMBOL}, {@code physical.location}, {@code physical.orientation} or {@code
-     *     physical.colour}
+     * @param with values that replace those of the definition, by name: {@code physics.PROPERTY},
+     *     {@code semantic.SYMBOL}, {@code physical.location}, {@code physical.orientation} or
+     *     {@code physical.colour}
      */
     record Create(ItemDefinition definition, Map<String, Operand> with) implements Effect {
         /** Copies the values. */
@@ -172,7 +172,7 @@ public sealed interface Effect {
      * Publishes an event with the fields {@code item} and {@code action}, {@code actor} if there is
      * one, and further fields.
      *
-     * @param with texts, numbers and truth values by name
+     * @param with further fields: texts, numbers and truth values by name
      */
     record Raise(String event, String action, Map<String, Operand> with) implements Effect {
         /** Copies the fields. */
@@ -197,8 +197,8 @@ public sealed interface Effect {
     }
 
     /**
-     * The value that attaching, detaching and removing change; one action may contain one of these
-     * effects.
+     * Name of the value that attaching, detaching and removing change, so that one action contains
+     * at most one of these effects.
      */
     String STRUCTURE = "what is attached or removed";
 }

@@ -5,7 +5,7 @@ import reve.core.rule.Expression;
 import reve.core.world.Item;
 
 /**
- * An expression of an action that the world's thread is evaluating.
+ * Description, for reports, of an action's expression that the world's thread is evaluating.
  *
  * @param what the purpose of the expression: {@code condition} or {@code value}
  */

@@ -11,12 +11,12 @@ import reve.core.world.Parameter;
 
 import java.util.List;
 
-/** The source of an effect's value. */
+/** The value of an effect: an argument, an expression or a constant. */
 public sealed interface Operand {
     /**
      * Returns the value as numbers in the given unit.
      *
-     * @throws ActionRefused if this call provides no such value
+     * @throws ActionRefused if the call has no value of this form
      */
     double[] numbers(ActionCall call, int count, Unit unit) throws ActionRefused;
 
@@ -24,7 +24,7 @@ public sealed interface Operand {
      * Returns the value as a symbol stores it: a text, a truth value, a list, or a number. A number
      * from an argument has its own unit; a number from an expression is in SI units.
      *
-     * @throws ActionRefused if this call provides no value
+     * @throws ActionRefused if the call has no value for it
      */
     Object symbol(ActionCall call) throws ActionRefused;
 

@@ -31,7 +31,8 @@ public record Subject(String name) {
     }
 
     /**
-     * @throws ActionRefused {@code no-actor}, {@code no-such-item} or {@code not-a-body}
+     * @throws ActionRefused {@code no-actor}, {@code no-such-item} or {@code not-a-body}, if the
+     *     call has no such item
      */
     Item in(ActionCall call) throws ActionRefused {
         if (equals(ITEM)) {
@@ -71,7 +72,10 @@ public record Subject(String name) {
         return found.get();
     }
 
-    /** Returns {@code " of actor"} or similar, and an empty text for the item itself. */
+    /**
+     * Returns an end for the names of values: {@code " of actor"} or similar, or an empty text for
+     * the item that has the action.
+     */
     String suffix() {
         return equals(ITEM) ? "" : " of " + name;
     }

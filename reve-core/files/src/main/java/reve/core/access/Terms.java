@@ -32,7 +32,7 @@ public record Terms(List<String> needs, List<Expression> conditions) {
      * Checks the terms for one call.
      *
      * @throws ActionRefused with code {@code not-capable}, naming the missing capabilities of the
-     *     actor, or {@code condition-failed}, naming the condition and the values that it found
+     *     actor, or {@code condition-failed}, naming the condition and the values of its names
      */
     void require(Action action, ActionCall call) throws ActionRefused {
         if (!needs.isEmpty()) {
@@ -83,8 +83,8 @@ public record Terms(List<String> needs, List<Expression> conditions) {
     }
 
     /**
-     * Describes the values, for example {@code physics.temperature is 380.0, semantic.lit is
-     * missing}.
+     * Describes the values of the names in a condition, for example {@code physics.temperature is
+     * 380.0, semantic.lit is missing}.
      */
     private static String found(Expression condition, Bindings names) {
         List<String> found = new ArrayList<>();

@@ -23,9 +23,11 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.ServiceConfigurationError;
 
-/** Reader of the actions of access aspects; refuses actions that can never succeed. */
+/** Reader of the actions in the access aspects of items; refuses actions that can never succeed. */
 final class ActionReader {
-    /** Maximum number of different conditions and values of actions in one world. */
+    /**
+     * Maximum number of different expressions (conditions and values) in the actions of one world.
+     */
     static final int MAX_EXPRESSIONS = 5000;
 
     private final PhysicsReader physics;
@@ -33,7 +35,10 @@ final class ActionReader {
     private final Problems problems;
     private final Quantities quantities;
 
-    /** Scopes by key. Actions of many items share a scope, so that common parts are read once. */
+    /**
+     * Scopes of expressions by key. Actions of many items share a scope, so that equal expressions
+     * are compiled once.
+     */
     private final Map<ScopeKey, Scope> scopes = new HashMap<>();
 
     private final Allowance expressions = new Allowance(MAX_EXPRESSIONS);
@@ -55,7 +60,10 @@ final class ActionReader {
     /** The item whose action is read. */
     record Owner(String name, String kind, boolean hasPhysics) {}
 
-    /** Reads an action under its name. Empty, with problems noted, if it is wrong. */
+    /**
+     * Reads the action in a node whose key is its name. Empty, with problems noted, if the action
+     * is wrong.
+     */
     Optional<Action> read(Node node, Owner owner) throws WorldFileException {
         if (!node.isMapping()) {
             return Optional.empty();
@@ -170,8 +178,8 @@ final class ActionReader {
     }
 
     /**
-     * Reads the parameters by name. A value is empty if its declaration is wrong, which is reported
-     * only here.
+     * Reads the parameters by name. The Optional of a parameter is empty if its declaration is
+     * wrong; this method has then noted the problem.
      */
     private Map<String, Optional<Parameter>> parameters(Node action) {
         Map<String, Optional<Parameter>> parameters = new LinkedHashMap<>();

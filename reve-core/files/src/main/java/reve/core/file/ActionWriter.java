@@ -19,7 +19,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.function.Function;
 
-/** Writer of actions in the form that {@link ActionReader} reads. */
+/** Encoder of actions as trees (maps and lists), in the form that {@link ActionReader} reads. */
 final class ActionWriter {
     private final Function<ItemDefinition, Map<String, Object>> definitions;
 

@@ -7,14 +7,14 @@ import java.util.List;
 import java.util.Optional;
 
 /**
- * The bodies that a world grants to agents, and the limits of agents, of items that their actions
- * create, and of events that their actions raise. Without a declaration in the world file, no
- * bodies are granted.
+ * The bodies that a world grants to agents, and the limits on the number of agents and on the items
+ * and events that their actions create. A world file without a declaration grants no bodies.
  *
  * @param bodies names of items that agents may take, in the order of assignment
  * @param template definition of a new body for an agent that gets none of {@code bodies}; the
  *     caller renames it
- * @param places where new bodies are created, one each; if empty, at the template's place
+ * @param places places for new bodies, each for one body; if empty, new bodies get the template's
+ *     place
  * @param items maximum number of items created by actions of one agent
  * @param worldItems maximum number of items created by actions of all agents
  * @param eventBytes maximum size of events that actions of one agent raise [byte/s of world time]
@@ -75,23 +75,23 @@ public record AgentPolicy(
         this(bodies, template, List.of());
     }
 
-    /** Returns a policy that admits no agents. */
+    /** Returns a policy that grants no bodies, so that no agent can join. */
     public static AgentPolicy none() {
         return new AgentPolicy(List.of(), Optional.empty());
     }
 
-    /** Returns this policy with other limits of items. */
+    /** Returns this policy with other limits on created items. */
     public AgentPolicy withItems(int ofAgent, int ofWorld) {
         return new AgentPolicy(
                 bodies, template, places, ofAgent, ofWorld, eventBytes, worldEventBytes, most);
     }
 
-    /** Returns this policy with other limits of events [byte/s]. */
+    /** Returns this policy with other limits on events [byte/s of world time]. */
     public AgentPolicy withEvents(int ofAgent, int ofWorld) {
         return new AgentPolicy(bodies, template, places, items, worldItems, ofAgent, ofWorld, most);
     }
 
-    /** Returns this policy with only the named bodies. */
+    /** Returns this policy with these bodies instead of its own. */
     public AgentPolicy withBodies(List<String> remaining) {
         return new AgentPolicy(
                 remaining, template, places, items, worldItems, eventBytes, worldEventBytes, most);

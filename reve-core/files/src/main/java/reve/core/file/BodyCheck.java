@@ -19,12 +19,17 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
 
-/** Check of an item's values in combination, after each value was checked alone. */
+/**
+ * Check of combinations of an item's values, for example material and shape, after each value was
+ * checked alone.
+ */
 final class BodyCheck {
-    /** Maximum absolute coordinate [m]; the cubes of distances stay finite. */
+    /** Maximum absolute coordinate [m], so that the cubes of distances stay finite. */
     static final double MAX_PLACE = 1e100;
 
-    /** Maximum duration of a force [s]; its number of frames is exact at every frame rate. */
+    /**
+     * Maximum duration of a force [s], so that its number of frames is exact at every frame rate.
+     */
     static final double MAX_FORCE_SECONDS = Forces.MAX_FRAMES / 10_000;
 
     private static final String MASS = "mass";
@@ -32,12 +37,12 @@ final class BodyCheck {
     private final Doubts doubts;
     private final Problems problems;
 
-    /** Nodes whose inertia was refused, so that repetitions share one message. */
+    /** Nodes whose inertia was refused, so that the repetitions of an item give one message. */
     private final Set<String> refused = new HashSet<>();
 
     /**
-     * Checked lists of actions, by identity, with a bit set of the kinds of items they were checked
-     * for.
+     * Checked lists of actions, by identity, with bits for the items it was checked for: movable or
+     * not, with physics or not.
      */
     private final Map<List<Action>, Integer> checked = new IdentityHashMap<>();
 
@@ -49,7 +54,7 @@ final class BodyCheck {
     /**
      * Checks an item.
      *
-     * @param node of the item, or of its first repetition
+     * @param node node of the item, or of its first repetition
      */
     void check(Node node, ItemDefinition item) {
         if (!item.kind().equals(WorldPrototype.BODY)) {
@@ -68,7 +73,10 @@ final class BodyCheck {
         }
     }
 
-    /** Returns whether this list of actions was not yet reported; items may share a list. */
+    /**
+     * Returns whether the actions of the item were not yet checked for an item like this; items may
+     * share a list of actions.
+     */
     private boolean isFirstOfThese(ItemDefinition item) {
         if (item.actions().isEmpty()) {
             return false;

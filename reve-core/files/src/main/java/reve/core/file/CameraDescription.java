@@ -4,7 +4,7 @@ package reve.core.file;
 import java.util.Arrays;
 
 /**
- * The viewpoint of a world's pictures.
+ * The camera from which pictures of a world are drawn.
  *
  * @param eye position of the camera (3) [m]
  * @param target point that it looks at (3) [m], different from the eye
@@ -20,12 +20,12 @@ public record CameraDescription(
     /** Widest vertical field of view that a picture can have [rad]. */
     public static final double WIDEST_RADIANS = Math.toRadians(175);
 
-    /** Largest coordinate of a picture, which stores coordinates as 32-bit numbers [m]. */
+    /** Largest coordinate of eye and target [m]; the renderer uses 32-bit numbers. */
     public static final double FARTHEST_METRES = 1e15;
 
     /**
-     * Smallest distance from eye to target, as a share of their largest coordinate, that 32-bit
-     * numbers still tell apart.
+     * Smallest distance from eye to target, as a fraction of their largest coordinate, so that they
+     * differ as 32-bit numbers.
      */
     public static final double NEAREST_TARGET = 1e-6;
 

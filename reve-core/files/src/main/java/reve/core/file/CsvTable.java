@@ -26,8 +26,9 @@ final class CsvTable {
     }
 
     /**
-     * Reads a repetition for each line of numbers. Its variables are the columns and, unless a
-     * column has this name, {@code i}, the number of the line from 0.
+     * Reads a file as repetitions of an item, one for each line of numbers. The variables of its
+     * formulas are the columns and {@code i}, the number of the line from 0, unless a column has
+     * this name.
      *
      * @throws WorldFileException at the first wrong line
      */

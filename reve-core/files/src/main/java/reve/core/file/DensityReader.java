@@ -13,15 +13,15 @@ import java.util.List;
 import java.util.Locale;
 
 /**
- * Reader of {@code density}: derives mass and inertia of a body from its shape, and the radius of
- * spheres.
+ * Reader of the key {@code density}: computes mass and inertia of a body, and the property {@code
+ * radius} of a sphere, from the shape.
  */
 final class DensityReader {
     private static final Unit DENSITY = Unit.parse("kg/m^3");
 
     /**
-     * Maximum offset of the centre of mass as a fraction of the extent, and of products of inertia
-     * as a fraction of the moments.
+     * Maximum distance of the centre of mass from the origin, as a fraction of the extent, and
+     * maximum products of inertia, as a fraction of the moments.
      */
     private static final double TOLERANCE = 1e-3;
 
@@ -38,7 +38,7 @@ final class DensityReader {
     /**
      * Reads a density.
      *
-     * @param item has the shape; receives the derived properties
+     * @param item definition with the shape; receives the computed properties
      */
     void read(Node density, Node aspect, ItemDefinition.Builder item) {
         for (String given : List.of("mass", "inertia")) {
@@ -87,8 +87,8 @@ final class DensityReader {
     }
 
     /**
-     * Refuses other axes, because laws see only three moments about the item's origin and along its
-     * axes.
+     * Refuses a shape whose centre of mass is not its origin or whose principal axes are not its
+     * own: laws read only three moments about these axes.
      */
     private static void requireOwnAxes(Shape shape, MassProperties solid) {
         double extent = Math.max(shape.size(0), Math.max(shape.size(1), shape.size(2)));

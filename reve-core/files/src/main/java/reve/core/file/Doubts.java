@@ -2,10 +2,10 @@
 package reve.core.file;
 
 /**
- * The treatment of values that a world may reach but a designer should not write: a place beyond
- * all limits, or inertia that no body can have. A designer's file is refused. A file saved from a
- * running world, where laws may have produced the value, gets a warning. Items from a store are
- * accepted silently.
+ * The treatment of doubtful values, which laws may produce but a designer should not write: a place
+ * beyond all limits, or inertia that no body can have. REFUSED, for files of designers: the file is
+ * refused. WARNED, for files saved from a running world: a warning. IGNORED, for items from a
+ * store.
  */
 enum Doubts {
     REFUSED,
@@ -24,7 +24,7 @@ enum Doubts {
         }
     }
 
-    /** Notes a warning for a value that is valid and has no effect. */
+    /** Notes a warning, unless doubts are ignored, for a value that is valid but has no effect. */
     void warn(Node node, String message, Problems problems) {
         if (this != IGNORED) {
             problems.warn(node, message);

@@ -17,8 +17,8 @@ import java.util.Optional;
 import java.util.Set;
 
 /**
- * Reader of edits of a running world, whose texts are parts of world files in JSON or YAML. They
- * use no files. Any thread.
+ * Reader of edits: changes of a running world, whose texts are parts of world files in JSON or
+ * YAML. The texts cannot refer to files. Any thread.
  */
 public final class EditReader {
     /** Maximum number of items that one edit adds. */
@@ -39,8 +39,9 @@ public final class EditReader {
     /**
      * Reads items to add.
      *
-     * @param text a mapping with {@code items}, and {@code prefabs} if they are {@code like} some
-     * @throws WorldFileException with all problems
+     * @param text a mapping with {@code items} and, if the items are {@code like} prefabs, {@code
+     *     prefabs}
+     * @throws WorldFileException with all problems of the text
      */
     public WorldEdit add(String text) throws WorldFileException {
         var problems = new Problems("add");
@@ -75,10 +76,10 @@ public final class EditReader {
     /**
      * Reads a change of an item.
      *
-     * @param item its name
-     * @param kind its kind
-     * @param text a mapping of the values that change, as of an item; null removes a value
-     * @throws WorldFileException with all problems
+     * @param item name of the item
+     * @param kind kind of the item
+     * @param text a mapping of the values that change, in the form of an item; null removes a value
+     * @throws WorldFileException with all problems of the text
      */
     public WorldEdit change(String item, String kind, String text) throws WorldFileException {
         var problems = new Problems("change");
@@ -88,7 +89,8 @@ public final class EditReader {
         List<String> cleared = new ArrayList<>();
         Node values = split(given, set, cleared, problems);
         if (set.remove("parent")) {
-            set.add("parent"); // last, because an item with a mass cannot be attached
+            set.add("parent"); // last: a new mass of 0 must be set before, because an item with a
+            // mass cannot be attached
         }
         problems.throwIfAny();
         Map<String, Node> fields = new LinkedHashMap<>();
@@ -192,7 +194,7 @@ public final class EditReader {
      * @param name the symbol that the rule computes
      * @param text the rule as in a world file, an expression or a mapping with {@code is}; empty
      *     removes the rule
-     * @throws WorldFileException with all problems
+     * @throws WorldFileException with all problems of the text
      */
     public List<Rule> rules(List<Rule> rules, String name, Optional<String> text)
             throws WorldFileException {

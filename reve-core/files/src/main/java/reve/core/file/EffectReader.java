@@ -27,7 +27,9 @@ final class EffectReader {
                     "impulse", "force", "set", "symbol", "attach", "detach", "create", "remove",
                     "raise");
 
-    /** Keys that are valid for some effects only, with these effects. */
+    /**
+     * Keys of an effect that are valid with some kinds of effect only: the key, and these kinds.
+     */
     private static final Map<String, List<String>> COMPANIONS =
             Map.of(
                     "to",
@@ -39,7 +41,7 @@ final class EffectReader {
                     "item",
                     List.of("impulse", "force", "set", "symbol", "attach", "detach", "remove"));
 
-    /** Names of events that the server itself sends to agents or prints. */
+    /** Types of events that the server itself sends or prints; actions must not raise them. */
     private static final List<String> OWN_EVENTS =
             List.of(
                     "joined",
@@ -120,7 +122,8 @@ final class EffectReader {
     }
 
     /**
-     * Returns an owner with all properties of bodies, for actors and for items given as arguments.
+     * Returns an owner for a subject that is known only in a call (actor or argument): a body with
+     * all properties of bodies.
      */
     private static Owner someBody(Subject subject) {
         return new Owner(subject.name(), WorldPrototype.BODY, true);
@@ -166,7 +169,10 @@ final class EffectReader {
         };
     }
 
-    /** Reads {@code item}, {@code actor}, or a parameter of type item. */
+    /**
+     * Reads the name of the item that an effect changes: {@code item}, {@code actor}, or a
+     * parameter of type item.
+     */
     private Optional<Subject> subject(Node node) {
         String name = node.text().orElse("");
         if (name.equals(Subject.ITEM.name()) || name.equals(Subject.ACTOR.name())) {
@@ -264,7 +270,7 @@ final class EffectReader {
         return physics.prototype().realType();
     }
 
-    /** Returns a numeric property by name. */
+    /** Returns a numeric property by name; notes a problem if there is none. */
     private Optional<PropertyDescriptor> property(Node where, String name, Owner itemOwner) {
         return physics.find(where, name, itemOwner.kind())
                 .filter(
@@ -332,7 +338,7 @@ final class EffectReader {
         return definition.map(item -> new Effect.Create(item, with));
     }
 
-    /** Reads a value of a created item that differs from its definition. */
+    /** Reads a value that a created item gets instead of the one in its definition. */
     private Optional<Operand> part(Node value, ItemDefinition item) {
         var itemOwner = new Owner(item.name(), item.kind(), true);
         String name = value.key();

@@ -6,8 +6,8 @@ import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 
 /**
- * Check of escapes in double-quoted texts. The YAML parser throws its own exception at some invalid
- * escapes, and accepts unpaired surrogates.
+ * Check of escapes in double-quoted YAML texts, because the YAML parser accepts unpaired surrogates
+ * and throws unsuitable exceptions at some invalid escapes.
  */
 final class Escapes {
     private static final Pattern ESCAPE =
@@ -16,8 +16,8 @@ final class Escapes {
     /**
      * An invalid escape.
      *
-     * @param offset in the text
-     * @param message what is wrong, and what to write instead
+     * @param offset position in the text, in characters
+     * @param message the error, and what to write instead
      */
     record Wrong(int offset, String message) {}
 
@@ -37,7 +37,7 @@ final class Escapes {
         return false;
     }
 
-    /** Returns the first invalid escape from an offset on. */
+    /** Returns the first invalid escape at or after an offset. */
     static Optional<Wrong> find(String text, int from) {
         Matcher escape = ESCAPE.matcher(text);
         int at = from;
@@ -77,7 +77,7 @@ final class Escapes {
         return Optional.empty();
     }
 
-    /** Returns the code point of an escape; -1 if it has none. */
+    /** Returns the code point that an escape stands for; -1 if it stands for none. */
     private static long code(Matcher escape) {
         String digits = escape.group(1) != null ? escape.group(1) : escape.group(2);
         return digits == null ? -1 : Long.parseLong(digits, 16);

@@ -4,9 +4,9 @@ package reve.core.file;
 import java.util.List;
 import java.util.Optional;
 
-/** Expansion of items: completes them from prefabs, and repeats them. */
+/** Expansion of items: adds the values of their prefabs (templates), and repeats them. */
 final class Expansion {
-    /** Maximum number of values after expansion. */
+    /** Maximum number of values of all items after expansion. */
     static final int MAX_VALUES = 10_000_000;
 
     /** Maximum number of items, including repetitions. */
@@ -21,7 +21,7 @@ final class Expansion {
     private final Prefabs prefabs;
 
     /**
-     * @param source of the prefabs
+     * @param source the file with the prefabs
      */
     Expansion(WorldSource source, Problems problems) throws WorldFileException {
         this.problems = problems;
@@ -38,7 +38,7 @@ final class Expansion {
         void accept(Template item, Repetition repetition) throws WorldFileException;
     }
 
-    /** The remaining room for expanded values. */
+    /** The numbers of items, values and formulas that may still be created. */
     static final class Room {
         private final Problems problems;
         private final Allowance left = new Allowance(MAX_VALUES);

@@ -12,7 +12,10 @@ import java.util.Optional;
 import java.util.Set;
 import java.util.stream.Collectors;
 
-/** Reader of the forces that act from the start of a world. Runs after the items are read. */
+/**
+ * Reader of the forces that act from the start of a world, as a saved world has them. Runs after
+ * the items are read.
+ */
 final class ForceReader {
     private static final Unit NEWTON = Unit.parse("N");
 

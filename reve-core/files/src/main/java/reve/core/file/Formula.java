@@ -12,9 +12,10 @@ import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 
 /**
- * A formula over the numbers of a repetition: {@code 0.1 * i}, {@code [cos(i), sin(i), 0]}, {@code
- * 3 * ball(7)}. A value is one number or a list of numbers; operators and functions apply to each
- * element. Results are the same on every machine. Immutable.
+ * A formula in the text of a repeated item, computed from the numbers of each repetition: {@code
+ * 0.1 * i}, {@code [cos(i), sin(i), 0]}, {@code 3 * ball(7)}. A value is one number or a list of
+ * numbers; operators and functions apply to each element. Results are the same on every machine.
+ * Immutable.
  */
 final class Formula {
     /** Maximum length of a formula [characters], which also limits its nesting. */
@@ -50,7 +51,7 @@ final class Formula {
     /**
      * Parses a formula.
      *
-     * @param variables the permitted names
+     * @param variables names that the formula may use, for example {@code i}
      * @throws IllegalArgumentException with the reason; the message does not contain the formula
      */
     static Formula parse(String text, List<String> variables) {
@@ -60,7 +61,7 @@ final class Formula {
         return new Formula(new Parser(text, variables).parse());
     }
 
-    /** Returns whether a name is reserved in all formulas. */
+    /** Returns whether a name is that of a function or constant of formulas. */
     static boolean isTaken(String name) {
         return CONSTANTS.containsKey(name)
                 || FUNCTIONS.containsKey(name)
@@ -69,10 +70,10 @@ final class Formula {
     }
 
     /**
-     * Returns one or more numbers, which may be infinite or NaN.
+     * Returns the value in one repetition: one or more numbers, which may be infinite or NaN.
      *
      * @param variables values of the variables, in order
-     * @param number of the repetition, from 0; with a seed it determines random numbers
+     * @param number number of the repetition, from 0; random numbers depend on it and on a seed
      * @throws IllegalArgumentException if lists of different lengths are combined
      */
     double[] value(double[] variables, long number) {

@@ -12,7 +12,10 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
 
-/** The items of a world file by name, and the places that refer to them. */
+/**
+ * The items of a world file by name, and the references to them, which are checked when all items
+ * are known.
+ */
 final class ItemMentions {
     private final Problems problems;
 
@@ -21,13 +24,13 @@ final class ItemMentions {
 
     private final List<Mention> mentions = new ArrayList<>();
 
-    /** Whether other items exist than those of the file. */
+    /** Whether references to items that are not in the file are permitted. */
     private boolean others;
 
-    /** Parent references, by the names of the items that have them. */
+    /** References to parents, by the name of the attached item. */
     private final Map<String, Node> parents = new LinkedHashMap<>();
 
-    /** The queryable facts about an item. */
+    /** The data of an item that references depend on. */
     private record Entry(Node name, String kind, boolean hasPhysics) {}
 
     /** A reference to an item, and the requirements on the item. */
@@ -59,13 +62,16 @@ final class ItemMentions {
         mentions.add(new Mention(target, kind, needsPhysics));
     }
 
-    /** Adds a reference as {@link #mention} does, to an item's parent. */
+    /** Adds the reference of an item to its parent, like {@link #mention}. */
     void mentionParent(String item, Node parent) {
         parents.put(item, parent);
         mention(parent, WorldPrototype.BODY, false);
     }
 
-    /** Permits references to items that are not in the file; a running world checks them. */
+    /**
+     * Permits references to items that are not in the text; the running world, which is edited,
+     * checks them.
+     */
     void permitOthers() {
         others = true;
     }
@@ -83,8 +89,8 @@ final class ItemMentions {
     }
 
     /**
-     * Returns the names in a list that are bodies which agents may take; notes problems with the
-     * others.
+     * Returns the names in a list of bodies for agents, without those that agents cannot take;
+     * notes a problem for each of these.
      */
     List<String> bodies(Node list) {
         List<String> names = new ArrayList<>();
@@ -104,8 +110,8 @@ final class ItemMentions {
     }
 
     /**
-     * Returns the name of a body with a physics aspect. For any other name it is empty, with a
-     * problem noted.
+     * Returns the name in a node if a body with a physics aspect has it. Otherwise the result is
+     * empty, with a problem noted.
      */
     Optional<String> physicalBody(Node name) {
         return name.text().filter(text -> resolve(new Mention(name, WorldPrototype.BODY, true)));
@@ -157,7 +163,10 @@ final class ItemMentions {
         return false;
     }
 
-    /** Refuses items that are, through any number of parents, their own parent. */
+    /**
+     * Refuses cycles of parents: items that are, through any number of parents, attached to
+     * themselves.
+     */
     private void refuseCircles() {
         Set<String> free = new HashSet<>();
         for (String item : parents.keySet()) {

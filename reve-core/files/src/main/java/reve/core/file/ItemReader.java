@@ -28,16 +28,19 @@ final class ItemReader {
     private final WorldPrototype prototype;
     private final Completion completion;
 
-    /** Maximum nesting of created items in the actions of created items. */
+    /** Maximum nesting depth of items that actions of created items create. */
     private static final int MAX_CREATED_DEPTH = 8;
 
-    /** Maximum number of created items that are read; an item counts each time it is read. */
+    /**
+     * Maximum number of definitions of items that actions create; a definition counts each time it
+     * is read.
+     */
     private static final int MAX_CREATED = 10_000;
 
-    /** Maximum number of values that are read for single items. */
+    /** Maximum number of values that are read for single items, not once in a prefab. */
     static final int MAX_READ = 2_000_000;
 
-    /** Number of values of an aspect, except actions, that are not counted. */
+    /** Number of values per aspect, except actions, that do not count towards {@link #MAX_READ}. */
     private static final int FREE_VALUES = 16;
 
     private final Problems problems;
@@ -49,10 +52,10 @@ final class ItemReader {
     private final ItemMentions names;
     private final BodyCheck bodies;
 
-    /** Creates the builder for an item's name; may refuse the name. */
+    /** Creates the builder of an item from its name; throws if the name is invalid. */
     private final Function<String, ItemDefinition.Builder> beginning;
 
-    /** Definitions of aspects that items take completely from prefabs. */
+    /** Aspects that items take unchanged from prefabs; each is read once, as a definition. */
     private final Map<SharedAspect, ItemDefinition> shared = new HashMap<>();
 
     private final Allowance created = new Allowance(MAX_CREATED);
@@ -65,7 +68,10 @@ final class ItemReader {
         void read(Node aspect, ItemDefinition.Builder item) throws WorldFileException;
     }
 
-    /** The key of a shared aspect: its identity, and what else determines how it is read. */
+    /**
+     * The key of a shared aspect: the node of the prefab, and the item's data that determine how
+     * the node is read.
+     */
     private record SharedAspect(Node aspect, String kind, boolean hasPhysics) {}
 
     /** Completes an item from its prefab. */
@@ -74,7 +80,8 @@ final class ItemReader {
     }
 
     /**
-     * @param pathOf returns the path of a file that a value names, relative to the assets
+     * @param pathOf returns the path of a file that a value names, relative to the folder of the
+     *     assets
      */
     ItemReader(
             WorldPrototype prototype,
@@ -123,17 +130,19 @@ final class ItemReader {
         return items;
     }
 
-    /** Returns a place for each item that {@link #readAll} has returned. */
+    /** Returns the position in the file of each item that {@link #readAll} has returned. */
     List<Places.Place> places() {
         return places;
     }
 
-    /** Returns the items by name. */
+    /** Returns the names of the read items, and the references between them. */
     ItemMentions names() {
         return names;
     }
 
-    /** Returns the definition of the body that new agents get; the caller renames it. */
+    /**
+     * Returns the template of the bodies that are created for agents; the caller renames each body.
+     */
     ItemDefinition readTemplate(Node description) throws WorldFileException {
         Node template = completion.complete(description);
         ItemDefinition.Builder item = ItemDefinition.named("agent");
@@ -148,7 +157,10 @@ final class ItemReader {
         return item.build();
     }
 
-    /** Reads a stored item without its world. References to other items are not checked. */
+    /**
+     * Reads an item from a store file, without the other items of its world. References to other
+     * items are not checked.
+     */
     Optional<ItemDefinition> readAlone(Node node) throws WorldFileException {
         Optional<String> kind = kind(node);
         Optional<ItemDefinition.Builder> item =
@@ -175,14 +187,14 @@ final class ItemReader {
         }
     }
 
-    /** Checks a part of an item; only its problems are of interest. */
+    /** Reads a part of an item only to note its problems. */
     void readPart(Node node, String kind) throws WorldFileException {
         if (kind(node).isPresent()) {
             readAspects(node, kind, true, ItemDefinition.named("prefab"));
         }
     }
 
-    /** Reads an item that actions create any number of times. */
+    /** Reads the definition of an item that an action creates, possibly many times. */
     private Optional<ItemDefinition> readCreated(Node description) throws WorldFileException {
         if (createdDepth == MAX_CREATED_DEPTH || !created.take(1)) {
             problems.add(
@@ -237,7 +249,8 @@ final class ItemReader {
     }
 
     /**
-     * Reads the first repetition completely, and from the others only the differences if possible.
+     * Reads the first repetition of an item completely, and of the other repetitions only the
+     * differing values if possible.
      */
     private void readRepeated(Template template, Repetition repetition, List<ItemDefinition> items)
             throws WorldFileException {
@@ -260,7 +273,7 @@ final class ItemReader {
         }
     }
 
-    /** Gives a repetition the place of the one before it. */
+    /** Gives the last repetition the file position of the repetition before it. */
     private void share(int count) {
         if (places.size() < count) {
             places.add(places.getLast());
@@ -282,7 +295,7 @@ final class ItemReader {
                 case "physics" ->
                         physics.readProperty(
                                 made.value(), definition.kind(), sink(item, item::physics));
-                default -> {} // the name, and the parent, which is read last
+                default -> {} // the name was read before; the parent is read last
             }
         }
         first.parent(values).ifPresent(parent -> readParent(parent, definition.kind(), item));
@@ -432,7 +445,10 @@ final class ItemReader {
                     (aspect, into) -> readPhysics(aspect, kind, into),
                     item::physicsOf);
         } else if (properties.isPresent()) {
-            readPhysics(properties.get(), kind, item); // mass from density depends on the shape
+            readPhysics(
+                    properties.get(),
+                    kind,
+                    item); // after the shape, from which a density gives the mass
         }
         if (node.get("capabilities").isPresent()) {
             requireWork(node.get("capabilities").get(), FREE_VALUES);
@@ -470,7 +486,8 @@ final class ItemReader {
     }
 
     /**
-     * Reads an aspect. An aspect taken completely from a prefab is read for the first item only.
+     * Reads an aspect. An aspect that items take unchanged from a prefab is read for the first item
+     * only.
      */
     private void read(
             Node node,
@@ -496,7 +513,10 @@ final class ItemReader {
         taking.accept(read);
     }
 
-    /** Counts the values to be read, and refuses them if they exceed the limit of a world. */
+    /**
+     * Counts the values of a part that is read for a single item; throws if all of them exceed
+     * {@link #MAX_READ}.
+     */
     private void requireWork(Node part, int free) throws WorldFileException {
         if (!work.take(Math.max(0, part.valueCount() - free))) {
             throw problems.of(part.file())
@@ -514,8 +534,8 @@ final class ItemReader {
     }
 
     /**
-     * Reads actions. Those taken completely from a prefab are read once, separately from the item's
-     * own.
+     * Reads the actions of an item. Actions that items take unchanged from a prefab are read once
+     * for all of them.
      */
     private void readActions(
             Node access, String kind, boolean hasPhysics, ItemDefinition.Builder item)
@@ -576,8 +596,8 @@ final class ItemReader {
     }
 
     /**
-     * Reads the value of a symbol. A number of a symbol with a unit may name another unit, as
-     * properties may.
+     * Reads the value of a symbol. If the symbol has a declared unit, its number may be given in
+     * another unit, like the number of a property.
      */
     private Optional<Object> symbolValue(Node symbol) {
         Optional<SymbolDescriptor> number =
@@ -619,7 +639,10 @@ final class ItemReader {
         };
     }
 
-    /** Requires that a physics aspect has every reference of the kind, each to a different item. */
+    /**
+     * Requires that a physics aspect has every reference of the kind ({@code end1}, {@code end2}),
+     * each to a different item.
+     */
     private void requireReferences(Node item, String kind) {
         if (!hasPhysics(item)) {
             return;

@@ -24,25 +24,25 @@ import java.util.Map;
 import java.util.TreeMap;
 
 /**
- * Writer of items as text of a world file. The same item always gives the same text, which {@link
- * WorldFile#parseItem} reads back to the bit. Default values, for example properties that are 0,
- * are omitted. Immutable, any thread.
+ * Writer of items as text in the form of a world file. The same item always gives the same text,
+ * which {@link WorldFile#parseItem} reads back to the bit. Default values, for example properties
+ * that are 0, are omitted. Immutable, any thread.
  */
 public final class ItemWriter {
-    /** Placeholder name of an item without a name. */
+    /** Name that the text gives to data without an item name, such as a {@link Likeness}. */
     private static final String ANYBODY = "item";
 
     private final WorldPrototype prototype;
 
     /**
-     * @param prototype of the world that the items belong to
+     * @param prototype prototype of the world that contains the items
      */
     public ItemWriter(WorldPrototype prototype) {
         this.prototype = prototype;
     }
 
     /**
-     * Writes all four aspects.
+     * Writes an item with its four aspects.
      *
      * @throws IllegalArgumentException naming the item if it contains something that a world file
      *     cannot express: an action made by a program, or a mesh or texture without a file
@@ -52,7 +52,7 @@ public final class ItemWriter {
     }
 
     /**
-     * Writes what similar items share, under the name `item`.
+     * Writes the data that similar items share, as an item with the name `item`.
      *
      * @throws IllegalArgumentException as {@link #write(ItemDefinition)}
      */
@@ -74,7 +74,9 @@ public final class ItemWriter {
         return tree;
     }
 
-    /** Returns an item without name and kind, as in {@code agents.body}. */
+    /**
+     * Returns the tree of an item without name and kind, the form of the key {@code agents.body}.
+     */
     Map<String, Object> template(ItemDefinition item) {
         Map<String, Object> tree = new LinkedHashMap<>();
         putAspects(tree, item);
@@ -106,7 +108,7 @@ public final class ItemWriter {
         return all;
     }
 
-    /** Returns a sensor without its default values. */
+    /** Returns the tree of a sensor, without values that are the default. */
     private static Map<String, Object> sensor(Sensor sensor) {
         Map<String, Object> tree = new LinkedHashMap<>();
         if (sensor.touch()) {
@@ -279,7 +281,7 @@ public final class ItemWriter {
         return aspect;
     }
 
-    /** Returns the value of a symbol: text, boolean, number, or a list of these. */
+    /** Returns the value of a symbol for the tree: text, boolean, number, or a list of these. */
     static Object symbol(Object value) {
         return switch (value) {
             case List<?> list -> list.stream().map(ItemWriter::symbol).toList();
@@ -301,8 +303,8 @@ public final class ItemWriter {
     }
 
     /**
-     * Returns the properties in the order of the prototype. An aspect of zeros is written as the
-     * kind's first property.
+     * Returns the physics properties that are not 0, in the order of the prototype. If all are 0,
+     * returns the kind's first property, so that the item keeps a physics aspect.
      */
     private Map<String, Object> physics(ItemDefinition item) {
         Map<String, Object> aspect = new LinkedHashMap<>();

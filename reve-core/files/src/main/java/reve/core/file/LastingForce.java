@@ -6,7 +6,8 @@ import reve.core.world.Forces;
 import java.util.List;
 
 /**
- * A force that acts from the first frame on; an action started it before the world was saved.
+ * A force that acts from the first frame of a loaded world on, because an action started it before
+ * the world was saved.
  *
  * @param item a body with a physics aspect
  * @param newtons in the world's reference frame (3) [N]

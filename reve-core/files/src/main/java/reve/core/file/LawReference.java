@@ -9,13 +9,14 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * A physics law that a world requires.
+ * The reference of a world file to a physics law that the world requires.
  *
- * @param name of its library, never a path: {@code hooke_spring}
- * @param text of a law that the world file contains; its name is then that of its first law
+ * @param name name of the library that contains the law, never a path: {@code hooke_spring}
+ * @param text the law as text, if the world file contains it; {@code name} is then the name of the
+ *     first law in the text
  * @param parameters values [coherent SI units] by parameter name, in the order of the file
- * @param place of the reference, as {@code file:line:column}, for messages
- * @param mentions places and units of the parameters in the file, by name; empty without a file
+ * @param place position of the reference, as {@code file:line:column}, for messages
+ * @param mentions positions and units of the parameters in the file, by name; empty without a file
  */
 public record LawReference(
         String name,
@@ -27,7 +28,7 @@ public record LawReference(
      * The occurrence of a parameter in a file.
      *
      * @param place as {@code file:line:column}
-     * @param unit that the file names
+     * @param unit the unit in the file, if any
      */
     public record Mention(String place, Optional<Unit> unit) {}
 

@@ -18,8 +18,9 @@ import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 
 /**
- * Warnings about names that look like others, by the skeletons of UTS 39. Names of ASCII characters
- * are compared directly; ICU is loaded only for a world with other characters.
+ * Warnings about names that look alike: those with equal skeletons by Unicode standard UTS 39.
+ * Names of ASCII characters are compared directly; ICU is loaded only for a world with other
+ * characters.
  */
 final class LookAlikes {
     private static final Pattern WORD = Pattern.compile("[\\p{L}\\p{M}]+");
@@ -36,7 +37,7 @@ final class LookAlikes {
     }
 
     /**
-     * Notes the warnings.
+     * Notes a warning for each name that looks like another one.
      *
      * @param names texts, all different, in the order of the file
      */
@@ -73,8 +74,8 @@ final class LookAlikes {
     }
 
     /**
-     * Returns the skeleton of the name's compatibility form, because full-width letters look like
-     * ordinary ones.
+     * Returns the skeleton of the name's Unicode compatibility form, in which full-width letters
+     * are ordinary ones.
      */
     private String skeleton(Node name) {
         return checker.getSkeleton(Normalizer.normalize(text(name), Normalizer.Form.NFKC));

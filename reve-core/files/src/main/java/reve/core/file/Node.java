@@ -12,8 +12,8 @@ import java.util.Objects;
 import java.util.Optional;
 
 /**
- * One value of a file and its position. The accessors return empty for a value of another type; the
- * schema check reports it once.
+ * One value of a YAML file, and its position. An accessor for a type returns empty if the value has
+ * another type; the schema check reports that once.
  */
 final class Node {
     /** Maximum number of names that a message lists. */
@@ -52,12 +52,14 @@ final class Node {
         this.textColumn = column;
     }
 
-    /** Creates the outermost value of a file; {@code value} as in {@link Slot#fill}. */
+    /** Creates the outermost value of a file; {@code value} has the form of {@link Slot#fill}. */
     static Node root(String file, int line, int column, @Nullable Object value) {
         return new Node(file, null, "", line, column, line, column, value);
     }
 
-    /** Returns a node at this position with another value, as in {@link Slot#fill}. */
+    /**
+     * Returns a node at this position with another value, which has the form of {@link Slot#fill}.
+     */
     Node withValue(@Nullable Object other) {
         return new Node(file, parent, key, keyLine, keyColumn, line, column, other);
     }
@@ -73,8 +75,9 @@ final class Node {
     }
 
     /**
-     * Returns this mapping completed from a base. Mappings under the same key are merged in the
-     * same way; any other value here replaces that of the base. Every value keeps its position.
+     * Returns this mapping completed with the values of a base, for example of a prefab. Mappings
+     * under the same key are merged in the same way; any other value here replaces that of the
+     * base. Every value keeps its position.
      */
     Node over(Node base) {
         var fields = new LinkedHashMap<>(base.fieldMap());
@@ -100,7 +103,7 @@ final class Node {
         return count;
     }
 
-    /** Returns the number of values, including all nested ones. */
+    /** Returns the number of values in this node, including all nested ones. */
     long valueCount() {
         long count = 1;
         for (Node child : children()) {
@@ -119,12 +122,13 @@ final class Node {
         return withValue(fields);
     }
 
-    /** A place in a mapping or a list whose value is not yet read. */
+    /** The position of a key or list element whose value is not yet read. */
     record Slot(Node parent, Object key, int keyLine, int keyColumn) {
         /**
-         * Creates the value.
+         * Creates the node when its value is read.
          *
          * @param value a new LinkedHashMap or ArrayList for a mapping or list, otherwise the scalar
+         *     value
          */
         Node fill(int line, int column, @Nullable Object value) {
             Node node = new Node(parent.file, parent, key, keyLine, keyColumn, line, column, value);
@@ -146,8 +150,8 @@ final class Node {
     }
 
     /**
-     * Sets the column of the text's first character, if it differs from the value's: after a quote,
-     * or on a later line.
+     * Sets the column of the text's first character, if the value begins elsewhere: with a quote,
+     * or on an earlier line.
      */
     void setTextColumn(int newTextColumn) {
         textColumn = newTextColumn;
@@ -188,8 +192,8 @@ final class Node {
     }
 
     /**
-     * Returns the name of this value for messages: {@code mass}, {@code laws[2]}; empty for the
-     * root.
+     * Returns a name of this value for messages, such as {@code mass} or {@code laws[2]}; empty for
+     * the root.
      */
     String label() {
         return parent == null || key instanceof String
@@ -221,7 +225,7 @@ final class Node {
         return value == null;
     }
 
-    /** Returns the value under a key of a mapping. */
+    /** Returns the value under a key; empty if this is no mapping or has no such key. */
     Optional<Node> get(String name) {
         return isMapping() ? Optional.ofNullable(fieldMap().get(name)) : Optional.empty();
     }
@@ -269,7 +273,7 @@ final class Node {
         };
     }
 
-    /** Returns names for messages, separated by commas; at most the first {@link #MAX_LISTED}. */
+    /** Joins names by commas, for messages; at most the first {@link #MAX_LISTED}. */
     static String list(List<String> names) {
         return names.size() <= MAX_LISTED
                 ? String.join(", ", names)

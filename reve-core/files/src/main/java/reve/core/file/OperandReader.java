@@ -23,8 +23,8 @@ import java.util.function.Predicate;
 import java.util.regex.Pattern;
 
 /**
- * Reader of the values in the effects of one action: constants, and parameters and expressions
- * after a {@code $}.
+ * Reader of the values in the effects of one action: constants, or after a {@code $} parameters and
+ * expressions.
  */
 final class OperandReader {
     /** Names that parameters must not have, because expressions reserve them. */
@@ -41,8 +41,9 @@ final class OperandReader {
     private final Allowance expressions;
 
     /**
-     * @param parameters by name; empty if the declaration is wrong, which was reported
-     * @param expressions remaining number of different expressions for the world's actions
+     * @param parameters parameters of the action by name; the Optional is empty if the declaration
+     *     is wrong, which was reported
+     * @param expressions number of different expressions that the world's actions may still have
      */
     OperandReader(
             PhysicsReader physics,
@@ -71,7 +72,7 @@ final class OperandReader {
                 values -> physics.fits(node, property, values));
     }
 
-    /** Reads {@code count} numbers of a unit and a type. */
+    /** Reads a value of {@code count} numbers in a unit, which columns of a type can hold. */
     Optional<Operand> numbers(Node node, int count, Unit unit, ScalarType type) {
         return numbers(node, count, unit, values -> physics.fits(node, type, values));
     }
@@ -129,7 +130,7 @@ final class OperandReader {
                             .orElse(ExpressionType.ANY));
         }
         Optional<Object> constant = constant(node);
-        if (constant.isEmpty() && node.isList()) { // the schema refuses other kinds
+        if (constant.isEmpty() && node.isList()) { // the schema refuses values that are no list
             problems.add(
                     node,
                     node.label() + ": expected true or false, a number, a text or a list of these");
@@ -158,7 +159,7 @@ final class OperandReader {
                 : node.scalar().map(OperandReader::widened).map(OperandReader::constant);
     }
 
-    /** Reads an expression without a {@code $}. */
+    /** Reads a text that is an expression, without the {@code $} before it. */
     Optional<Expression> expression(Node node, String text, int begin, ExpressionType expected) {
         if (!scope.knows(text) && !expressions.take(1)) {
             problems.add(
@@ -192,7 +193,7 @@ final class OperandReader {
         }
     }
 
-    /** Returns a text, boolean, number, or a list of these, as symbols have them. */
+    /** Returns a constant as a symbol stores it: a text, boolean, number, or a list of these. */
     static Optional<Object> constant(Node node) {
         if (node.isList()) {
             List<Object> elements =

@@ -11,13 +11,16 @@ import java.util.Locale;
 import java.util.Map;
 
 /**
- * The names and the size of the files of one pack, held to its limits. The same checks apply when a
- * pack is made and when it is opened. For one thread.
+ * Check of the names and the total size of the files of one {@link WorldPack} against its limits.
+ * The same checks apply when a pack is made and when it is opened. For one thread.
  */
 final class PackNames {
     private final Path pack;
 
-    /** The names of files and their folders, by the form in which file systems may join them. */
+    /**
+     * The names of files and their folders, by a normalised form: names with the same form may be
+     * the same file in some file systems.
+     */
     private final Map<String, String> taken = new HashMap<>();
 
     private final Map<String, String> files = new HashMap<>();
@@ -60,7 +63,7 @@ final class PackNames {
         }
     }
 
-    /** Counts bytes of the files' content. */
+    /** Counts bytes of a file's content; throws if all files exceed the limit. */
     void take(String name, long count) throws PackException {
         bytes += count;
         if (bytes > WorldPack.MAX_BYTES) {

@@ -49,7 +49,8 @@ final class PhysicalReader {
     private final Quantities quantities;
 
     /**
-     * @param pathOf returns the path of a file that a value names, relative to the assets
+     * @param pathOf returns the path of a file that a value names, relative to the folder of the
+     *     assets
      */
     PhysicalReader(
             WorldPrototype prototype,
@@ -72,7 +73,7 @@ final class PhysicalReader {
         aspect.get("material").filter(Node::isMapping).ifPresent(node -> material(node, item));
     }
 
-    /** Reads the value of one key if it is a location, an orientation or a colour. */
+    /** Reads a value if its key is location, orientation or colour; ignores other keys. */
     void readPlaceOrColour(Node value, ItemDefinition.Builder item) {
         switch (value.key()) {
             case "colour" ->
@@ -93,7 +94,10 @@ final class PhysicalReader {
         quaternion.ifPresent(q -> attempt(node, () -> item.orientation(q[0], q[1], q[2], q[3])));
     }
 
-    /** Warns of an angle of more than a turn without a unit, which is meant in degrees. */
+    /**
+     * Warns of an angle of more than a full turn without a unit: its author probably means degrees,
+     * not radians.
+     */
     private void doubtAngle(Node node) {
         node.number()
                 .filter(radians -> Math.abs(radians) > 2 * Math.PI)
@@ -143,7 +147,7 @@ final class PhysicalReader {
         boolean fromFile = name.equals("mesh") && aspect.get("file").isPresent();
         Set<String> wanted = fromFile ? Set.of("file") : KEYS_BY_SHAPE.getOrDefault(name, Set.of());
         if (node.isPresent() && wanted.isEmpty()) {
-            return; // an unknown shape; the schema check reported it
+            return; // the shape is unknown, which the schema check reported
         }
         boolean complete = true;
         for (String key : SHAPE_KEYS) {
@@ -344,7 +348,9 @@ final class PhysicalReader {
         return true;
     }
 
-    /** Runs a step that refuses wrong values, and notes a refusal at the value. */
+    /**
+     * Runs a step that throws at wrong values, and notes its message as a problem with the value.
+     */
     private void attempt(Node node, Runnable step) {
         try {
             step.run();

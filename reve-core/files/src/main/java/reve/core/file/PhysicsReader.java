@@ -16,7 +16,7 @@ import java.util.Set;
 
 /** Reader of physics aspects. The prototype defines the properties with their types and units. */
 final class PhysicsReader {
-    /** The words for the types of joints; the first one has the code 1. */
+    /** The words for the types of joints; the column stores their place in this list, from 1. */
     private static final List<String> JOINT_TYPES =
             List.of("fixed", "ball", "hinge", "slider", "distance");
 
@@ -27,8 +27,8 @@ final class PhysicsReader {
     private final Quantities quantities;
 
     /**
-     * @param misdeclared names of properties whose declaration was refused; further problems with
-     *     them are not reported
+     * @param misdeclared names of properties whose declaration was refused; later uses of these
+     *     properties are not reported
      */
     PhysicsReader(
             WorldPrototype prototype, Set<String> misdeclared, Doubts doubts, Problems problems) {
@@ -43,14 +43,14 @@ final class PhysicsReader {
         return prototype;
     }
 
-    /** A receiver of an aspect's values, in the order of the file. */
+    /** A receiver of the values of a physics aspect, in the order of the file. */
     interface Sink {
         void numbers(String property, double[] values);
 
         /**
-         * Receives references.
+         * Receives the references of a property.
          *
-         * @param targets texts, the names of items, as many as the property has components
+         * @param targets nodes with the names of items, as many as the property has components
          */
         void references(PropertyDescriptor property, List<Node> targets);
     }
@@ -66,7 +66,7 @@ final class PhysicsReader {
         }
     }
 
-    /** Reads the value of the property that is its key. */
+    /** Reads a value whose key is the name of a property, and passes it to the sink. */
     void readProperty(Node value, String kind, Sink sink) {
         find(value, value.key(), kind)
                 .ifPresent(
@@ -83,8 +83,8 @@ final class PhysicsReader {
     }
 
     /**
-     * Returns the density, from which mass and inertia follow; empty in a world that declares a
-     * property `density`.
+     * Returns the value of the key `density`, from which mass and inertia are computed; empty if
+     * the world declares a property of this name.
      */
     Optional<Node> density(Node aspect, String kind) {
         return aspect.get("density").filter(value -> isDensity(value, kind));
@@ -96,7 +96,7 @@ final class PhysicsReader {
                 && prototype.find(kind, "density").isEmpty();
     }
 
-    /** Returns the constants of the world by name; each may be given once. */
+    /** Returns the constants of the world by name; all files together may set each once. */
     Map<String, List<Double>> constants(List<Node> aspects) {
         Map<String, List<Double>> values = new LinkedHashMap<>();
         Map<String, Node> given = new HashMap<>();
@@ -138,7 +138,7 @@ final class PhysicsReader {
     /**
      * Returns the property of a kind and name. Empty, with a problem noted, if it is unknown.
      *
-     * @param where the node that has the name as its key or in its value
+     * @param where the node for messages, whose key or value contains the name
      */
     Optional<PropertyDescriptor> find(Node where, String name, String kind) {
         Optional<PropertyDescriptor> property = prototype.find(kind, name);
@@ -175,7 +175,7 @@ final class PhysicsReader {
         return property.kind().equals(WorldPrototype.JOINT) && property.name().equals("jointType");
     }
 
-    /** Reads the word for a type of joint. */
+    /** Reads the word for a type of joint as its code. */
     private Optional<double[]> jointType(Node node) {
         int code = JOINT_TYPES.indexOf(node.text().orElseThrow());
         if (code < 0) {
@@ -191,7 +191,7 @@ final class PhysicsReader {
         return Optional.of(new double[] {code + 1});
     }
 
-    /** Returns whether the property permits the values; notes a problem if not. */
+    /** Returns whether the values are in the range of the property; notes a problem if not. */
     boolean fits(Node node, PropertyDescriptor property, double[] values) {
         for (double value : values) {
             if (value < property.minimum()) {
@@ -236,7 +236,10 @@ final class PhysicsReader {
         return type != ScalarType.F64 || isWorkable(node, values);
     }
 
-    /** Returns whether the numbers are usable in physics; notes a problem if not. */
+    /**
+     * Returns whether laws can compute with the numbers, which must not be too large; notes a
+     * problem if not.
+     */
     boolean isWorkable(Node node, double... values) {
         for (double value : values) {
             if (Math.abs(value) > ScalarType.MAX_F64) {

@@ -8,8 +8,9 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * The positions of items, constants and laws in a world file, for warnings that only a loaded world
- * permits. Two objects are always equal, because a position is no content of a world. Immutable.
+ * The positions (line and column) of items, constants and laws in a world file, for warnings that
+ * can be found only after loading. All objects of this class are equal, so that worlds are compared
+ * without positions. Immutable.
  */
 public final class Places {
     /** The aspects whose values have positions of their own. */
@@ -22,9 +23,11 @@ public final class Places {
     private final Map<String, Place> constants;
 
     /**
-     * The position of an item and of the values of its aspects. Repetitions of an item share one.
+     * The position of an item and of the values of its aspects. Repetitions of an item share one
+     * object.
      *
-     * @param keys {@code physics.mass} and so on; the other arrays have an element for each
+     * @param keys names of the values, such as {@code physics.mass}; the other arrays have one
+     *     element for each key
      */
     record Place(
             String file,
@@ -80,15 +83,15 @@ public final class Places {
         this.constants = Map.copyOf(constants);
     }
 
-    /** Returns the places of a world that was not read from a file. */
+    /** Returns empty positions, for a world that was not read from a file. */
     public static Places none() {
         return NONE;
     }
 
     /**
-     * Returns the places in a file.
+     * Returns the positions in a file.
      *
-     * @param items a place for each item of the description
+     * @param items the position of each item of the description
      */
     static Places of(String file, List<Place> items, List<Node> constants) {
         Map<String, Place> byName = new HashMap<>();
@@ -100,14 +103,17 @@ public final class Places {
      * Returns a warning about an item.
      *
      * @param item index in {@link WorldDescription#items}
-     * @param key of the value in question, such as {@code physics.mass}; the warning names the
-     *     place of the item if the item does not write the value
+     * @param key of the value in question, such as {@code physics.mass}; if the file does not
+     *     contain the value, the warning has the position of the item
      */
     public Problem item(int item, String key, String message) {
         return item < items.size() ? items.get(item).warning(key, message) : world(message);
     }
 
-    /** Returns a warning about a constant, or about the file if it does not set the constant. */
+    /**
+     * Returns a warning at a constant, or at the start of the file if the file does not set the
+     * constant.
+     */
     public Problem constant(String name, String message) {
         return Optional.ofNullable(constants.get(name))
                 .map(place -> place.warning("", message))

@@ -11,8 +11,8 @@ import java.util.Optional;
 import java.util.Set;
 
 /**
- * Check of prefabs that no item uses, so that errors are found before the prefab is used. Parts
- * that only an item can complete are not checked: formulas, half a shape, references to items.
+ * Check of prefabs (templates of items) that no item uses yet, so that errors are found early. Does
+ * not check parts that only an item can complete: formulas, incomplete shapes, references to items.
  */
 final class PrefabCheck {
     private static final List<String> SHAPE_KEYS =
@@ -34,16 +34,16 @@ final class PrefabCheck {
 
     private final WorldPrototype prototype;
 
-    /** Kinds by the names of their properties. */
+    /** Kinds of items by the names of their physics properties. */
     private final Map<String, String> kinds = new HashMap<>();
 
     private final ItemReader reader;
 
-    /** Aspects without values given by formulas. */
+    /** Aspects of prefabs, and the same aspects without the values that formulas give. */
     private final Map<Node, Node> constants = new HashMap<>();
 
     /**
-     * @param reader used only here, because referenced items need not exist
+     * @param reader a reader of its own, which does not check that referenced items exist
      */
     PrefabCheck(WorldPrototype prototype, ItemReader reader) {
         this.prototype = prototype;
@@ -66,7 +66,7 @@ final class PrefabCheck {
     }
 
     /**
-     * Returns the prefab without formulas. Derived prefabs share aspects, which are searched once.
+     * Returns the prefab without formulas. Searches an aspect that several prefabs share only once.
      */
     private Node withoutFormulas(Node prefab) {
         Map<String, Node> fields = new LinkedHashMap<>();
@@ -104,7 +104,10 @@ final class PrefabCheck {
         return item.withValue(fields);
     }
 
-    /** Returns the declared kind, or the kind that has most of the properties. */
+    /**
+     * Returns the declared kind of a prefab, or else the kind to which most of its properties
+     * belong.
+     */
     private String kind(Node prefab) {
         Optional<String> declaredKind = prefab.get("kind").flatMap(Node::text);
         if (declaredKind.isPresent()

@@ -11,9 +11,12 @@ import java.util.Objects;
 import java.util.Optional;
 import java.util.Set;
 
-/** The prefabs of a world file by name: descriptions that items are derived from. */
+/**
+ * The prefabs of a world file by name: templates whose values an item takes if it is {@code like}
+ * the prefab.
+ */
 final class Prefabs {
-    /** Maximum length of a chain of prefabs in which each is derived from the next. */
+    /** Maximum length of a chain of prefabs in which each is {@code like} the next. */
     static final int MAX_CHAIN = 32;
 
     private final Problems problems;
@@ -25,8 +28,8 @@ final class Prefabs {
     private final Set<String> used = new HashSet<>();
 
     /**
-     * @param prefabs mappings under their names; the first of several with one name counts
-     * @param values remaining room for values that completion creates
+     * @param prefabs nodes whose keys are the names; of several with one name, the first counts
+     * @param values limit on the values that completing items creates
      */
     Prefabs(List<Node> prefabs, Problems problems, Expansion.Room values)
             throws WorldFileException {
@@ -48,13 +51,13 @@ final class Prefabs {
         }
     }
 
-    /** Returns an item merged over its prefab, if it has one. */
+    /** Returns an item completed with the values of its prefab, if it has one. */
     Node complete(Node item) throws WorldFileException {
         item.get("like").flatMap(Node::text).ifPresent(used::add);
         return complete(item, new LinkedHashSet<>());
     }
 
-    /** Returns the completed prefabs that nothing uses, directly or through other prefabs. */
+    /** Returns the completed prefabs that no item uses, directly or through other prefabs. */
     List<Node> unused() {
         Set<String> reached = new HashSet<>();
         for (String name : used) {
@@ -72,7 +75,8 @@ final class Prefabs {
     }
 
     /**
-     * @param users prefabs that are being completed, the innermost last
+     * @param users names of the prefabs that are being completed, each {@code like} the next, to
+     *     find cycles
      */
     private Node complete(Node item, Set<String> users) throws WorldFileException {
         Optional<Node> like = item.get("like");
@@ -89,7 +93,7 @@ final class Prefabs {
     }
 
     /**
-     * @param where the node to report if there is no such prefab
+     * @param where the node with the name, for the problem if there is no such prefab
      */
     private Optional<Node> prefab(Node where, String name, Set<String> users)
             throws WorldFileException {

@@ -8,11 +8,11 @@ import java.util.Comparator;
  *
  * @param severity whether the file is refused because of it
  * @param file name of the file as the caller gave it
- * @param line from 1
- * @param column from 1, in characters
+ * @param line number of the line, from 1
+ * @param column number of the character in the line, from 1
  * @param pointer JSON pointer of the value, such as {@code /items/0/physics/mass}; empty for the
  *     file as a whole
- * @param message what was found, what was expected, what to do
+ * @param message states what was found, what was expected, and what to do
  */
 public record Problem(
         Severity severity, String file, int line, int column, String pointer, String message)

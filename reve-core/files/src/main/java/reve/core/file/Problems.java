@@ -11,12 +11,18 @@ import java.util.List;
 import java.util.Set;
 import java.util.regex.Pattern;
 
-/** Collector of the problems of a world file and its included files; limits their number. */
+/**
+ * Collector of the problems (errors and warnings) in a world file and its included files; limits
+ * their number.
+ */
 final class Problems {
     /** Maximum number of problems in one report. */
     static final int MAX_REPORTED = 100;
 
-    /** Maximum number of wrong names in one report for which a suggestion is searched. */
+    /**
+     * Maximum number of wrong names per report for which the collector searches a similar known
+     * name.
+     */
     static final int MAX_SUGGESTIONS = 20;
 
     private static final Pattern CONTROL_CHARACTER = Pattern.compile("\\p{Cc}");
@@ -25,7 +31,10 @@ final class Problems {
     private final List<Problem> found;
     private final List<Problem> warnings;
 
-    /** Mappings with an unknown key; a key that they seem to lack may be that one, misspelt. */
+    /**
+     * Mappings with an unknown key. If such a mapping lacks a required key, the unknown key may be
+     * this one, misspelt.
+     */
     private final Set<String> misspelt;
 
     private final Allowance suggestions;
@@ -52,7 +61,7 @@ final class Problems {
         this.misspelt = misspelt;
     }
 
-    /** Returns a collector that adds problems of another file to the same report. */
+    /** Returns a collector for another file that adds to the report of this one. */
     Problems of(String otherFile) {
         return new Problems(otherFile, found, warnings, misspelt, suggestions);
     }
@@ -62,18 +71,19 @@ final class Problems {
         return file;
     }
 
-    /** Returns the start of a node's value, as {@code file:line:column}. */
+    /** Returns the position of a node's value, as {@code file:line:column}. */
     static String place(Node node) {
         return node.file() + ":" + node.line() + ":" + node.column();
     }
 
-    /** Returns the start of the key of a node's value, as {@code file:line:column}. */
+    /** Returns the position of a node's key, as {@code file:line:column}. */
     static String keyPlace(Node node) {
         return node.file() + ":" + node.keyLine() + ":" + node.keyColumn();
     }
 
     /**
-     * Returns the position of another node for messages: {@code on line 5}, or {@code in f.yaml:5}.
+     * Returns the position of another node for a message about {@code from}: {@code on line 5}, or
+     * {@code in f.yaml:5} if it is in another file.
      */
     static String place(Node other, Node from) {
         return other.file().equals(from.file())
@@ -82,7 +92,8 @@ final class Problems {
     }
 
     /**
-     * Notes a problem with the value of a node; only the first problem of a single value is kept.
+     * Notes a problem with the value of a node. Of several problems with one scalar value, only the
+     * first is kept.
      */
     void add(Node node, String message) {
         if (isFirst(node)) {
@@ -101,14 +112,17 @@ final class Problems {
     }
 
     /**
-     * Notes a problem at a character of a text, from 0; for a text in block style, at its start.
+     * Notes a problem at the character {@code offset} (from 0) of a text; for a text in YAML block
+     * style, at the start of the text.
      */
     void addInText(Node node, int offset, String message) {
         int column = node.textColumn() < 0 ? node.column() : node.textColumn() + offset;
         add(problem(node.file(), node.line(), column, node.pointer(), message));
     }
 
-    /** Notes a problem with the key of a node, as {@link #add(Node, String)}. */
+    /**
+     * Notes a problem with the key of a node, under the conditions of {@link #add(Node, String)}.
+     */
     void addAtKey(Node node, String message) {
         if (isFirst(node)) {
             add(problem(node.file(), node.keyLine(), node.keyColumn(), node.pointer(), message));
@@ -126,7 +140,8 @@ final class Problems {
     }
 
     /**
-     * Returns whether the mapping has an unknown key, so that missing keys need not be reported.
+     * Returns whether the mapping has an unknown key, which may be a missing one misspelt; missing
+     * keys are then not reported.
      */
     boolean isMisspelt(Node mapping) {
         return misspelt.contains(mapping.file() + mapping.pointer());
@@ -155,7 +170,7 @@ final class Problems {
         }
     }
 
-    /** Creates a warning that does not belong to the reading of a file. */
+    /** Creates a warning that is found only after the file was read. */
     static Problem warning(String file, int line, int column, String pointer, String message) {
         return problem(Problem.Severity.WARNING, file, line, column, pointer, message);
     }
@@ -165,7 +180,10 @@ final class Problems {
         return warnings.stream().sorted().toList();
     }
 
-    /** Adds a problem, unless several items have the same one from the same place. */
+    /**
+     * Adds a problem, unless it was added before, for another item with a value from the same
+     * prefab.
+     */
     private void add(Problem problem) {
         if (!full() && !found.contains(problem)) {
             found.add(problem);
@@ -181,10 +199,11 @@ final class Problems {
     }
 
     /**
-     * Throws if all files together declare too many values, before they are read.
+     * Throws if all files together declare more than {@code most} values under a key. Called before
+     * the values are read.
      *
-     * @param declared the declared values
-     * @param key under which they are declared
+     * @param declared these values
+     * @param key name of the key, for the message
      */
     void requireAtMost(int most, List<Node> declared, String key) throws WorldFileException {
         if (declared.size() > most) {
@@ -201,7 +220,7 @@ final class Problems {
         }
     }
 
-    /** Throws if the report is full. */
+    /** Throws if the report has its maximum number of errors. */
     void throwIfFull() throws WorldFileException {
         if (full()) {
             throw exception();

@@ -12,14 +12,14 @@ import java.util.Optional;
 import java.util.Set;
 
 /**
- * Reader of {@code prototype} and {@code properties}, which define the properties of the world's
- * items.
+ * Reader of the keys {@code prototype} and {@code properties}, which define the properties that the
+ * world's items have.
  */
 final class PrototypeReader {
     /** Maximum number of properties of one world. */
     static final int MAX_PROPERTIES = 1000;
 
-    /** Keys of long lists, which contain no items. */
+    /** Keys with long lists of numbers, in which no joints need be searched. */
     private static final Set<String> MESH_KEYS = Set.of("vertices", "triangles");
 
     private final Problems problems;
@@ -34,7 +34,7 @@ final class PrototypeReader {
     /**
      * Returns the standard prototype that the file names, with the declared properties.
      *
-     * @param parts of the files that may use the kind {@code joint}
+     * @param parts the parts of the files that may contain items of the kind {@code joint}
      */
     WorldPrototype read(Node root, List<Node> properties, List<Node> parts)
             throws WorldFileException {
@@ -54,7 +54,7 @@ final class PrototypeReader {
         return node.get("kind").flatMap(Node::text).equals(Optional.of(WorldPrototype.JOINT));
     }
 
-    /** Returns whether a node or one below it is of kind {@code joint}. */
+    /** Returns whether a node or a nested node is an item of the kind {@code joint}. */
     private static boolean hasJoints(Node node) {
         if (isOfJoints(node)) {
             return true;
@@ -69,8 +69,8 @@ final class PrototypeReader {
     }
 
     /**
-     * Returns the unit under the key {@code unit}, or 1 without this key. Empty, with a problem
-     * noted, if it is wrong.
+     * Returns the unit under the key {@code unit}, or the unit 1 if the key is missing. Empty, with
+     * a problem noted, if the unit is wrong.
      */
     static Optional<Unit> unit(Node owner, Problems problems) {
         Optional<Node> node = owner.get("unit");
@@ -86,8 +86,8 @@ final class PrototypeReader {
     }
 
     /**
-     * Returns the number under the key {@code components}, or 1; the schema check reports wrong
-     * numbers.
+     * Returns the number under the key {@code components}, or 1 if it is missing or wrong; the
+     * schema check reports a wrong number.
      */
     static int components(Node owner) {
         return Math.clamp(

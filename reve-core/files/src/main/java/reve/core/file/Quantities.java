@@ -15,8 +15,8 @@ import java.util.regex.Pattern;
 
 /**
  * Reader of the numbers of a world file: {@code 3}, {@code [0, 3, 0]}, {@code 3 kg}, {@code 0 3 0
- * km/h} or {@code "[0, 3, 0] km/h"}. Numbers without a unit have the expected unit; others are
- * converted to it.
+ * km/h} or {@code "[0, 3, 0] km/h"}. A number without a unit has the expected unit; any other
+ * number is converted to this unit.
  */
 final class Quantities {
     /** Maximum length of a text with numbers [characters]. */
@@ -34,20 +34,20 @@ final class Quantities {
 
     private final Problems problems;
 
-    /** Units that were read, by their texts; many items use the same few. */
+    /** Cache of parsed units by text; many items use the same few units. */
     private final Map<String, Unit> units = new HashMap<>();
 
     Quantities(Problems problems) {
         this.problems = problems;
     }
 
-    /** Returns one number in {@code unit}; empty, with a problem noted, if it is wrong. */
+    /** Returns one number in {@code unit}; empty, with a problem noted, if the value is wrong. */
     Optional<Double> number(Node node, Unit unit) {
         return numbers(node, 1, unit).map(values -> values[0]);
     }
 
     /**
-     * Returns {@code count} numbers in {@code unit}; empty, with a problem noted, if they are
+     * Returns {@code count} numbers in {@code unit}; empty, with a problem noted, if the value is
      * wrong.
      */
     Optional<double[]> numbers(Node node, int count, Unit unit) {
@@ -61,14 +61,14 @@ final class Quantities {
     }
 
     /**
-     * A number of any unit.
+     * A number with any unit.
      *
      * @param value in SI units
-     * @param unit in the file
+     * @param unit the unit in the file, if any
      */
     record Quantity(double value, Optional<Unit> unit) {}
 
-    /** Returns one number of any unit; empty, with a problem noted, if it is wrong. */
+    /** Returns one number with any unit; empty, with a problem noted, if the value is wrong. */
     Optional<Quantity> quantity(Node node) {
         if (node.text().isEmpty()) {
             return node.number().map(value -> new Quantity(value, Optional.empty()));
@@ -145,7 +145,7 @@ final class Quantities {
                         + "`";
     }
 
-    /** Splits a text into leading numbers and the rest. */
+    /** Splits a text into the numbers at its start and the rest, the unit. */
     private Optional<Parsed> parse(Node node, String expected) {
         String text = node.text().orElseThrow().strip();
         if (text.length() > MAX_LENGTH) {

@@ -18,10 +18,13 @@ final class RandomNumbers {
 
     private static final long STEP = 0x9e3779b97f4a7c15L;
 
-    /** Minimum distance from the origin; nearer points have too few digits for a direction. */
+    /**
+     * Minimum squared distance from the origin of a random point that gives a direction; nearer
+     * points have too few digits.
+     */
     private static final double SMALLEST = 1e-6;
 
-    /** Returns one number, or the coordinates of a point. */
+    /** A random function: returns one number, or the coordinates of a point. */
     interface Function {
         double[] value(RandomNumbers numbers);
     }

@@ -7,11 +7,11 @@ import java.util.List;
 import java.util.Optional;
 
 /**
- * The first repetition of an item. The others differ from it only in values given by formulas, so
- * only these are read.
+ * The first repetition of an item. The other repetitions differ from it only in the values that
+ * formulas give, so only these values are read for them.
  *
- * @param node that was read
- * @param definition result of reading it
+ * @param node the node of the first repetition
+ * @param definition the definition read from this node
  */
 record RepeatedItem(Node node, ItemDefinition definition) {
 
@@ -19,7 +19,7 @@ record RepeatedItem(Node node, ItemDefinition definition) {
         return definition.kind();
     }
 
-    /** Returns whether each of the values can be read without the rest of the item. */
+    /** Returns whether each value that formulas give can be read without the rest of the item. */
     boolean differsInSingleValues(List<Template.Made> values) {
         return values.stream().allMatch(made -> isSingle(made.aspect(), made.value().key()));
     }
@@ -35,17 +35,17 @@ record RepeatedItem(Node node, ItemDefinition definition) {
         };
     }
 
-    /** Returns the name in another repetition. */
+    /** Returns the name of another repetition, which has these values. */
     Node name(List<Template.Made> values) {
         return find(values, "", "name").or(() -> node.get("name")).orElseThrow();
     }
 
-    /** Returns the parent in another repetition. */
+    /** Returns the parent of another repetition, which has these values. */
     Optional<Node> parent(List<Template.Made> values) {
         return find(values, "", "parent").or(() -> node.get("parent"));
     }
 
-    /** Returns a property of the physics aspect in another repetition. */
+    /** Returns a physics property of another repetition, which has these values. */
     Optional<Node> physics(List<Template.Made> values, String property) {
         return find(values, "physics", property)
                 .or(() -> node.get("physics").flatMap(aspect -> aspect.get(property)));

@@ -5,11 +5,11 @@ import java.util.List;
 import java.util.Optional;
 
 /**
- * The number of an item's repetitions, and the numbers that its formulas use.
+ * The number of an item's repetitions, and the variables that its formulas use.
  *
  * @param variables names of the variables
  * @param count number of repetitions
- * @param values of the variables in each repetition
+ * @param values values of the variables, for each repetition
  */
 record Repetition(List<String> variables, long count, Values values) {
     private static final String INDEX = "i";
@@ -19,7 +19,10 @@ record Repetition(List<String> variables, long count, Values values) {
         double[] at(long number);
     }
 
-    /** Reads the value of {@code repeat}. Empty, with a problem noted, if it is wrong. */
+    /**
+     * Reads the value of the key {@code repeat}. Empty, with a problem noted, if the value is
+     * wrong.
+     */
     static Optional<Repetition> read(Node node, SourceFiles files, Problems problems)
             throws WorldFileException {
         if (node.text().isPresent()) {
@@ -37,7 +40,8 @@ record Repetition(List<String> variables, long count, Values values) {
     }
 
     /**
-     * Reads a grid: all combinations of several indices, in which the last index changes fastest.
+     * Reads a grid: one repetition for each combination of several indices; the last index changes
+     * fastest.
      */
     private static Optional<Repetition> grid(Node node, Problems problems) {
         List<String> names = node.children().stream().map(Node::key).toList();

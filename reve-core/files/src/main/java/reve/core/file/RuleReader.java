@@ -20,7 +20,7 @@ import java.util.Optional;
 
 /** Reader of the types of semantic symbols, and of the rules that compute them. */
 final class RuleReader {
-    /** Maximum number of rules of one world, and of symbols whose type it declares. */
+    /** Maximum number of rules of one world, and also of symbols with a declared type. */
     static final int MAX_RULES = 1000;
 
     private final Problems problems;
@@ -183,7 +183,9 @@ final class RuleReader {
         }
     }
 
-    /** Requires the same of rules of which one was changed, at the node of that rule. */
+    /**
+     * Requires the same after a change of one rule, and notes the problem at the node of this rule.
+     */
     static void requireOrder(List<Rule> rules, Node changed, Problems problems) {
         Map<String, Node> nodes = new HashMap<>();
         rules.forEach(rule -> nodes.put(rule.symbol(), changed));

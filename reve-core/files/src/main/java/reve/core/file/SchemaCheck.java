@@ -30,8 +30,8 @@ import java.util.regex.Pattern;
 import java.util.stream.Collectors;
 
 /**
- * Check of a file's form against the shipped schema. It translates the findings of the schema
- * library into messages at the position in the file.
+ * Check of a world file against the JSON schema of world files. Translates the errors of the schema
+ * library into messages with the position in the file.
  */
 final class SchemaCheck {
     private static final String RESOURCE = "/reve-world.schema.json";
@@ -47,7 +47,8 @@ final class SchemaCheck {
     private static final Schema ITEM = REGISTRY.getSchema(SchemaLocation.of(ID + "#/$defs/item"));
 
     /**
-     * One more than the maximum number of elements of any list whose elements the schema describes.
+     * Number of elements of a list that are checked: one more than the schema permits in any list
+     * whose elements it describes.
      */
     private static final int MAX_ELEMENTS = 10_001;
 
@@ -77,17 +78,17 @@ final class SchemaCheck {
         this.problems = problems;
     }
 
-    /** Notes all errors of form in a world file. */
+    /** Notes all violations of the schema in a world file. */
     static void check(Node root, Problems problems) throws WorldFileException {
         new SchemaCheck(problems).check(root, FILE);
     }
 
-    /** Checks an included file, as {@link #check}. */
+    /** Checks an included file, like {@link #check}. */
     static void checkPart(Node root, Problems problems) throws WorldFileException {
         new SchemaCheck(problems).check(root, PART);
     }
 
-    /** Checks a single item, as {@link #check}. */
+    /** Checks a single item, like {@link #check}. */
     static void checkItem(Node item, Problems problems) throws WorldFileException {
         var check = new SchemaCheck(problems);
         check.report(ITEM.validate(toJson(item, Optional.empty())), item);
@@ -95,8 +96,8 @@ final class SchemaCheck {
     }
 
     /**
-     * Checks a file. Items are checked one by one, because there may be many and the report is
-     * limited.
+     * Checks a file. Checks its items one by one, so that the check of many items ends when the
+     * report is full.
      */
     private void check(Node root, Schema schema) throws WorldFileException {
         ObjectNode withoutItems = (ObjectNode) toJson(root, root.get("items").filter(Node::isList));
@@ -175,8 +176,8 @@ final class SchemaCheck {
     }
 
     /**
-     * Explains a decimal comma: in braces, {@code mass: 0,5} is a mass of 0, and a key 5 without a
-     * value.
+     * Notes a decimal comma, if the error is one: in braces, YAML reads {@code mass: 0,5} as a mass
+     * of 0 and a key 5 without a value.
      */
     private boolean tellsOfDecimalComma(Node base, Error error, Node node) {
         boolean comma =
@@ -195,7 +196,10 @@ final class SchemaCheck {
         return comma;
     }
 
-    /** Returns the mapping of a node, at which the library reports unknown keys. */
+    /**
+     * Returns the mapping that contains the node; the library reports an unknown key at its
+     * mapping.
+     */
     private static Node mapping(Node base, Error error, Node node) {
         Node reported = resolve(base, error.getInstanceLocation());
         return reported == node ? resolve(base, error.getInstanceLocation().getParent()) : reported;
@@ -311,8 +315,8 @@ final class SchemaCheck {
     }
 
     /**
-     * Converts the values for the library. Copies only the first elements of long lists, and {@code
-     * emptied} as an empty list.
+     * Converts a node into the JSON tree of the schema library. Copies only the first elements of
+     * long lists, and the list {@code emptied} as an empty list.
      */
     private static JsonNode toJson(Node node, Optional<Node> emptied) {
         JsonNodeFactory json = JsonNodeFactory.instance;
@@ -342,8 +346,8 @@ final class SchemaCheck {
     }
 
     /**
-     * Returns whether a whole number exceeds 64 bits; the library must be told, or it compares with
-     * overflow.
+     * Returns whether a number is whole and exceeds 64 bits. The library must get it as a big
+     * integer, because its comparison would overflow.
      */
     private static boolean isWholeBeyondLong(double number) {
         return Double.isFinite(number) && Math.abs(number) >= 0x1p63;

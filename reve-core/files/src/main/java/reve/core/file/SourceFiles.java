@@ -13,13 +13,13 @@ import java.util.Objects;
 import java.util.Optional;
 
 /**
- * The text files of a world: the world file, and the files in its folder that it names, directly or
- * not. Their total size is limited.
+ * The text files of a world: the world file, and the files in its folder that it names directly or
+ * through other files. Their total size is limited.
  */
 final class SourceFiles {
     private final WorldFolder folder;
 
-    /** The folder as in the given name of the world file; null for none. */
+    /** The folder in the name of the world file as the user gave it; null if this name has none. */
     private final @Nullable Path named;
 
     private final Allowance bytes = new Allowance(SourceText.MAX_BYTES);
@@ -27,12 +27,12 @@ final class SourceFiles {
     /**
      * A file in the folder.
      *
-     * @param name for messages, relative to the same folder as the world file's name
+     * @param name name for messages, relative to the same folder as the world file's name
      */
     record Source(String name, Path path) {}
 
     /**
-     * @param worldFile name for messages
+     * @param worldFile name of the world file for messages
      */
     SourceFiles(WorldFolder folder, String worldFile) {
         this.folder = folder;
@@ -40,8 +40,8 @@ final class SourceFiles {
     }
 
     /**
-     * Returns the file that a text names. Empty, with a problem noted, if the folder has no such
-     * file.
+     * Returns the file that the text of a node names. Empty, with a problem noted, if the folder
+     * has no such file.
      */
     Optional<Source> find(Node node, Problems problems) {
         Optional<String> text = node.text();
@@ -83,14 +83,17 @@ final class SourceFiles {
     }
 
     /**
-     * Reads the text of the world file, which may be anywhere; otherwise as {@link #read(Source,
+     * Reads the text of the world file, which may be anywhere; otherwise like {@link #read(Source,
      * Problems)}.
      */
     String read(Path worldFile, Problems problems) throws WorldFileException, IOException {
         return SourceText.read(worldFile, problems, bytes);
     }
 
-    /** Decodes the text of a world file that is already in memory; it counts towards the limit. */
+    /**
+     * Decodes the text of a world file that is already in memory; its size counts towards the
+     * limit.
+     */
     String decode(byte[] content, Problems problems) throws WorldFileException {
         return SourceText.decode(content, problems, bytes);
     }

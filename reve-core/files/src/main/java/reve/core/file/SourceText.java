@@ -11,14 +11,17 @@ import java.nio.charset.StandardCharsets;
 import java.nio.file.Files;
 import java.nio.file.Path;
 
-/** Reader of a file's text; refuses files that no parser should receive. */
+/**
+ * Reader of a file's text; refuses files that are too large or not UTF-8, or that would take the
+ * parser too long.
+ */
 final class SourceText {
     /** Maximum size of a world file with all included files [bytes]. */
     static final int MAX_BYTES = 16 << 20;
 
     /**
-     * Maximum length of a part without any of {@link #BREAKS} [characters]; longer parts take a
-     * parser seconds.
+     * Maximum length of a stretch of text without any of the {@link #BREAKS} [characters]; for a
+     * longer stretch the parser needs seconds.
      */
     static final int MAX_STRETCH = 65_536;
 
@@ -29,7 +32,7 @@ final class SourceText {
     /**
      * Reads a regular UTF-8 file.
      *
-     * @param bytes remaining number of bytes
+     * @param bytes number of bytes that may still be read
      * @throws IOException if the system cannot read it
      */
     static String read(Path path, Problems problems, Allowance bytes)
@@ -46,7 +49,8 @@ final class SourceText {
                             : "not a regular file");
         }
         try (InputStream in = Files.newInputStream(path)) {
-            // A file without a size, such as /proc/kmsg, could block for ever.
+            // Reads no more than the stated size: a file with size 0, such as /proc/kmsg, could
+            // block for ever.
             int size = (int) Math.min(Files.size(path), MAX_BYTES + 1L);
             return decode(in.readNBytes(size), problems, bytes);
         }
@@ -91,7 +95,7 @@ final class SourceText {
         }
     }
 
-    /** Returns a problem at the end of the given beginning of a file. */
+    /** Returns an exception whose position is the end of {@code text}, the beginning of a file. */
     private static WorldFileException atEnd(CharSequence text, Problems problems, String message) {
         int line = 1;
         int column = 1;

@@ -10,35 +10,40 @@ import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 
 /**
- * An item whose texts contain formulas in braces: {@code node-{i+1}}. A text that consists of one
- * formula becomes its number or list of numbers. {@code {{} and {@code }}} are literal braces.
+ * A repeated item whose texts contain formulas in braces: {@code node-{i+1}}. A text that consists
+ * of one formula becomes the number or list of numbers that the formula gives. {@code {{} and
+ * {@code }}} are literal braces.
  */
 final class Template {
     /** Maximum length of a text that formulas produce [characters]. */
     static final int MAX_TEXT = 4096;
 
-    /** Number of characters of a text with formulas that cost as much as one formula. */
+    /** Number of characters of a text that count as much as one formula in {@link #formulas}. */
     private static final int CHARACTERS_OF_A_FORMULA = 64;
 
     private static final Pattern PIECE =
             Pattern.compile("(\\{\\{|\\}\\})|\\{([^{}]*)\\}|([{}])|[^{}]+");
 
-    /** Number of values of a mapping or list that are copied without being counted. */
+    /**
+     * Number of values of a mapping or list that do not count in {@link #size} when they are
+     * copied.
+     */
     private static final int FREE_CHILDREN = 8;
 
-    /** Creates one value of the item. */
+    /** Creates one value of the item for a repetition. */
     private interface Maker {
         Node make(double[] variables, long number);
     }
 
-    /** A value that formulas give. */
+    /** A value of the item that formulas give, and the name of its aspect. */
     private record Part(String aspect, Maker maker) {}
 
     /**
-     * The result of formulas in one repetition.
+     * A value that formulas give, in one repetition.
      *
-     * @param aspect the mapping of the item that contains the value; empty for the item's own
-     * @param value under its key
+     * @param aspect name of the aspect that contains the value; empty for a value of the item
+     *     itself, such as the name
+     * @param value node with the key and the value
      */
     record Made(String aspect, Node value) {}
 
@@ -58,13 +63,14 @@ final class Template {
         this.maker = item(item);
     }
 
-    /** Returns the number of values that are created or copied for each item. */
+    /** Returns the number of values that are created or copied for each repetition. */
     int size() {
         return made;
     }
 
     /**
-     * Returns the cost of each item in formula evaluations; long formulas and long texts cost more.
+     * Returns the cost of each repetition in formula evaluations; a long formula or text counts as
+     * several.
      */
     long formulas() {
         return formulas;
@@ -73,14 +79,14 @@ final class Template {
     /**
      * Returns the item of one repetition; notes a problem where a formula has no value.
      *
-     * @param values of the variables
-     * @param number of the repetition, from 0
+     * @param values values of the variables
+     * @param number number of the repetition, from 0
      */
     Node make(double[] values, long number) {
         return maker.make(values, number);
     }
 
-    /** Returns, as {@link #make}, only the parts that differ between repetitions. */
+    /** Returns only the values of a repetition that formulas give, otherwise like {@link #make}. */
     List<Made> makeParts(double[] values, long number) {
         List<Made> all = new ArrayList<>(parts.size());
         for (Part part : parts) {
@@ -244,8 +250,8 @@ final class Template {
     }
 
     /**
-     * Returns finite numbers. Notes a problem and returns 1 if a formula has no value, so that the
-     * rest is still checked.
+     * Returns the value of a formula, finite numbers. If it has none, notes a problem and returns
+     * 1, so that the rest of the item is still checked.
      */
     private double[] value(Node node, Formula formula, double[] variableValues, long repetition) {
         String wrong;

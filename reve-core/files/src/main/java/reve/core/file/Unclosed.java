@@ -9,15 +9,15 @@ import java.util.Optional;
 
 /**
  * Search for a quote or bracket that was not closed. A YAML parser reports only where it failed,
- * which may be the end of the file. Understands quotes, comments, brackets and block texts only.
+ * which may be the end of the file. Recognizes only quotes, comments, brackets and block texts.
  */
 final class Unclosed {
     /**
-     * A quote or bracket.
+     * An opening quote or bracket.
      *
-     * @param line from 1
-     * @param column from 1
-     * @param indent of its line
+     * @param line its line, from 1
+     * @param column its column, from 1
+     * @param indent spaces at the start of its line
      */
     record Opening(char sign, int line, int column, int indent) {}
 
@@ -27,10 +27,10 @@ final class Unclosed {
     private int line = 1;
     private int lineStart;
 
-    /** Indent of the current line; -1 until it is computed. */
+    /** Number of spaces at the start of the current line; -1 until it is computed. */
     private int indent = -1;
 
-    /** The last quoted text, if it spans several lines. */
+    /** Start of the last quoted text, if it spans several lines. */
     private @Nullable Opening quote;
 
     private int quoteEnd;
@@ -42,8 +42,8 @@ final class Unclosed {
     /**
      * Returns the quote or bracket that is open where a parser failed.
      *
-     * @param problemLine from 1
-     * @param problemColumn from 1
+     * @param problemLine line of the failure, from 1
+     * @param problemColumn column of the failure, from 1
      */
     static Optional<Opening> find(String text, int problemLine, int problemColumn) {
         var scan = new Unclosed(text);

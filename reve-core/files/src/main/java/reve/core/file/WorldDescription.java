@@ -25,17 +25,18 @@ import java.util.Optional;
  * from it.
  *
  * @param doc description of the world for human readers; may be empty
- * @param age frames of simulated time before the world begins
- * @param laws in loading order
+ * @param age number of frames that the world has made before, if it was saved; see {@link
+ *     World#age}
+ * @param laws references to the required laws, in loading order
  * @param constants values of the properties of the item {@code world}, by name [the property's
  *     unit]
- * @param camera viewpoint of pictures; empty fits them to the bodies
- * @param rules that compute symbols, in order of evaluation
- * @param ruleSteps maximum number of steps of all rules in one frame
+ * @param camera viewpoint of pictures; if empty, pictures show all bodies
+ * @param rules rules that compute symbols, in the order of evaluation
+ * @param ruleSteps maximum number of evaluation steps of all rules in one frame
  * @param items in the order of the file; they may refer to each other
- * @param forces on items, in the order of summation
+ * @param forces forces of actions that still act on items, in the order in which they are added up
  * @param warnings about the file
- * @param places of items and constants in the file
+ * @param places positions of items and constants in the file, for warnings
  * @param threads maximum number of threads that laws share; results do not depend on it
  */
 public record WorldDescription(
@@ -205,8 +206,8 @@ public record WorldDescription(
     }
 
     /**
-     * Returns the lasting forces, without those on items that were removed or are scenery now; they
-     * end with the next frame.
+     * Returns the forces that still act, without those on items that were removed or lost their
+     * physics, which end with the next frame.
      */
     private static List<LastingForce> forcesIn(World world) {
         List<LastingForce> forces = new ArrayList<>();
@@ -224,8 +225,8 @@ public record WorldDescription(
 
     /**
      * Returns all items except {@code world}. Adding them in this order to an empty world of the
-     * same prototype gives each item with a physics aspect its current row. The order is by id as
-     * far as the rows permit.
+     * same prototype gives each item with a physics aspect its current row. The order is by id
+     * where the rows permit it.
      */
     private static List<Item> inOrderOfRows(World world) {
         Map<String, Integer> rows = new HashMap<>();

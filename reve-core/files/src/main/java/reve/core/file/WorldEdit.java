@@ -23,11 +23,11 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * A change of a running world's items, in the words of world files: the edits of operators. {@link
- * EditReader} reads them. Immutable.
+ * A change of a running world's items that an operator requests, with values in the form of world
+ * files. {@link EditReader} reads them. Immutable.
  */
 public sealed interface WorldEdit {
-    /** Code of a refusal by the world. */
+    /** Code of the refusal of an edit by the world, for programs. */
     String REFUSED = "edit-refused";
 
     /** Adds items, which may refer to each other and to items of the world. */
@@ -38,19 +38,22 @@ public sealed interface WorldEdit {
         }
     }
 
-    /** Removes an item; in cascade, also all items that refer to it or are attached to it. */
+    /**
+     * Removes an item; if {@code cascade} is true, also all items that refer to it or are attached
+     * to it.
+     */
     record Remove(String item, boolean cascade) implements WorldEdit {}
 
     /**
      * Changes an item.
      *
-     * @param item its name
-     * @param values the new values, as of an item
-     * @param set what to take from the values, in the order of the message: {@code name}, {@code
+     * @param item name of the item
+     * @param values the new values, in the form of an item
+     * @param set names of the values that change, in the order of the message: {@code name}, {@code
      *     parent}, {@code physical.shape}, {@code physics.mass}, {@code semantic.SYMBOL}, {@code
      *     access.ACTION}
-     * @param cleared what the item loses: {@code parent}, {@code physics}, {@code
-     *     physical.material}, {@code semantic.SYMBOL}, {@code access.ACTION}
+     * @param cleared names of the values that the item loses: {@code parent}, {@code physics},
+     *     {@code physical.material}, {@code semantic.SYMBOL}, {@code access.ACTION}
      */
     record Change(String item, ItemDefinition values, List<String> set, List<String> cleared)
             implements WorldEdit {
@@ -62,12 +65,12 @@ public sealed interface WorldEdit {
     }
 
     /**
-     * Makes edits in their order, all of them or none. Several edits are first tried on a copy of
-     * the world, which costs two bulk copies of its columns. World's thread, outside PHYSICS.
+     * Makes edits in their order, all of them or none. First tries several edits on a copy of the
+     * world, which takes two bulk copies of the columns. World's thread, outside the phase PHYSICS.
      *
-     * @param kept items that must stay, such as the bodies of agents
-     * @param between called when the edits are known to be possible, and before they are made; it
-     *     may refuse them
+     * @param kept ids of items that no edit may remove, such as the bodies of agents
+     * @param between called after the edits were found to be possible and before they are made; an
+     *     exception of it refuses them
      * @throws ActionRefused with the reason; the world is then unchanged
      */
     static void make(World world, List<WorldEdit> edits, Collection<ItemId> kept, Step between)

@@ -41,11 +41,11 @@ public final class WorldFile {
     }
 
     /**
-     * Reads and checks a file as {@link #load(Path)}.
+     * Reads and checks a file like {@link #load(Path)}.
      *
-     * @param shown name of the file in problems
+     * @param shown name of the file for problems
      * @param found receives the paths of the files that the world file names, relative to its
-     *     folder and separated by {@code /}; a file may come more than once
+     *     folder and separated by {@code /}; the same path may be passed several times
      */
     public static WorldDescription load(Path path, String shown, Consumer<String> found)
             throws WorldFileException, IOException {
@@ -56,17 +56,18 @@ public final class WorldFile {
     }
 
     /**
-     * Reads the {@value #NAME} of a folder, as {@link #load}. Neither the file nor the files that
-     * it names may be outside the folder, because the user chose only the folder.
+     * Reads the file {@value #NAME} of a folder, like {@link #load}. Neither the file nor the files
+     * that it names may be outside the folder, because the user chose only the folder.
      *
-     * @throws WorldFileException if it is a link out of the folder, or not a regular file
+     * @throws WorldFileException also if the world file is a link out of the folder, or no regular
+     *     file
      */
     public static WorldDescription loadFolder(Path folder) throws WorldFileException, IOException {
         return loadFolder(folder, _ -> {});
     }
 
     /**
-     * As {@link #loadFolder(Path)}.
+     * Reads a folder like {@link #loadFolder(Path)}.
      *
      * @param found as in {@link #load(Path, String, Consumer)}
      */
@@ -82,9 +83,9 @@ public final class WorldFile {
     }
 
     /**
-     * Reads and checks the bytes of a file, which cannot refer to other files.
+     * Reads and checks the content of a world file, which cannot refer to other files.
      *
-     * @param name of the file in problems
+     * @param name name of the file for problems
      * @throws WorldFileException as {@link #load}
      */
     public static WorldDescription parse(String name, byte[] content) throws WorldFileException {
@@ -94,8 +95,8 @@ public final class WorldFile {
     }
 
     /**
-     * Writes a world file atomically; {@link #load} reads it back to the bit. The names of models
-     * and images stay relative to the folder of the original world file.
+     * Writes a world file atomically; {@link #load} reads it back to the bit. The paths of meshes
+     * and images in the text stay relative to the folder of the original world file.
      *
      * @throws IllegalArgumentException naming what a world file cannot express, for example a world
      *     that is too large
@@ -125,19 +126,19 @@ public final class WorldFile {
         }
     }
 
-    /** Reads an item that uses no files. */
+    /** Reads and checks an item that uses no mesh or texture files. */
     public static ItemDefinition parseItem(String name, String text, WorldPrototype prototype)
             throws WorldFileException {
         return parseItem(name, text, prototype, new Assets(WorldFolder.none()));
     }
 
     /**
-     * Reads and checks text of an {@link ItemWriter}. Referenced items need not exist; actions may
-     * assume that the item has a physics aspect.
+     * Reads and checks the text of an item that an {@link ItemWriter} wrote. Referenced items need
+     * not exist, and actions may use physics properties even if the item has no physics aspect.
      *
-     * @param name of the text in problems
+     * @param name name of the text for problems
      * @param prototype of the item's world
-     * @param assets source of its mesh and texture
+     * @param assets source of the item's mesh and texture
      * @throws WorldFileException as {@link #load}
      */
     public static ItemDefinition parseItem(

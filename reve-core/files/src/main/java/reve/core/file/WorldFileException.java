@@ -5,8 +5,8 @@ import java.util.List;
 import java.util.stream.Collectors;
 
 /**
- * The refusal of a world file. Its message contains all problems, one per line, in the order of the
- * file.
+ * Reports that a world file was refused. Its message contains all problems, one per line, in the
+ * order of the file.
  */
 public final class WorldFileException extends Exception {
     private static final long serialVersionUID = 1L;

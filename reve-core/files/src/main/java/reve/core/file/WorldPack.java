@@ -32,7 +32,7 @@ import java.util.zip.ZipOutputStream;
  * state between calls.
  */
 public final class WorldPack {
-    /** End of the name of a pack. */
+    /** Ending of the file name of a pack. */
     public static final String ENDING = ".reve";
 
     /** Maximum number of files of a pack. */
@@ -56,7 +56,7 @@ public final class WorldPack {
 
     private WorldPack() {}
 
-    /** Returns whether a file is to be opened as a pack: by its name, or its first bytes. */
+    /** Returns whether a file is a pack according to its name or its first bytes. */
     public static boolean isPack(Path file) {
         if (!Files.isRegularFile(file)) {
             return false;
@@ -68,7 +68,7 @@ public final class WorldPack {
             byte[] begin = in.readNBytes(Integer.BYTES);
             return begin.length == Integer.BYTES && little(begin).getInt() == FIRST_SIGNATURE;
         } catch (IOException unreadable) {
-            return false; // the reader of world files reports it
+            return false; // the reader of world files will report that it is unreadable
         }
     }
 
@@ -76,7 +76,8 @@ public final class WorldPack {
      * Writes a pack atomically.
      *
      * @param files by their names in the pack, separated by {@code /}
-     * @throws PackException if they exceed the limits, or two names could become one
+     * @throws PackException if the files exceed the limits, or some file system could treat two
+     *     names as one
      */
     public static void write(Path pack, SortedMap<String, Path> files) throws IOException {
         var names = new PackNames(pack);
@@ -113,10 +114,11 @@ public final class WorldPack {
     }
 
     /**
-     * Writes the files of a pack into an empty folder. After a failure some may be there.
+     * Writes the files of a pack into an empty folder. After a failure the folder may contain some
+     * of them.
      *
-     * @throws PackException if the pack is damaged, exceeds the limits, has no world file, or names
-     *     something outside of itself
+     * @throws PackException if the pack is damaged, exceeds the limits, has no world file, or
+     *     contains a name that leads out of the folder
      */
     public static void unpack(Path pack, Path folder) throws IOException {
         requireForm(pack);
@@ -142,7 +144,9 @@ public final class WorldPack {
         }
     }
 
-    /** Writes one file. Trusts neither its stated size nor its content. */
+    /**
+     * Writes one file of a pack; checks the number of bytes that it really has against the limits.
+     */
     private static void extract(
             Path pack, ZipFile zip, ZipEntry entry, Path folder, PackNames names)
             throws IOException {
@@ -167,7 +171,7 @@ public final class WorldPack {
 
     /**
      * Checks the list of files at the end of a pack before a library reads it into memory: its
-     * size, and that it has nothing but files and folders.
+     * size, and that all its entries are files or folders.
      */
     private static void requireForm(Path pack) throws IOException {
         try (FileChannel file = FileChannel.open(pack)) {
@@ -224,7 +228,7 @@ public final class WorldPack {
         byte[] bytes = new byte[count];
         ByteBuffer into = ByteBuffer.wrap(bytes);
         while (into.hasRemaining() && file.read(into, place + into.position()) >= 0) {
-            // reads on until all bytes are there
+            // read() may return fewer bytes than requested: read until all are there
         }
         return little(bytes);
     }

@@ -20,7 +20,10 @@ import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 import java.util.stream.Stream;
 
-/** Reader of a whole file after the schema check; it checks what the schema cannot express. */
+/**
+ * Reader of a whole world file after the schema check; checks the conditions that the schema cannot
+ * express.
+ */
 final class WorldReader {
     private static final Pattern FIRST_LAW =
             Pattern.compile("(?m)^law[ \\t]+([A-Za-z_][A-Za-z0-9_]{0,46})");
@@ -183,15 +186,18 @@ final class WorldReader {
         return laws;
     }
 
-    /** Returns the name of the first law of a text; the engine reports a text without one. */
+    /**
+     * Returns the name of the first law in a text; for a text without a law, the physics engine
+     * reports the error.
+     */
     private static String nameInText(String text) {
         Matcher name = FIRST_LAW.matcher(text);
         return name.find() ? name.group(1) : "text";
     }
 
     /**
-     * Reads a law and converts its parameters to SI units. Only the law knows which parameters it
-     * has.
+     * Reads a law and converts its parameters to SI units. Does not check the names of parameters,
+     * which only the loaded law knows.
      */
     private LawReference law(
             String name, Optional<String> text, Node law, String place, PhysicsReader physics) {

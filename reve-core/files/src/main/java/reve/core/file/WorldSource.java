@@ -13,7 +13,8 @@ import java.util.Optional;
 import java.util.Set;
 
 /**
- * A world file with its included files, direct or not, each once, after the schema check.
+ * A world file with its included files, also those included by others, each once, after the schema
+ * check.
  *
  * @param world the outermost mapping of the world file
  * @param parts the outermost mappings of all files; an included file precedes the including one
@@ -36,23 +37,23 @@ record WorldSource(Node world, List<Node> parts, SourceFiles files) {
         return reader.read(text);
     }
 
-    /** Reads a world that is not in a file, and can therefore include none. */
+    /** Reads a world that is not in a file and can therefore not include files. */
     static WorldSource parse(byte[] content, Problems problems) throws WorldFileException {
         var reader = new Reader(WorldFolder.none(), problems);
         return reader.read(reader.files.decode(content, problems));
     }
 
-    /** Returns the value of a key in each file that has it. */
+    /** Returns the value of a top-level key in each file that has the key. */
     List<Node> each(String key) {
         return parts.stream().map(part -> part.get(key)).flatMap(Optional::stream).toList();
     }
 
-    /** Returns the elements under a key in all files. */
+    /** Returns the elements of the values under a top-level key, in all files. */
     List<Node> all(String key) {
         return each(key).stream().flatMap(node -> node.children().stream()).toList();
     }
 
-    /** Returns the named values under a key in all files. */
+    /** Returns the values of the mappings under a top-level key, in all files. */
     List<Node> named(String key) {
         return each(key).stream()
                 .filter(Node::isMapping)
@@ -66,7 +67,10 @@ record WorldSource(Node world, List<Node> parts, SourceFiles files) {
         private final Allowance values = new Allowance(YamlReader.MAX_VALUES);
         private final List<Node> parts = new ArrayList<>();
 
-        /** Real paths of the files in progress, the innermost last. */
+        /**
+         * Real paths of the files that are being read, each included by the one before it, to find
+         * cycles.
+         */
         private final Set<Path> open = new LinkedHashSet<>();
 
         private final Set<Path> done = new HashSet<>();

@@ -19,10 +19,10 @@ import java.util.Optional;
 /**
  * Writer of a world as text of one world file. The same world always gives the same text, and
  * reading it restores the world to the bit. Prefabs, repetitions and included files are expanded;
- * models and images stay separate files.
+ * meshes and images stay separate files.
  */
 public final class WorldWriter {
-    /** Maximum number of forces, as in the schema. */
+    /** Maximum number of forces in a world file, as the schema states it. */
     private static final int MAX_FORCES = 10_000;
 
     private final WorldDescription world;
@@ -165,7 +165,10 @@ public final class WorldWriter {
         return tree;
     }
 
-    /** Returns the property's type; empty for the prototype's own real type. */
+    /**
+     * Returns the name of a property's type for the file; empty if it is the prototype's real type,
+     * the default.
+     */
     private Optional<String> type(PropertyDescriptor property) {
         if (property.type() == world.prototype().realType()) {
             return Optional.empty();

@@ -32,8 +32,9 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * Reader of text to {@link Node}s: one YAML 1.2 document of mappings, lists and scalars. Surprising
- * or dangerous features of YAML are refused: aliases, tags, several documents, deep nesting.
+ * Parser of a text, one YAML 1.2 document of mappings, lists and scalars, into {@link Node}s.
+ * Surprising or dangerous features of YAML are refused: aliases, tags, several documents, deep
+ * nesting.
  */
 final class YamlReader {
     /** Maximum nesting of mappings and lists. */
@@ -43,8 +44,8 @@ final class YamlReader {
     static final int MAX_VALUES = 2_000_000;
 
     /**
-     * Maximum number of these values outside {@code items}, so that useless files are refused
-     * early.
+     * Maximum number of these values outside the key {@code items}, so that files without items are
+     * refused early.
      */
     static final int MAX_OTHER_VALUES = 500_000;
 
@@ -55,17 +56,24 @@ final class YamlReader {
     static final int MAX_TEXT_LENGTH = 65_536;
 
     /**
-     * Maximum size of a piece that is read at once [characters]. The scanner copies the unread rest
-     * for each piece, so its default piece size takes quadratic time in the length of a token.
+     * Maximum size of the YAML library's buffer [characters]. The library copies the unread rest
+     * for each refill, so with its small default buffer the time grows with the square of a token's
+     * length.
      */
     private static final int MAX_PIECE = 1 << 20;
 
     private static final int MIN_PIECE = 1024;
 
-    /** Maximum length of part of a parser message, which may quote the file [characters]. */
+    /**
+     * Maximum length of each half of a message of the YAML library, which may quote the file
+     * [characters].
+     */
     private static final int MAX_QUOTE = 200;
 
-    /** Values that begin with an unused YAML indicator, as the parser names them. */
+    /**
+     * Explanations of indicators that this reader refuses at the start of a value, by the words of
+     * the YAML library for them.
+     */
     private static final Map<String, String> SIGNS =
             Map.of(
                     " tag",
@@ -88,17 +96,20 @@ final class YamlReader {
 
     private @Nullable Node root;
 
-    /** A key whose value follows. */
+    /** The key or list element whose value is read next. */
     private Node.@Nullable Slot waiting;
 
-    /** Start of the last event. */
+    /** Start of the last event of the YAML library. */
     private Optional<Mark> taken = Optional.empty();
 
     private int documents;
     private boolean inItems;
     private int others;
 
-    /** Position of the last text lookup, in code points and in characters. */
+    /**
+     * Position of the last call of {@link #offset}, in code points; the next field has it in
+     * characters.
+     */
     private int passedPoints;
 
     private int passed;
@@ -114,7 +125,7 @@ final class YamlReader {
      * Returns the outermost mapping of the text. Notes duplicate keys and numbers that are not
      * finite in {@code problems}, and continues.
      *
-     * @param values remaining number of values
+     * @param values number of values that may still be read
      * @throws WorldFileException if reading cannot continue: syntax, limits, refused YAML features
      */
     static Node read(String text, Problems problems, Allowance values) throws WorldFileException {
@@ -149,14 +160,14 @@ final class YamlReader {
         return reader.requireRoot();
     }
 
-    /** Reads stored text, as {@link #read}; texts may contain unpaired surrogates. */
+    /** Reads the text of a store file, like {@link #read}, but accepts unpaired surrogates. */
     static Node readKept(String text, Problems problems) throws WorldFileException {
         return read(text, problems, new Allowance(MAX_VALUES), true);
     }
 
     /**
-     * A reader that leaves one place of the buffer free. The library puts the second half of a
-     * surrogate pair there if the buffer would end between the halves.
+     * A reader that leaves one character of the buffer free, for the YAML library: it appends the
+     * second half of a surrogate pair if the buffer ends between the halves.
      */
     private static final class WholeCharacters extends StringReader {
         WholeCharacters(String text) {
@@ -194,7 +205,7 @@ final class YamlReader {
                 takeScalar(scalar);
             }
             case CollectionEndEvent end -> open.removeLast();
-            default -> {} // start and end of the stream and of its document
+            default -> {} // events without content: start and end of the stream and of the document
         }
     }
 
@@ -269,7 +280,10 @@ final class YamlReader {
         }
     }
 
-    /** Resolves a plain scalar by YAML's core schema: a number, a boolean, null, or text. */
+    /**
+     * Returns the value of an unquoted scalar by YAML's core schema: a number, a boolean, null, or
+     * text.
+     */
     private @Nullable Object resolve(ScalarEvent scalar) {
         String text = scalar.getValue();
         Tag tag = resolver.resolve(text, true);
@@ -390,7 +404,7 @@ final class YamlReader {
                 message);
     }
 
-    /** Returns a problem at the first invalid escape from a position on. */
+    /** Returns the problem of the first invalid escape at or after a position. */
     private Problem noCharacter(Optional<Mark> from) {
         int begin = offset(from);
         Optional<Escapes.Wrong> wrong = Escapes.find(text, begin);
@@ -414,8 +428,8 @@ final class YamlReader {
     }
 
     /**
-     * Returns the character offset of a mark. Continues from the last lookup, because marks only
-     * increase.
+     * Converts a position of the YAML library, in code points, into characters. Counts from the
+     * last position, because positions only increase.
      */
     private int offset(Optional<Mark> mark) {
         int points = mark.map(Mark::getIndex).orElse(0);
@@ -455,7 +469,7 @@ final class YamlReader {
                         + (comment ? "; a # begins a comment unless it is in quotes" : ""));
     }
 
-    /** Joins the parser's two half sentences, without its excerpt of the line. */
+    /** Joins the two halves of the library's message, without its excerpt of the line. */
     private static String sentence(MarkedYamlEngineException syntax) {
         String context = syntax.getContext();
         String problem =

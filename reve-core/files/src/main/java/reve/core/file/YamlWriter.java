@@ -27,8 +27,8 @@ import java.util.Optional;
 
 /**
  * Writer of mappings, lists, texts, numbers and booleans as YAML that {@link YamlReader} reads back
- * to the bit. The same values always give the same text. A value that contains a mapping is written
- * on several lines, any other value on one.
+ * to the bit. The same values always give the same text. Writes a value that contains a mapping on
+ * several lines, and any other value on one line.
  */
 final class YamlWriter {
     private static final int WIDTH = 100;
@@ -63,7 +63,7 @@ final class YamlWriter {
                         });
     }
 
-    /** The text of a number in lists and mappings. */
+    /** A number in the tree, as the text to be written. */
     record Numeral(String text) {
         /** Returns the shortest text that is read as exactly this number. */
         static Numeral of(double value) {
@@ -86,7 +86,7 @@ final class YamlWriter {
      * Returns the YAML of a tree.
      *
      * @param tree maps with texts as keys, collections, String, Boolean and {@link Numeral}
-     * @throws IllegalArgumentException if the reader's limit of values is exceeded
+     * @throws IllegalArgumentException if the tree has more values than {@link YamlReader} accepts
      */
     static String write(Map<String, ?> tree) {
         var out = new StringBuilder();
@@ -152,7 +152,7 @@ final class YamlWriter {
         scalar(text, NO_TAG, ScalarStyle.PLAIN);
     }
 
-    /** A text of several lines, written as it is. */
+    /** A text of several lines, written unchanged as a YAML block text. */
     record Lines(String text) {}
 
     /** Writes a text, quoted if it would otherwise be read as a number, a boolean or null. */
@@ -166,7 +166,7 @@ final class YamlWriter {
         }
     }
 
-    /** Returns whether a character is visible and the same for every reader. */
+    /** Returns whether a character is visible and every YAML reader accepts it unescaped. */
     private static boolean isPlain(int codePoint) {
         return codePoint >= ' ' && codePoint <= '~' || Character.isLetterOrDigit(codePoint);
     }

@@ -30,7 +30,10 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 
-/** The codec of a world's changes as JSON, to repeat them on an equal world. One thread. */
+/**
+ * The codec of {@link WorldChange}s as JSON, with which a journal repeats the changes on an equal
+ * world. One thread.
+ */
 public final class ChangeCodec {
 
     private final ItemTexts texts;
@@ -45,10 +48,10 @@ public final class ChangeCodec {
     /**
      * Encodes a change.
      *
-     * @param columnRows rows of a directly edited column after the change, null for any other
-     *     change
-     * @throws IllegalArgumentException if an item of the change cannot be written, or if only an
-     *     image can describe the new world
+     * @param columnRows bytes of all rows of a directly edited column, after the change; null for
+     *     any other change
+     * @throws IllegalArgumentException if an item of the change cannot be written, or if the change
+     *     restored the world, which only an image describes
      */
     public Map<String, Object> write(WorldChange change, byte @Nullable [] columnRows) {
         return switch (change) {
@@ -94,7 +97,7 @@ public final class ChangeCodec {
     }
 
     /**
-     * Repeats a change. World's thread, in a phase where the structure may change.
+     * Repeats a change. World's thread, in a phase that permits adding and removing items.
      *
      * @throws CorruptException if the change has no meaning in this world
      */
@@ -245,7 +248,9 @@ public final class ChangeCodec {
 
     private static void editPhysics(Item item, String property, JsonNode to) {
         if (to.isMissingNode()) {
-            item.physics().clear(); // each property follows as its own change; the first clears all
+            item.physics()
+                    .clear(); // clearing the aspect is recorded as one change per property; the
+            // first clears all
         } else if (to.path(0).isIntegralNumber()) {
             item.physics().setReferences(property, references(to));
         } else {
@@ -253,7 +258,7 @@ public final class ChangeCodec {
         }
     }
 
-    /** Reads ids, which are written as integers; numbers of columns always have a point. */
+    /** Reads ids of items, which are written as integers; other numbers have a decimal point. */
     private static ItemId[] references(JsonNode to) {
         ItemId[] ids = new ItemId[to.size()];
         for (int i = 0; i < ids.length; i++) {
@@ -299,7 +304,7 @@ public final class ChangeCodec {
         return text.length() > 200 ? text.substring(0, 200) + "..." : text;
     }
 
-    /** Returns a map of alternating keys and values, in order. */
+    /** Returns a map from a list of alternating keys and values, in this order. */
     private static Map<String, Object> tree(Object... keysAndValues) {
         Map<String, Object> tree = new LinkedHashMap<>();
         for (int i = 0; i < keysAndValues.length; i += 2) {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.image;
 
-/** Bytes that were read are damaged, or are not of the expected format. */
+/** Reports that stored bytes are damaged or do not have the expected format. */
 public final class CorruptException extends RuntimeException {
 
     private static final long serialVersionUID = 1L;
 
     /**
-     * @param message what is wrong; a caller that knows the file puts its name in front
+     * @param message the error; a caller that knows the file prepends its name
      */
     public CorruptException(String message) {
         super(message);

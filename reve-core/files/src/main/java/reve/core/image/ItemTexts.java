@@ -20,10 +20,13 @@ import java.util.HashMap;
 import java.util.List;
 import java.util.Map;
 
-/** The codec of items as text of a world file. One thread. */
+/** The codec of items as texts in the form of a world file. One thread. */
 final class ItemTexts {
 
-    /** Maximum number of cached texts. Similar items share a text, so a world needs few. */
+    /**
+     * Maximum number of cached texts. Equal texts of different items are cached once, so a world
+     * needs few.
+     */
     private static final int MAX_KEPT = 10_000;
 
     private final WorldPrototype prototype;
@@ -38,8 +41,8 @@ final class ItemTexts {
     }
 
     /**
-     * Returns everything except id, name, symbols and attachment; items that are equal in the rest
-     * have the same text.
+     * Returns the text of an item without id, name, symbols and attachment, so that many items have
+     * the same text.
      */
     String write(ItemSymbols item) {
         Likeness likeness = item.likeness();
@@ -68,7 +71,10 @@ final class ItemTexts {
         return writer.write(ItemDefinition.named("item").action(action).build());
     }
 
-    /** Reads the symbolic data of an item with this id and name, except symbols and attachment. */
+    /**
+     * Returns the symbolic data of an item from its id, name and decoded text; symbols and
+     * attachment are missing.
+     */
     ItemSymbols read(ItemId id, String name, ItemDefinition likeness) {
         ItemDefinition named =
                 name.equals(WorldPrototype.WORLD) ? constants(likeness) : likeness.renamed(name);
@@ -76,8 +82,8 @@ final class ItemTexts {
     }
 
     /**
-     * Returns the complete tree of an item. Symbols are separate, because their names need not be
-     * valid in a world file.
+     * Returns the complete item as a tree: its text, and separately its symbols, whose names may be
+     * invalid in a world file.
      */
     Map<String, Object> tree(ItemDefinition item) {
         return Map.of("item", writer.write(item.withSymbols(Map.of())), "symbols", item.symbols());
@@ -97,8 +103,8 @@ final class ItemTexts {
     }
 
     /**
-     * Returns the definition without a kind, because the item of a world's constants has none in a
-     * world file.
+     * Returns a definition with only the actions of the item {@code world}, because its kind is not
+     * permitted in a world file.
      */
     private static ItemDefinition withoutKind(ItemSymbols constants) {
         var definition = ItemDefinition.named("item");

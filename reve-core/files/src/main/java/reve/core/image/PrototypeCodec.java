@@ -16,7 +16,8 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * The codec of prototypes as trees: the name of the standard prototype, and the added properties.
+ * The codec of world prototypes as trees (maps and lists): the name of the standard prototype, and
+ * the properties added to it.
  */
 public final class PrototypeCodec {
 

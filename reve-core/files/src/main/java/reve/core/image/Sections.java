@@ -12,9 +12,9 @@ import java.util.Map;
 import java.util.zip.CRC32C;
 
 /**
- * The codec of named byte arrays as one block: a mark and the version of the format, then each
- * section's name, length, bytes and CRC32C (over these three), then the CRC32C of the block.
- * Reading detects every flipped or missing bit.
+ * The codec of named byte arrays (sections) as one block: magic bytes and the version of the
+ * format, then each section's name, length, bytes and CRC32C (over these three), then the CRC32C of
+ * the block. Reading detects every flipped or missing bit.
  */
 public final class Sections {
 
@@ -24,7 +24,7 @@ public final class Sections {
     private Sections() {}
 
     /**
-     * @param sections names of at most 255 bytes of UTF-8
+     * @param sections bytes by name; names have at most 255 bytes of UTF-8
      */
     public static byte[] write(Map<String, byte[]> sections) {
         var out = new ByteArrayOutputStream();

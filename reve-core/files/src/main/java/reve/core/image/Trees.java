@@ -13,26 +13,26 @@ import java.util.Map;
 import java.util.stream.IntStream;
 
 /**
- * The codec of maps, lists, texts and numbers as JSON. Doubles are restored to the bit. Input of
- * another form throws a {@link CorruptException}.
+ * The codec of trees (maps, lists, texts and numbers) as JSON. Doubles are restored to the bit.
+ * Methods throw a {@link CorruptException} if the input has another form.
  */
 public final class Trees {
 
     private static final JsonMapper MAPPER = new JsonMapper();
 
-    /** Maximum length of a value in a message [characters]. */
+    /** Maximum length of a quoted value in a message [characters]. */
     private static final int SHOWN = 80;
 
     private Trees() {}
 
     /**
-     * @param tree of Map, List, String, Number and Boolean
+     * @param tree a Map or List of String, Number, Boolean, Map and List
      */
     public static byte[] write(Object tree) {
         return MAPPER.writeValueAsBytes(tree);
     }
 
-    /** Returns the tree that was written. */
+    /** Returns the tree that {@link #write} has encoded. */
     public static JsonNode read(byte[] json) {
         try {
             return MAPPER.readTree(json);
@@ -135,7 +135,10 @@ public final class Trees {
         return elements;
     }
 
-    /** Returns texts, booleans, Doubles and lists of these by name, in order. */
+    /**
+     * Returns the fields of an object by name, in order, as String, Boolean, Double or a List of
+     * these.
+     */
     static Map<String, Object> values(JsonNode object) {
         Map<String, Object> values = new LinkedHashMap<>();
         object.properties().forEach(field -> values.put(field.getKey(), value(field.getValue())));

@@ -21,8 +21,8 @@ import java.util.Optional;
 public final class WorldDigest {
 
     /**
-     * Name of the digest of the row order: which item is in which row, and how many rows have a
-     * physics aspect.
+     * Name of the part of the digest that covers the order of rows: the item in each row, and the
+     * number of rows with physics.
      */
     public static final String ROWS = "rows";
 
@@ -31,7 +31,10 @@ public final class WorldDigest {
     private final World world;
     private final List<Part> parts = new ArrayList<>();
 
-    /** The source of two numbers; the column is empty for the order of the rows. */
+    /**
+     * The data that two numbers of the digest cover: a column or, if it is empty, the order of
+     * rows.
+     */
     private record Part(Table table, Optional<Column> column) {}
 
     /**
@@ -42,7 +45,7 @@ public final class WorldDigest {
      */
     public record Difference(String kind, String property, Optional<ItemId> item) {}
 
-    /** Creates the digest of a world, whose set of tables must not change. */
+    /** Prepares digests of a world, whose set of tables must not change. */
     public WorldDigest(World world) {
         this.world = world;
         for (Table table : world.tables()) {
@@ -51,12 +54,12 @@ public final class WorldDigest {
         }
     }
 
-    /** Returns the number of numbers in the digest. */
+    /** Returns how many numbers the digest has. */
     public int size() {
         return 2 * parts.size();
     }
 
-    /** Computes the digest; allocates nothing. */
+    /** Writes the digest, {@link #size} numbers; allocates nothing. */
     public void compute(long[] into) {
         for (int i = 0; i < parts.size(); i++) {
             Part part = parts.get(i);
@@ -69,8 +72,8 @@ public final class WorldDigest {
     }
 
     /**
-     * Returns the first part, in the order of the prototype, whose numbers differ from those of the
-     * world.
+     * Returns the first difference between the world and the digest of another, in the order of the
+     * prototype; one that identifies an item is preferred.
      */
     public Optional<Difference> firstDifference(long[] others) {
         long[] own = new long[size()];
@@ -148,7 +151,10 @@ public final class WorldDigest {
         return hash;
     }
 
-    /** Mixes every bit of both into the result (the finalizer of SplitMix64, applied to both). */
+    /**
+     * Hashes two numbers (with the finalizer of SplitMix64), so that each bit of both affects the
+     * result.
+     */
     private static long mix(long hash, long word) {
         long mixed = (hash * FACTOR ^ word) * 0xBF58476D1CE4E5B9L;
         mixed = (mixed ^ mixed >>> 29) * 0x94D049BB133111EBL;

@@ -64,10 +64,10 @@ public final class WorldImageCodec {
     }
 
     /**
-     * Fills an image of a world of the same prototype.
+     * Decodes sections into an image of a world with the same prototype.
      *
-     * @throws CorruptException if the sections belong to another prototype, or contradict each
-     *     other
+     * @throws CorruptException if the sections belong to another prototype, or the sections
+     *     contradict each other
      */
     public void read(Map<String, byte[]> sections, WorldImage into) {
         try {
@@ -139,8 +139,9 @@ public final class WorldImageCodec {
     }
 
     /**
-     * Returns the texts; for each item its id, name, text and symbols, and its parent and pose if
-     * it has one; the symbols from rules; and the ids of items created by each agent's actions.
+     * Returns the section {@code items}: the distinct texts of items; for each item its id, name,
+     * text, symbols, and parent with pose if it is attached; the symbols set by rules; and by agent
+     * the ids of the items that its actions created.
      */
     private Map<String, Object> items(PMap<ItemId, ItemSymbols> symbols) {
         Map<String, Integer> places = new LinkedHashMap<>();
@@ -225,7 +226,7 @@ public final class WorldImageCodec {
     }
 
     /**
-     * @param items number of items; each has a row in at most one table
+     * @param items total number of items, the maximum number of rows
      */
     private static void readTable(
             JsonNode tree, int items, Map<String, byte[]> sections, TableCopy into) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /**
- * Worlds as bytes: images, changes and digests, for stores and recordings. Depends on no engine,
- * file or database.
+ * Encoding of worlds as bytes: images (complete states), changes and digests, for store files and
+ * recordings. Depends on no engine, file or database.
  */
 @NullMarked
 package reve.core.image;

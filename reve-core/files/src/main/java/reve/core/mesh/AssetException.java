@@ -2,8 +2,8 @@
 package reve.core.mesh;
 
 /**
- * Reports a file of the world's folder that cannot be used. The message is one line that names the
- * file and the reason.
+ * Reports a mesh, image or other file of the world's folder that cannot be used. The message is one
+ * line that names the file and the reason.
  */
 public final class AssetException extends Exception {
     private static final long serialVersionUID = 1L;

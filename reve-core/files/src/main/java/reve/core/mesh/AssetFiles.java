@@ -16,7 +16,7 @@ final class AssetFiles {
     private final WorldFolder folder;
     private final Budget budget;
 
-    /** Decoded images of meshes by real path; several meshes may share an image. */
+    /** Decoded images that meshes name, by real path; several meshes may share an image. */
     private final Map<Path, Texture> images = new HashMap<>();
 
     AssetFiles(WorldFolder folder, Budget budget) {
@@ -33,7 +33,10 @@ final class AssetFiles {
         return folder.find(path);
     }
 
-    /** Returns the real path of the folder that contains the last name of {@code path}. */
+    /**
+     * Returns the real path of the folder in {@code path}, without following a link in its last
+     * name.
+     */
     Path folderOf(String path) throws AssetException {
         return folder.folderOf(path);
     }

@@ -26,14 +26,14 @@ public final class Assets {
      * A resolved path.
      *
      * @param file real path of the file
-     * @param beside real path of the folder that the file's own references are relative to
+     * @param beside real path of the folder to which references inside the file are relative
      */
     private record Place(Path file, Path beside) {}
 
     /**
      * The result of reading a file, which all items that name the file share.
      *
-     * @param path the path that the file was read by
+     * @param path the path by which the file was read
      */
     private record Loaded<T>(String path, Optional<T> value, Optional<AssetException> problem) {
         T get(String by) throws AssetException {
@@ -56,13 +56,14 @@ public final class Assets {
         this(folder, new Budget(System::nanoTime));
     }
 
-    /** Creates a cache with a budget that tests choose. */
+    /** Creates a cache with another budget, for tests. */
     Assets(WorldFolder folder, Budget budget) {
         this.files = new AssetFiles(folder, budget);
     }
 
     /**
-     * Returns the mesh of a {@code .glb}, {@code .gltf} or {@code .obj} file: all its triangles.
+     * Returns the mesh that consists of all triangles in a {@code .glb}, {@code .gltf} or {@code
+     * .obj} file.
      *
      * @param path relative to the world's folder
      * @throws AssetException if the file cannot be used; the message says why
@@ -89,8 +90,8 @@ public final class Assets {
     }
 
     /**
-     * Returns the image of a {@code .png}, {@code .jpg} or {@code .jpeg} file. Other files are not
-     * opened: a stored world chooses its folder itself.
+     * Returns the image of a {@code .png}, {@code .jpg} or {@code .jpeg} file. Does not open other
+     * files, because the folder comes from a stored world and may be any folder.
      *
      * @param path relative to the world's folder
      * @throws AssetException if the file cannot be used; the message says why

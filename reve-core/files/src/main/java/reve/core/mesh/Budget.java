@@ -12,8 +12,7 @@ final class Budget {
     static final long MAX_PIXELS = 1 << 25;
 
     /**
-     * Maximum time to read all assets [s]. A last resort: the size limits normally apply long
-     * before.
+     * Maximum time to read all assets [s]. Normally one of the size limits is reached long before.
      */
     static final long MAX_SECONDS = 60;
 
@@ -32,17 +31,20 @@ final class Budget {
         this.nanoTime = nanoTime;
     }
 
-    /** Starts the clock, which does not run between assets. */
+    /** Starts the clock before an asset is read. */
     void begin() {
         begun = nanoTime.getAsLong();
     }
 
-    /** Stops the clock. */
+    /** Stops the clock when an asset is read. */
     void end() {
         nanoseconds += nanoTime.getAsLong() - begun;
     }
 
-    /** Subtracts the size of a file, or of data inside a file that is read again. */
+    /**
+     * Counts the size of a file, or of data inside a file that are read again; throws if the limit
+     * is exceeded.
+     */
     void takeBytes(String path, long count) throws AssetException {
         bytes += count;
         require(path, bytes, MAX_BYTES, "meshes and images", "bytes");

@@ -36,8 +36,8 @@ final class ClosedSurface {
     }
 
     /**
-     * @throws IllegalArgumentException naming an edge that is open, or whose triangles have
-     *     opposite orientations
+     * @throws IllegalArgumentException naming an edge that does not belong to two triangles, or
+     *     that its triangles traverse in the same direction
      */
     static void require(Mesh mesh) {
         new ClosedSurface(mesh)
@@ -70,7 +70,10 @@ final class ClosedSurface {
         return Optional.empty();
     }
 
-    /** Returns all edges as first and second vertex; ignores triangles that are degenerate. */
+    /**
+     * Returns the sorted edges of all triangles, each as a pair of its first and second vertex;
+     * ignores degenerate triangles.
+     */
     private long[] sortedEdges() {
         long[] edges = new long[corners.length];
         int count = 0;

@@ -15,7 +15,8 @@ import java.util.HashMap;
 import java.util.Map;
 
 /**
- * Access to the numbers of a glTF file without a copy. Checks each range before it reads a number.
+ * Access to the numbers in the buffers of a glTF file, without copying them. Checks the range of an
+ * accessor before any number is read.
  */
 final class GltfAccessors {
 
@@ -31,9 +32,8 @@ final class GltfAccessors {
     }
 
     /**
-     * @param bytes the elements, at distances of {@code stride} bytes
-     * @param type GL code of a component's type
-     * @param components per element
+     * A glTF accessor: elements of several components. The elements begin every {@code stride}
+     * bytes of {@code bytes}; {@code type} is the GL code of a component's type.
      */
     final class Accessor {
         private final String name;
@@ -67,8 +67,8 @@ final class GltfAccessors {
         }
 
         /**
-         * Requires {@code wanted} components per element, which are floats or, within the given
-         * types, integers that are normalized to 0 to 1.
+         * Requires {@code wanted} elements of {@code least} to {@code most} components, which are
+         * floats or unsigned integers that are normalized to 0 to 1.
          */
         void requireNumbers(String attribute, int least, int most, int wanted)
                 throws AssetException {
@@ -97,7 +97,10 @@ final class GltfAccessors {
             }
         }
 
-        /** Returns a component of an element. Call {@link #requireNumbers} first. */
+        /**
+         * Returns a component of an element as a float. Requires an earlier call of {@link
+         * #requireNumbers}.
+         */
         float number(int element, int component) {
             int at = element * stride + component * sizeOf(type);
             return switch (type) {
@@ -107,7 +110,7 @@ final class GltfAccessors {
             };
         }
 
-        /** Returns a vertex number, which is below {@code vertices}. */
+        /** Returns an element as a vertex number; throws unless it is below {@code vertices}. */
         int index(int element, int vertices) throws AssetException {
             int at = element * stride;
             int index =
@@ -185,7 +188,7 @@ final class GltfAccessors {
                 Boolean.TRUE.equals(accessor.isNormalized()));
     }
 
-    /** Returns the bytes of a bufferView, from position 0. */
+    /** Returns the bytes of a bufferView (a range of a glTF buffer), from position 0. */
     ByteBuffer view(@Nullable Integer number) throws AssetException {
         BufferView view =
                 GltfContainer.element(gltf.getBufferViews(), number, "bufferView", sources);

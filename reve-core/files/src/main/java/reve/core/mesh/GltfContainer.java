@@ -33,8 +33,8 @@ record GltfContainer(GlTF gltf, Optional<ByteBuffer> binary) {
     private static final int BINARY_CHUNK = 0x004e4942;
 
     /**
-     * Maximum number of values in the JSON; one megabyte of JSON can need hundreds of megabytes as
-     * objects.
+     * Maximum number of values in the JSON, because one megabyte of JSON can take hundreds of
+     * megabytes as Java objects.
      */
     private static final int MAX_TOKENS = 500_000;
 
@@ -88,7 +88,7 @@ record GltfContainer(GlTF gltf, Optional<ByteBuffer> binary) {
         return new GltfContainer(parse(json, sources), binary);
     }
 
-    /** Returns the element of the list with that number. */
+    /** Returns the element of a list with that index; throws if there is none. */
     static <T> T element(
             @Nullable List<T> list, @Nullable Integer number, String what, Sources sources)
             throws AssetException {
@@ -115,7 +115,7 @@ record GltfContainer(GlTF gltf, Optional<ByteBuffer> binary) {
             List<JsonError> unfit = new ArrayList<>();
             reader.setJsonErrorConsumer(
                     error -> {
-                        // Without an exception, the error reports a property that glTF does not
+                        // An error without an exception reports a property that glTF does not
                         // define, which is allowed.
                         if (error.getThrowable() != null && unfit.isEmpty()) {
                             unfit.add(error);

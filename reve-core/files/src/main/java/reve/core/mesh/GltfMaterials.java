@@ -34,7 +34,7 @@ final class GltfMaterials {
     }
 
     /**
-     * @param number of the material; null for the default of glTF
+     * @param number index of the material; null for the default material of glTF
      */
     Material get(@Nullable Integer number) throws AssetException {
         if (number == null) {
@@ -48,7 +48,10 @@ final class GltfMaterials {
         return material;
     }
 
-    /** Returns the name of the attribute with the texture coordinates of a material. */
+    /**
+     * Returns the name of the vertex attribute that contains the texture coordinates for a
+     * material.
+     */
     String coordinatesOf(@Nullable Integer number) throws AssetException {
         TextureInfo texture = number == null ? null : surface(number).getBaseColorTexture();
         return "TEXCOORD_"
@@ -118,7 +121,10 @@ final class GltfMaterials {
         return decoded;
     }
 
-    /** Returns the image in a bufferView. Images in the same view share one texture. */
+    /**
+     * Returns the image that a bufferView contains, as a texture. Images in the same view share one
+     * texture.
+     */
     private Texture inView(@Nullable Integer view, Integer source) throws AssetException {
         Texture known = inViews.get(view);
         if (known == null) {

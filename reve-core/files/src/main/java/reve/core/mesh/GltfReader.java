@@ -21,14 +21,14 @@ import java.util.stream.IntStream;
 
 /**
  * Reader of glTF 2.0 files. Returns one mesh with all triangles of the scene, transformed by their
- * nodes. Ignores cameras, lights, animations and morph targets. Refuses, by name, features that
- * would change the triangles.
+ * nodes. Ignores cameras, lights, animations and morph targets. Refuses files that require features
+ * which would change the triangles, and names these features.
  */
 final class GltfReader {
 
     private static final int MAX_DEPTH = 256;
 
-    /** Maximum number of primitives that nodes place, including lines and points. */
+    /** Maximum number of primitives in all nodes of the scene, including lines and points. */
     private static final int MAX_PIECES = 1 << 20;
 
     private final GlTF gltf;
@@ -145,7 +145,7 @@ final class GltfReader {
         }
         int mode = primitive.getMode() == null ? primitive.defaultMode() : primitive.getMode();
         if (mode < GltfConstants.GL_TRIANGLES) {
-            return; // points and lines
+            return; // ignores points and lines
         }
         Map<String, Integer> attributes =
                 primitive.getAttributes() == null ? Map.of() : primitive.getAttributes();
@@ -180,7 +180,10 @@ final class GltfReader {
         }
     }
 
-    /** Returns the corners of the i-th triangle of a list, a strip or a fan. */
+    /**
+     * Returns the places of the three corners of the i-th triangle among the vertices of a triangle
+     * list, strip or fan.
+     */
     private int[] corners(int mode, int i) throws AssetException {
         return switch (mode) {
             case GltfConstants.GL_TRIANGLES -> new int[] {3 * i, 3 * i + 1, 3 * i + 2};

@@ -34,7 +34,7 @@ final class ImageDecoder {
     private ImageDecoder() {}
 
     /**
-     * @param name of the image in messages
+     * @param name name of the image for messages
      * @param file see {@link Texture#file}
      */
     static Texture decode(byte[] bytes, String name, Optional<String> file, Budget budget)
@@ -74,7 +74,10 @@ final class ImageDecoder {
         }
     }
 
-    /** Limits the number of scans: a scan of a few bytes can cost a pass over all pixels. */
+    /**
+     * Limits the number of scans of a JPEG image, because a scan of a few bytes can cost a pass
+     * over all pixels.
+     */
     private static void requireFewScans(byte[] bytes, String name) throws AssetException {
         int scans = 0;
         int at = 2;
@@ -84,7 +87,7 @@ final class ImageDecoder {
                     || marker <= TEM
                     || marker == 0xff
                     || marker >= RST0 && marker <= SOI) {
-                at++; // within a scan, between segments, or a marker without a segment
+                at++; // data of a scan, bytes between segments, or a marker without a segment
             } else if (marker == EOI) {
                 return;
             } else {

@@ -72,7 +72,10 @@ public record MassProperties(
         return symmetric(volume, mass, across, mass / 2 * radius * radius);
     }
 
-    /** Adds a cylinder and two half balls, whose centres of mass are 3/8 of the radius outside. */
+    /**
+     * Adds up a cylinder and two half balls, whose centres of mass are 3/8 of the radius beyond the
+     * ends of the cylinder.
+     */
     private static MassProperties capsule(double radius, double height, double density) {
         double middle = height - 2 * radius;
         double ball = 4 * Math.PI / 3 * radius * radius * radius;
@@ -85,7 +88,10 @@ public record MassProperties(
         return symmetric(ball + rod, (ball + rod) * density, across * density, along * density);
     }
 
-    /** Returns the properties of a solid of revolution about the Y axis. */
+    /**
+     * Returns the properties of a solid of revolution about the Y axis with the moments {@code
+     * along} about Y and {@code across} about X and Z.
+     */
     private static MassProperties symmetric(
             double volume, double mass, double across, double along) {
         return new MassProperties(
@@ -93,9 +99,10 @@ public record MassProperties(
     }
 
     /**
-     * Adds the tetrahedra between each triangle and one inner point. The sign of each is the side
-     * that the triangle shows to that point. Exact for polyhedra. F. Tonon, Explicit exact formulas
-     * for the 3-D tetrahedron inertia tensor, J. Math. Stat. 1 (2005), 8-11.
+     * Adds up the tetrahedra between one inner point and each triangle. A tetrahedron counts
+     * negative if its triangle shows its outer side to the point. Exact for polyhedra. F. Tonon,
+     * Explicit exact formulas for the 3-D tetrahedron inertia tensor, J. Math. Stat. 1 (2005),
+     * 8-11.
      */
     private static MassProperties mesh(Mesh mesh, double density) {
         ClosedSurface.require(mesh);
@@ -106,8 +113,10 @@ public record MassProperties(
         FloatBuffer vertices = mesh.vertices();
         IntBuffer triangles = mesh.triangles();
         double sixVolumes = 0;
-        double[] first = new double[3]; // sums of determinant x coordinate
-        double[] second = new double[6]; // of determinant x products: xx yy zz yz zx xy
+        double[] first = new double[3]; // sums of determinant times coordinate
+        double[] second =
+                new double
+                        [6]; // sums of determinant times products of coordinates: xx yy zz yz zx xy
         double[][] corners = new double[3][3];
         while (triangles.hasRemaining()) {
             for (double[] corner : corners) {
@@ -143,7 +152,9 @@ public record MassProperties(
     private static MassProperties aboutCentre(
             double volume, double density, double[] inner, double[] first, double[] second) {
         double[] centre = new double[3];
-        double[] spread = new double[6]; // mean of products of distances from the centre
+        double[] spread =
+                new double[6]; // mean products of coordinates relative to the centre of mass: xx yy
+        // zz yz zx xy
         for (int axis = 0; axis < 3; axis++) {
             centre[axis] = first[axis] / (24 * volume);
         }

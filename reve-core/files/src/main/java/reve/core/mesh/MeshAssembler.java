@@ -10,7 +10,8 @@ import java.util.Arrays;
 import java.util.List;
 
 /**
- * Builder of one mesh from pieces. Fills in attributes that a piece lacks and other pieces have.
+ * Builder of one mesh from pieces. If only some pieces have an attribute, such as normals, gives
+ * the other pieces default values.
  */
 final class MeshAssembler {
 
@@ -31,7 +32,7 @@ final class MeshAssembler {
         this.sources = sources;
     }
 
-    /** Allocates space for more vertices and triangles. Refuses too many. */
+    /** Allocates space for more vertices and triangles; throws if the mesh would have too many. */
     void reserve(long vertices, long newTriangles) throws AssetException {
         requireRoom("vertices", vertexCount + vertices);
         requireRoom("triangles", indexCount / 3 + newTriangles);
@@ -63,7 +64,8 @@ final class MeshAssembler {
     }
 
     /**
-     * Begins a vertex, which is white by default, and returns its number. Space must be reserved.
+     * Adds a vertex, which is white by default, and returns its number. Call {@link #reserve}
+     * before.
      */
     int vertex(float x, float y, float z) {
         int at = 3 * vertexCount;
@@ -97,8 +99,8 @@ final class MeshAssembler {
     }
 
     /**
-     * Adds a triangle with a material. Space must be reserved. Successive triangles with equal
-     * materials form one part.
+     * Adds a triangle with a material. Call {@link #reserve} before. Successive triangles with
+     * equal materials form one part.
      */
     void triangle(int a, int b, int c, Material material) {
         int first = indexCount / 3;
@@ -116,7 +118,7 @@ final class MeshAssembler {
     }
 
     /**
-     * @param ownMaterials whether the file defines materials
+     * @param ownMaterials whether the mesh keeps the materials of its triangles
      */
     Mesh finish(boolean ownMaterials) throws AssetException {
         if (indexCount == 0) {

@@ -21,13 +21,13 @@ final class ObjLines {
     /** Number of the line that contains {@link #at}, from 1. */
     private int line = 1;
 
-    /** Begin of the last word; its end is the next field. */
+    /** Start of the last word read; the next field is its end. */
     private int from;
 
     private int to;
 
     /**
-     * @param format name of the file format and of the file, for messages
+     * @param format start of messages about malformed lines, such as "not OBJ"
      */
     ObjLines(byte[] bytes, Sources sources, String format) {
         this.bytes = bytes;
@@ -48,14 +48,16 @@ final class ObjLines {
                 skipLine();
             }
             if (at < bytes.length) {
-                at++; // the line feed
+                at++; // skips the line feed
                 line++;
             }
         }
         return false;
     }
 
-    /** Returns whether the last word equals {@code keyword}, which must be in lower case. */
+    /**
+     * Returns whether the last word equals {@code keyword} (in lower case), regardless of its case.
+     */
     boolean is(String keyword) {
         if (to - from != keyword.length()) {
             return false;
@@ -93,7 +95,7 @@ final class ObjLines {
         at = from;
     }
 
-    /** Returns the last word and the rest of the line, trimmed. */
+    /** Returns the text from the last word to the end of the line, trimmed. */
     String fromWord() {
         back();
         return rest();
@@ -121,7 +123,7 @@ final class ObjLines {
             try {
                 return Float.parseFloat(text());
             } catch (NumberFormatException none) {
-                // The exception below reports it.
+                // The exception below reports that it is no number.
             }
         }
         throw refuse("`" + text() + "` is no number");
@@ -141,8 +143,8 @@ final class ObjLines {
      * Parses the last word as a corner of a face: {@code 1}, {@code 1/2}, {@code 1//3} or {@code
      * 1/2/3}.
      *
-     * @param counts number of positions, texture coordinates and normals so far
-     * @param into (3) receives their indices, from 0; -1 for none
+     * @param counts (3) number of positions, texture coordinates and normals read so far
+     * @param into (3) receives the indices of the corner in these three lists, from 0; -1 for none
      */
     void corner(int[] counts, int[] into) throws AssetException {
         int begin = from;
@@ -161,8 +163,8 @@ final class ObjLines {
     }
 
     /**
-     * Parses an index: positive from 1, negative relative to the end. The caller checks the range
-     * after the whole file is read.
+     * Parses an index, which is positive from 1 or negative relative to the last element, into one
+     * from 0. The caller checks the upper limit after the whole file is read.
      */
     private int index(int begin, int end, int count) throws AssetException {
         boolean back = begin < end && bytes[begin] == '-';
@@ -186,7 +188,7 @@ final class ObjLines {
         return sources.refuse(format + ": line " + line + ": " + reason);
     }
 
-    /** Returns the last word, shortened. */
+    /** Returns the last word, shortened for messages. */
     String text() {
         int length = Math.min(to - from, MAX_NUMBER_LENGTH);
         String word = new String(bytes, from, length, StandardCharsets.UTF_8);
@@ -198,7 +200,10 @@ final class ObjLines {
         return text().toLowerCase(Locale.ROOT);
     }
 
-    /** Returns whether the byte is white space or a backslash that joins two lines. */
+    /**
+     * Returns whether the byte is white space or the start of a line continuation (a backslash and
+     * a line end).
+     */
     private boolean isGap(int place) {
         byte b = bytes[place];
         return b == ' ' || b == '\t' || b == '\r' || b == '\f' || joins(place) > 0;
@@ -210,7 +215,7 @@ final class ObjLines {
         at += Math.max(1, joined);
     }
 
-    /** Returns the number of bytes that join two lines at this place; 0 if none do. */
+    /** Returns the length of the line continuation at this place [bytes]; 0 if there is none. */
     private int joins(int place) {
         if (bytes[place] != '\\') {
             return 0;

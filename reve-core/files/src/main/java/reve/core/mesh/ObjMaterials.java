@@ -20,7 +20,10 @@ final class ObjMaterials {
     private static final int MAX_LIBRARY_BYTES = 1 << 20;
     private static final int MAX_LIBRARIES = 16;
 
-    /** Options of a texture in lower case, with the minimum and maximum number of their words. */
+    /**
+     * Options that may precede the file name of a texture, in lower case, with the minimum and
+     * maximum number of their arguments.
+     */
     private static final Map<String, int[]> OPTIONS =
             Map.ofEntries(
                     Map.entry("-blendu", new int[] {1, 1}),
@@ -41,7 +44,7 @@ final class ObjMaterials {
     private final Map<String, Material> materials = new HashMap<>();
     private int libraries;
 
-    /** A material whose definition is not complete yet. */
+    /** A material whose lines are being read. */
     private static final class Draft {
         private Colour colour = Colour.WHITE;
         private double roughness = Material.DEFAULT.roughness();
@@ -127,7 +130,10 @@ final class ObjMaterials {
         return Math.round(255 * Math.clamp(value, 0f, 1f));
     }
 
-    /** Returns the file name after the options of a texture; it may contain spaces. */
+    /**
+     * Skips the options of a texture, and returns the file name after them, which may contain
+     * spaces.
+     */
     private static String textureFile(ObjLines lines) throws AssetException {
         while (lines.word()) {
             int[] words = OPTIONS.get(lines.keyword());

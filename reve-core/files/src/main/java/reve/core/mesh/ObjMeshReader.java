@@ -11,9 +11,9 @@ import java.util.List;
 import java.util.Map;
 
 /**
- * Reader of Wavefront OBJ files. Returns one mesh in metres with all faces, split into triangles at
- * their first corner. Ignores groups. Makes one pass over the file and one over its faces, because
- * a face may refer to later lines.
+ * Reader of Wavefront OBJ files. Returns one mesh in metres with all faces; splits each face into
+ * triangles that share its first corner. Ignores groups. Reads all lines before it builds the
+ * faces, because a face may refer to later lines.
  */
 final class ObjMeshReader {
 
@@ -26,18 +26,22 @@ final class ObjMeshReader {
     private final ObjMaterials materials;
     private final MeshAssembler mesh;
 
-    /** Positions (x 3), texture coordinates (x 2) and normals (x 3). */
+    /**
+     * Three arrays: positions (count x 3), texture coordinates (count x 2) and normals (count x 3).
+     */
     private final float[][] values = {new float[0], new float[0], new float[0]};
 
     private final int[] widths = {3, 2, 3};
     private final int[] counts = new int[3];
 
-    /** Three indices per corner: position, texture coordinates and normal. */
+    /**
+     * (corners of all faces x 3) indices of position, texture coordinates and normal; -1 for none.
+     */
     private int[] corners = new int[0];
 
     private int cornerCount;
 
-    /** Two numbers per face: its number of corners, and the index of its material in the names. */
+    /** (faces x 2) number of corners, and index of the material in {@link #materialNames}. */
     private int[] faces = new int[0];
 
     private int faceCount;
@@ -45,7 +49,8 @@ final class ObjMeshReader {
     private final List<String> materialNames = new ArrayList<>();
 
     /**
-     * Hash table with open addressing from a corner to its vertex: index in {@link #known}, plus 1.
+     * Hash table (open addressing) from the indices of a corner to its vertex number plus 1; {@link
+     * #known} has the indices of each vertex.
      */
     private int[] slots = new int[1 << 12];
 
@@ -98,7 +103,10 @@ final class ObjMeshReader {
         }
     }
 
-    /** Reads one line of numbers. The second texture coordinate is optional. */
+    /**
+     * Reads one line of numbers into a list of {@link #values}. The second texture coordinate is
+     * optional.
+     */
     private void take(int list, String keyword) throws AssetException {
         int width = widths[list];
         int at = width * counts[list];
@@ -125,7 +133,7 @@ final class ObjMeshReader {
             System.arraycopy(corner, 0, corners, 3 * cornerCount++, 3);
         }
         if (cornerCount - before < 3) {
-            cornerCount = before; // a point or a line
+            cornerCount = before; // a face of one or two corners is a point or a line: ignores it
             return;
         }
         if (2 * faceCount + 2 > faces.length) {
@@ -173,7 +181,10 @@ final class ObjMeshReader {
         }
     }
 
-    /** Returns the vertex of a corner. Corners with the same three indices share one vertex. */
+    /**
+     * Returns the number of the vertex for a corner; adds the vertex if no earlier corner has the
+     * same three indices.
+     */
     private int vertex(int corner) throws AssetException {
         int at = 3 * corner;
         if (4 * vertexCount >= 3 * slots.length) {
@@ -204,7 +215,10 @@ final class ObjMeshReader {
         return added;
     }
 
-    /** Returns the slot of a corner in the hash table: the used one, or the free one for it. */
+    /**
+     * Returns the slot of a corner in the hash table: the one with an equal corner, or else the
+     * free slot to use.
+     */
     private int slot(int[] from, int at) {
         int hash = 31 * (31 * from[at] + from[at + 1]) + from[at + 2];
         int slot = (hash * 0x9e3779b9 >>> 8) & slots.length - 1;
@@ -222,7 +236,10 @@ final class ObjMeshReader {
         }
     }
 
-    /** Returns where the numbers of a corner's position, texture coordinates or normal begin. */
+    /**
+     * Returns the index in {@link #values} at which a corner's position, texture coordinates or
+     * normal begin.
+     */
     private int place(int at, int list) throws AssetException {
         int index = corners[at + list];
         if (index >= counts[list]) {

@@ -4,7 +4,7 @@ package reve.core.mesh;
 /**
  * An affine transformation of a glTF node: rotation, scale, shear and translation.
  *
- * @param m (3 x 4) by rows; the last column is the translation
+ * @param m (3 x 4) matrix stored by rows; the last column is the translation
  */
 record Placement(double[] m) {
 
@@ -12,7 +12,7 @@ record Placement(double[] m) {
             new Placement(new double[] {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0});
 
     /**
-     * @param columns (4 x 4) by columns, as in glTF
+     * @param columns (4 x 4) matrix stored by columns, the order of glTF
      */
     static Placement of(float[] columns) {
         double[] m = new double[12];
@@ -23,8 +23,8 @@ record Placement(double[] m) {
     }
 
     /**
-     * Scales first, then rotates by the quaternion xyzw, which need not be normalized, then
-     * translates.
+     * Returns the transformation that scales first, then rotates by the quaternion xyzw (of any
+     * length), then translates.
      */
     static Placement of(float[] scale, float[] rotation, float[] translation) {
         double x = rotation[0];
@@ -52,7 +52,7 @@ record Placement(double[] m) {
                 });
     }
 
-    /** Returns the composition that applies {@code inner} first. */
+    /** Returns the transformation that applies {@code inner} first, then this one. */
     Placement times(Placement inner) {
         double[] product = new double[12];
         for (int row = 0; row < 3; row++) {
@@ -67,15 +67,15 @@ record Placement(double[] m) {
         return new Placement(product);
     }
 
-    /** Returns a coordinate of the transformed point. */
+    /** Returns the coordinate of the transformed point along an axis (0, 1, 2). */
     float point(int axis, float x, float y, float z) {
         return (float)
                 (m[4 * axis] * x + m[4 * axis + 1] * y + m[4 * axis + 2] * z + m[4 * axis + 3]);
     }
 
     /**
-     * Returns the transformation of normals: the cofactors, which keep normals perpendicular under
-     * any scale.
+     * Returns the transformation for normals: the matrix of cofactors, which keeps normals
+     * perpendicular to the surface under any scale.
      */
     Placement forNormals() {
         double[] turned = new double[12];
@@ -91,7 +91,9 @@ record Placement(double[] m) {
         return new Placement(turned);
     }
 
-    /** Returns whether the transformation inverts handedness. */
+    /**
+     * Returns whether the transformation contains a reflection, which inverts the order of corners.
+     */
     boolean mirrors() {
         Placement cofactors = forNormals();
         return m[0] * cofactors.m[0] + m[1] * cofactors.m[1] + m[2] * cofactors.m[2] < 0;

@@ -7,9 +7,12 @@ import java.nio.file.AccessDeniedException;
 import java.nio.file.FileSystemException;
 import java.util.regex.Pattern;
 
-/** Messages of libraries and of the system, in words for the author of a file. */
+/**
+ * Converter of exceptions from libraries and the system into reasons that the author of a file
+ * understands.
+ */
 final class Reason {
-    /** Names of Java classes and methods, which do not help the author of a file. */
+    /** Pattern of names of Java classes and methods, which do not help the author of a file. */
     private static final Pattern CODE =
             Pattern.compile(
                     "\\b[a-z]\\w*(\\.\\w+)*\\.[A-Z]\\w*|[A-Z]\\w+(Exception|Error)\\b|\\w+\\(\\)|\"<");
@@ -28,7 +31,7 @@ final class Reason {
                 : of(broken.getMessage(), otherwise);
     }
 
-    /** Same as the other method, for a message. */
+    /** Returns the same for the message of an exception. */
     static String of(@Nullable String message, String otherwise) {
         String line = message == null ? "" : message.lines().findFirst().orElse("").strip();
         if (line.isEmpty() || CODE.matcher(line).find()) {
@@ -37,7 +40,7 @@ final class Reason {
         return line.length() <= MAX_LENGTH ? line : line.substring(0, MAX_LENGTH - 1) + "…";
     }
 
-    /** Returns why the system cannot read a file. */
+    /** Returns why the operating system cannot read a file. */
     static String ofSystem(Exception unreadable) {
         if (unreadable instanceof AccessDeniedException) {
             return "permission denied";

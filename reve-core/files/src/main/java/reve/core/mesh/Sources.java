@@ -11,7 +11,10 @@ import java.util.Base64;
 import java.util.HashMap;
 import java.util.Map;
 
-/** The data that a mesh file refers to: files in its folder or below, or data inside the file. */
+/**
+ * Reader of the data to which a mesh file refers: other files in its folder or below, or base64
+ * data inside the file.
+ */
 final class Sources {
 
     private static final int MAX_BYTES = 64 << 20;
@@ -19,11 +22,11 @@ final class Sources {
     private final AssetFiles files;
     private final String path;
 
-    /** Contents of the files read for this mesh, by real path. */
+    /** Content of each file that was read for this mesh, by real path. */
     private final Map<Path, byte[]> read = new HashMap<>();
 
     /**
-     * @param path of the mesh file, relative to the world's folder
+     * @param path path of the mesh file, relative to the world's folder
      */
     Sources(AssetFiles files, String path) {
         this.files = files;
@@ -59,17 +62,19 @@ final class Sources {
         }
     }
 
-    /** Returns the image of a file that a URI names. */
+    /** Returns the image in the file that a URI names. */
     Texture imageBehind(String uri) throws AssetException {
         return image(decode(uri));
     }
 
-    /** Returns the image of a file relative to the mesh file. */
+    /** Returns the image in a file whose name is relative to the mesh file. */
     Texture image(String name) throws AssetException {
         return files.imageOfMesh(beside(name));
     }
 
-    /** Returns the bytes of a file relative to the mesh file. Reads each file once. */
+    /**
+     * Returns the bytes of a file whose name is relative to the mesh file. Reads each file once.
+     */
     byte[] file(String name, int maxBytes) throws AssetException {
         Path real = files.find(beside(name));
         byte[] bytes = read.get(real);

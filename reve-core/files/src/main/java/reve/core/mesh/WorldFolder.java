@@ -32,7 +32,7 @@ public final class WorldFolder {
     /**
      * Gives access to the files in this folder and below.
      *
-     * @param found receives the path of each file that is found, as often as it is looked for
+     * @param found receives the path of a file each time that the file is found
      */
     public WorldFolder(Path folder, Consumer<String> found) {
         this(Optional.of(folder), found);
@@ -52,7 +52,8 @@ public final class WorldFolder {
      * Finds a file.
      *
      * @return the real path of a regular file in this folder or below
-     * @throws AssetException if the path is not of this form, or there is no such file
+     * @throws AssetException if the path leaves the folder or has another form, or there is no such
+     *     file
      */
     public Path find(String path) throws AssetException {
         requireWithin(path);
@@ -84,8 +85,8 @@ public final class WorldFolder {
     }
 
     /**
-     * Returns the real path of the folder that contains the last name of a path that {@link #find}
-     * accepted.
+     * Returns the real path of the folder in a path that {@link #find} accepted, without following
+     * a link in its last name.
      */
     Path folderOf(String path) throws AssetException {
         try {
@@ -99,7 +100,7 @@ public final class WorldFolder {
         }
     }
 
-    /** Called with the size of a file before memory is allocated for it. */
+    /** A check of the size of a file, called before memory is allocated for it. */
     interface SizeCheck {
         void check(long bytes) throws AssetException;
     }

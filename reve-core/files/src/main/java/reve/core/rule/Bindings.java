@@ -8,8 +8,8 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * The values of the names in an expression during an evaluation: the aspects of an item, and the
- * other names of the {@link Scope}. Numbers are in SI units. World's thread.
+ * The values that the names in an expression have in an evaluation: the aspects of an item, and the
+ * other names that the {@link Scope} permits. Numbers are in SI units. World's thread.
  */
 public final class Bindings {
     /** Maximum length of a value in a message [characters]. */
@@ -26,21 +26,21 @@ public final class Bindings {
     }
 
     /**
-     * Sets the item that {@code physics}, {@code physical}, {@code semantic} and {@code item} refer
-     * to.
+     * Sets the item to which the names {@code physics}, {@code physical}, {@code semantic} and
+     * {@code item} refer.
      */
     public Bindings of(Item newItem) {
         item.of(newItem);
         return this;
     }
 
-    /** Sets a value by name: a Double, String, Boolean, or a List of these. */
+    /** Binds a name to a value: a Double, String, Boolean, or a List of these. */
     public Bindings with(String name, Object value) {
         others.put(name, value);
         return this;
     }
 
-    /** Sets another item by name, as for {@code actor.physics.mass}. */
+    /** Binds a name to another item, for example {@code actor} in {@code actor.physics.mass}. */
     public Bindings withItem(String name, Item other) {
         ItemNames names = new ItemNames(scope.other(), this::count);
         names.of(other);
@@ -49,8 +49,8 @@ public final class Bindings {
     }
 
     /**
-     * Returns the steps of all evaluations with these values, including failed ones, and of
-     * computing the relations that they read.
+     * Returns the number of steps of all evaluations with these bindings, including failed ones,
+     * and including the computation of the relations that they read.
      */
     public long steps() {
         return steps;
@@ -61,7 +61,8 @@ public final class Bindings {
     }
 
     /**
-     * Returns the present value of a full name, such as {@code actor.physics.mass}, for messages.
+     * Returns the value of a full name, such as {@code actor.physics.mass}, as text for messages;
+     * "missing" if it has none.
      */
     public String described(String nameInFull) {
         return value(nameInFull)
@@ -69,7 +70,7 @@ public final class Bindings {
                 .orElse("missing");
     }
 
-    /** Returns the beginning of a text that may be long. */
+    /** Returns a text, shortened to {@code most} characters if it is longer. */
     static String shortened(String text, int most) {
         return text.length() <= most ? text : text.substring(0, most) + "…";
     }

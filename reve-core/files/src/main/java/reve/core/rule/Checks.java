@@ -18,8 +18,8 @@ import java.util.OptionalLong;
 import java.util.Set;
 
 /**
- * Check of expressions with valid types: refuses those that cannot be evaluated, or whose cost is
- * not bounded.
+ * Checks of expressions beyond their types: refuses expressions that can never be evaluated, or
+ * whose cost has no bound.
  */
 final class Checks {
     private static final int UNKNOWN = -1;
@@ -28,7 +28,7 @@ final class Checks {
     private final CelAbstractSyntaxTree ast;
     private final Map<String, Integer> components;
 
-    /** Names of loop variables, which may hide other names. */
+    /** Names of the loop variables of an expression, which may hide names of the scope. */
     private final Set<String> loops = new HashSet<>();
 
     private Checks(String text, CelAbstractSyntaxTree ast, Map<String, Integer> components) {
@@ -38,8 +38,8 @@ final class Checks {
     }
 
     /**
-     * Refuses maps with computed keys, because their types may double in size with each operator.
-     * Called before the types are computed.
+     * Checks an expression before its types are computed. Refuses maps with computed keys, because
+     * the size of their types may double with each operator.
      */
     static void parsed(String text, CelAbstractSyntaxTree ast) throws ExpressionException {
         List<CelExpr> computed =
@@ -61,7 +61,8 @@ final class Checks {
     }
 
     /**
-     * @param components number of components by name, as for {@code physics.velocity}
+     * @param components number of components of each vector name, for example 3 for {@code
+     *     physics.velocity}
      */
     static void typed(String text, CelAbstractSyntaxTree ast, Map<String, Integer> components)
             throws ExpressionException {

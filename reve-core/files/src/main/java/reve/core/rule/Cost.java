@@ -8,38 +8,38 @@ import java.util.ArrayList;
 import java.util.List;
 
 /**
- * The structure of one expression for a {@link Meter}: the order of its parts, and the use of each
- * part's value. Immutable.
+ * The structure of one expression, from which a {@link Meter} computes the cost of an evaluation:
+ * the order of its parts, and how each part's value is used. Immutable.
  */
 final class Cost {
-    /** The use of a part's value. */
+    /** How the enclosing part of the expression uses a part's value. */
     enum Role {
-        /** The whole value may be read. */
+        /** It may read the whole value. */
         READ,
-        /** One element is selected. */
+        /** It selects one element. */
         PICKED,
-        /** Its elements are compared with a value. */
+        /** It compares the elements with a value. */
         MEMBERS,
-        /** A loop iterates over it; the enclosing part fails if that is impossible. */
+        /** It is a loop over the value; it fails if the value is no list or map. */
         RANGE,
-        /** The enclosing part fails unless it is true or false. */
+        /** It fails unless the value is true or false. */
         TRUTH,
-        /** A pattern is searched in it. */
+        /** It searches a pattern in the value. */
         MATCHED,
-        /** A text is searched in it. */
+        /** It searches another text in the value. */
         HAYSTACK,
-        /** The text that is searched in a HAYSTACK. */
+        /** It searches the value in a HAYSTACK. */
         NEEDLE
     }
 
     /**
-     * One part.
+     * One part of the expression, such as an operator with its operands.
      *
      * @param next the part that is evaluated next unless the enclosing part fails; 0 if that
      *     depends on values
      * @param depth number of enclosing parts
-     * @param detail of a MATCHED, the size of the pattern; of a HAYSTACK and its NEEDLE, their
-     *     number
+     * @param detail for MATCHED the size of the pattern; for a HAYSTACK and its NEEDLE the same
+     *     serial number
      */
     record Part(int next, int depth, Role role, int detail) {}
 
@@ -58,7 +58,7 @@ final class Cost {
         return id < parts.size() ? parts.get((int) id) : UNKNOWN;
     }
 
-    /** Returns the number of texts that are searched for other texts. */
+    /** Returns the number of parts with the role HAYSTACK. */
     int haystacks() {
         return haystacks;
     }
@@ -133,12 +133,12 @@ final class Cost {
         }
     }
 
-    /** Returns whether a selection is one name that contains dots. */
+    /** Returns whether a selection such as {@code physics.mass} is one name that contains dots. */
     private boolean isName(CelExpr select) {
         return ast.getReference(select.id()).isPresent();
     }
 
-    /** Returns the part of an expression that is evaluated first. */
+    /** Returns the id of the part of an expression that is evaluated first. */
     private int first(CelExpr expr) {
         List<CelExpr> inside =
                 switch (expr.getKind()) {

@@ -2,7 +2,8 @@
 package reve.core.rule;
 
 /**
- * The evaluation of an expression failed; the message quotes the expression and gives the reason.
+ * Reports that the evaluation of an expression failed; the message quotes the expression and gives
+ * the reason.
  */
 public final class EvaluationException extends Exception {
     private static final long serialVersionUID = 1L;

@@ -21,8 +21,8 @@ import java.util.TreeSet;
 import java.util.regex.Pattern;
 
 /**
- * A compiled expression. Immutable; evaluated on the world's thread, which owns the data. Its cost
- * is bounded: a {@link Meter} ends an evaluation with too many steps.
+ * A compiled expression of a world file. Immutable; evaluated on the thread of the world whose data
+ * it reads. Its cost is bounded: a {@link Meter} ends an evaluation that takes too many steps.
  */
 public final class Expression {
     private static final Pattern PLACE = Pattern.compile("evaluation error( at <input>:\\d+)?: ");
@@ -63,26 +63,28 @@ public final class Expression {
     }
 
     /**
-     * Returns the full names that it reads, in alphabetical order: {@code actor.physics.mass},
-     * {@code semantic.lit}.
+     * Returns the full names that the expression reads, in alphabetical order: {@code
+     * actor.physics.mass}, {@code semantic.lit}.
      */
     public Set<String> uses() {
         return uses;
     }
 
-    /** Returns the first parts of the names that it reads, such as {@code actor}. */
+    /** Returns the first parts of the names that the expression reads, such as {@code actor}. */
     public Set<String> roots() {
         Set<String> roots = new TreeSet<>();
         uses.forEach(name -> roots.add(name.split("\\.", 2)[0]));
         return roots;
     }
 
-    /** Returns the parameters of its action, by name. */
+    /**
+     * Returns the parameters of the action that contains the expression, by name; empty for a rule.
+     */
     public Map<String, Parameter> parameters() {
         return scope.parameters();
     }
 
-    /** Returns empty bindings for its names. */
+    /** Returns new bindings for the names of the expression, without values. */
     public Bindings bindings() {
         return scope.bindings();
     }
@@ -113,7 +115,8 @@ public final class Expression {
     }
 
     /**
-     * Evaluates a condition; throws like {@link #evaluate}, and if the result is not true or false.
+     * Evaluates a condition; throws like {@link #evaluate}, and also if the result is not true or
+     * false.
      */
     public boolean truth(Bindings bindings) throws EvaluationException {
         if (evaluate(bindings) instanceof Boolean truth) {
@@ -123,8 +126,8 @@ public final class Expression {
     }
 
     /**
-     * Evaluates to one or several numbers in SI units; throws like {@link #evaluate}, and if the
-     * result is different.
+     * Evaluates the expression to {@code count} numbers in SI units; throws like {@link #evaluate},
+     * and also if the result has another form.
      */
     public double[] numbers(Bindings bindings, int count) throws EvaluationException {
         Object value = evaluate(bindings);

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.rule;
 
-/** An expression is invalid; the message gives the reason. */
+/** Reports that the text of an expression is invalid; the message gives the reason. */
 public final class ExpressionException extends Exception {
     private static final long serialVersionUID = 1L;
 
-    /** Number of characters before the error. */
+    /** Position of the error: number of characters before it. */
     private final int offset;
 
     ExpressionException(int offset, String message) {

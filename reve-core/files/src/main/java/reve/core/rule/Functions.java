@@ -13,9 +13,9 @@ import java.util.List;
 import java.util.function.DoubleBinaryOperator;
 
 /**
- * Operators and functions that expressions have in addition to those of CEL: operators for an
- * integer and a real, and functions of vectors, which are lists of numbers. Sums run from the first
- * component to the last.
+ * Operators and functions that extend the language CEL: operators with an integer and a real
+ * operand, and functions of vectors, which are lists of numbers. Sums add the components from the
+ * first to the last.
  */
 final class Functions {
     private static final CelType VECTOR = ListType.create(SimpleType.DYN);

@@ -19,7 +19,10 @@ import java.util.function.Function;
 import java.util.function.LongConsumer;
 import java.util.function.Supplier;
 
-/** The names of an item in expressions: maps that read its aspects on access. */
+/**
+ * The names by which expressions read an item: one map per aspect, which reads a value of the item
+ * when it is accessed.
+ */
 final class ItemNames {
     private static final String SYMBOL = KindNames.SEMANTIC + ".";
 
@@ -35,7 +38,7 @@ final class ItemNames {
     private final Map<String, Optional<Object>> relations = new HashMap<>();
 
     /**
-     * @param steps receives the steps of computing relations
+     * @param steps receives the number of steps of each computation of relations
      */
     ItemNames(KindNames kind, LongConsumer steps) {
         this.kind = kind;
@@ -51,7 +54,10 @@ final class ItemNames {
         relations.clear();
     }
 
-    /** Returns an aspect, {@code item}, or a declared symbol by full name; otherwise null. */
+    /**
+     * Returns the value of {@code item}, of an aspect, or of a declared symbol by full name ({@code
+     * semantic.lit}); else null.
+     */
     @Nullable Object find(String name) {
         if (name.startsWith(SYMBOL)) {
             return semantic(name.substring(SYMBOL.length()));
@@ -122,7 +128,9 @@ final class ItemNames {
         return value instanceof Double number ? kind.toSi(name, number) : value;
     }
 
-    /** Computes a relation; takes a step for each compared body and for each name. */
+    /**
+     * Computes a spatial relation; counts a step for each compared body and for each name found.
+     */
     private Optional<Object> related(Item present, String relation) {
         Relations all = present.semantic().relations();
         long before = all.compared();
@@ -147,7 +155,10 @@ final class ItemNames {
         return list;
     }
 
-    /** A map that CEL reads one name at a time; only its macros iterate over it. */
+    /**
+     * A read-only map whose values are computed on access. CEL reads single names; only its macros
+     * iterate over the map.
+     */
     static final class View extends AbstractMap<String, Object> {
         private final Supplier<Set<String>> names;
         private final Function<String, @Nullable Object> values;

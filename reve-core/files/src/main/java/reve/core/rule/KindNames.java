@@ -13,14 +13,14 @@ import java.util.List;
 import java.util.Map;
 import java.util.Set;
 
-/** The names in the aspects of items of one kind. Immutable. */
+/** The names in the aspects of items of one kind that expressions may use. Immutable. */
 final class KindNames {
     static final String PHYSICS = "physics";
     static final String PHYSICAL = "physical";
     static final String SEMANTIC = "semantic";
     static final String SELF = "item";
 
-    /** Names of {@code item} besides its aspects. */
+    /** Names that {@code item} has in addition to its aspects. */
     static final Set<String> ITEM_NAMES = Set.copyOf(List.of("name", "kind"));
 
     /** Names of the physical aspect, with the number of components; 0 for a text. */

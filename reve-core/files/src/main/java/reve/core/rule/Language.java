@@ -40,7 +40,10 @@ import java.util.TreeSet;
 import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 
-/** CEL with the names of one {@link Scope}, without time and bytes, which worlds do not have. */
+/**
+ * The compiler of CEL expressions (cel.dev) with the names of one {@link Scope}; without the CEL
+ * types for time and bytes.
+ */
 final class Language {
     /** Maximum length of an expression [characters]. */
     static final int MAX_LENGTH = 1000;
@@ -82,7 +85,10 @@ final class Language {
                     "(?:mismatched|extraneous) input '(.*?)' expecting.*"
                             + "|token recognition error at: '(.*)'");
 
-    /** Message of CEL for {@code has(semantic.note)} with a declared note. */
+    /**
+     * Message of the CEL library for {@code has(semantic.note)} if the symbol {@code note} is
+     * declared.
+     */
     private static final String NO_FIELD = "expression does not select a field";
 
     private static final Pattern NO_OVERLOAD =
@@ -156,7 +162,10 @@ final class Language {
         return result.getAst();
     }
 
-    /** Returns the position of an issue in characters from the beginning of the text. */
+    /**
+     * Converts the position of an issue (line and column) into characters from the beginning of the
+     * text.
+     */
     private static int offset(String text, CelIssue issue) {
         int begin = 0;
         for (int line = 1; line < issue.getSourceLocation().getLine(); line++) {
@@ -198,8 +207,8 @@ final class Language {
     }
 
     /**
-     * Translates names of types into the words of the documentation: {@code list(double)} into list
-     * of numbers.
+     * Translates CEL names of types into the words of the documentation: {@code list(double)}
+     * becomes "list of numbers".
      */
     private static String words(String types) {
         return types.replaceAll("\\b(int|uint|double)\\b", "number")

@@ -13,21 +13,26 @@ import java.util.List;
 import java.util.Map;
 
 /**
- * Counts the steps of one evaluation and ends it at a limit. Counts only operations of the
- * evaluation, so that the number is the same on every machine.
+ * Counter of the steps of one evaluation, which ends the evaluation at a limit. Counts operations
+ * and no time, so that the number is the same on every machine.
  */
 @SuppressWarnings("Immutable") // used by one evaluation on one thread
 final class Meter implements CelEvaluationListener {
     /** Maximum steps of one evaluation; a step takes about 0.1 microseconds. */
     static final int MAX_STEPS = 20_000;
 
-    /** Number of characters that are read, compared or copied per step. */
+    /** Number of characters whose reading, comparing or copying counts as one step. */
     private static final int CHARACTERS_PER_STEP = 32;
 
-    /** Number of pattern steps per character that cost one step. */
+    /**
+     * Number of steps of a regular expression, per character of the text, that count as one step.
+     */
     private static final int PATTERN_STEPS_PER_STEP = 8;
 
-    /** Steps for a failing part, which another part may compensate: {@code 1 / 0 > 1 || true}. */
+    /**
+     * Steps for a part that fails, which costs more than a result. An evaluation can continue after
+     * it: {@code 1 / 0 > 1 || true}.
+     */
     private static final int STEPS_OF_FAILURE = 100;
 
     private static final int STEPS_OF_FAILURE_PER_DEPTH = 10;
@@ -43,7 +48,10 @@ final class Meter implements CelEvaluationListener {
     private long left = MAX_STEPS;
     private int next;
 
-    /** Ends an evaluation. Not an exception, because exceptions are values in CEL. */
+    /**
+     * Ends an evaluation that takes too many steps. Not an Exception, because CEL treats exceptions
+     * as values.
+     */
     static final class Exceeded extends Error {
         private static final long serialVersionUID = 1L;
 
@@ -57,7 +65,9 @@ final class Meter implements CelEvaluationListener {
         haystacks = cost.haystacks() == 0 ? NONE : new int[cost.haystacks()];
     }
 
-    /** Called with the value of a part, after its own parts. */
+    /**
+     * Called by CEL with the value of a part of the expression, after the calls for its operands.
+     */
     @Override
     public void callback(CelExpr expr, Object value) {
         Part part = cost.part(expr.id());
@@ -117,12 +127,17 @@ final class Meter implements CelEvaluationListener {
         return MAX_STEPS - Math.max(0, left);
     }
 
-    /** Takes a step for each value inside, counting repeated values each time. */
+    /**
+     * Counts a step for each value inside, and for characters of texts. A repeated value counts
+     * each time.
+     */
     private void weigh(@Nullable Object value) {
         switch (value) {
             case null -> {}
             case String text -> spend(text.length() / CHARACTERS_PER_STEP);
-            case ConcatenatedListView<?> growing -> {} // counted when its loop ends
+            case ConcatenatedListView<?>
+                            growing -> {} // a list that a loop is building: counted when the loop
+            // ends
             case List<?> list -> {
                 for (Object element : list) {
                     spend(1);

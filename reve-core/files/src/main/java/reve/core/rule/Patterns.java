@@ -11,11 +11,17 @@ import java.util.ArrayDeque;
 import java.util.Deque;
 import java.util.regex.Matcher;
 
-/** The patterns of {@code matches}: constants of limited size. */
+/**
+ * Check of the regular expressions in calls of {@code matches}: they must be constants of limited
+ * size.
+ */
 final class Patterns {
     static final String FUNCTION = "matches";
 
-    /** Maximum number of steps of a pattern: about one per character, with repetitions expanded. */
+    /**
+     * Maximum number of steps (compiled instructions) of a pattern: about one per character, with
+     * repetitions written out.
+     */
     static final int MAX_SIZE = 1000;
 
     private static final java.util.regex.Pattern REPETITION =
@@ -76,13 +82,13 @@ final class Patterns {
 
     /**
      * Returns whether the pattern ignores case for characters beyond ASCII, for some of which the
-     * library does not terminate.
+     * library for regular expressions does not terminate.
      */
     static boolean foldsBeyondAscii(String pattern) {
         return FOLDING.matcher(pattern).find() && BEYOND_ASCII.matcher(pattern).find();
     }
 
-    /** Returns a lower bound of the number of steps, without expanding repetitions. */
+    /** Returns a lower bound of the number of steps of a pattern, without compiling it. */
     static long estimate(String pattern) {
         Deque<Long> outside = new ArrayDeque<>();
         Matcher repetition = REPETITION.matcher(pattern);
@@ -141,7 +147,10 @@ final class Patterns {
         };
     }
 
-    /** Returns the end of {@code \\d}, {@code \\p{Greek}}, {@code \\x{1F}} or {@code \\Q…\\E}. */
+    /**
+     * Returns the end of an escape such as {@code \\d}, {@code \\p{Greek}}, {@code \\x{1F}} or
+     * {@code \\Q…\\E}.
+     */
     private static int escape(String pattern, int at) {
         char kind = at + 1 < pattern.length() ? pattern.charAt(at + 1) : 0;
         String until =
@@ -155,7 +164,7 @@ final class Patterns {
         return end < 0 ? pattern.length() : end + until.length();
     }
 
-    /** Returns the end of {@code [a-z]}. */
+    /** Returns the end of a character class such as {@code [a-z]}. */
     private static int characterClass(String pattern, int at) {
         int i = at + 1;
         if (pattern.startsWith("^", i)) {
@@ -182,7 +191,10 @@ final class Patterns {
         return pattern.charAt(at) == '\\' ? at + 2 : at + 1;
     }
 
-    /** Returns the end of {@code (?i)}; of the bracket alone if a group begins. */
+    /**
+     * Returns the end of flags such as {@code (?i)}; if a group begins instead, the end of its
+     * bracket.
+     */
     private static int flags(String pattern, int at) {
         Matcher flags = FLAGS.matcher(pattern).region(at, pattern.length());
         return flags.lookingAt() ? flags.end() : at + 1;

@@ -8,16 +8,17 @@ import reve.core.world.StandardSymbols;
 import java.util.Optional;
 
 /**
- * A rule: a semantic symbol whose value an expression computes. Immutable.
+ * A rule of a world: it computes a semantic symbol of items by an expression. Immutable.
  *
- * @param kind of the items with the symbol
- * @param itemClass class of the items with the symbol; empty for all classes
+ * @param kind kind of the items that get the symbol
+ * @param itemClass class of these items, their symbol {@code class}; empty for all classes
  */
 public record Rule(
         String symbol, String kind, Optional<String> itemClass, Expression expression, String doc) {
 
     /**
-     * @throws IllegalArgumentException if the world derives that symbol itself
+     * @throws IllegalArgumentException if the world itself computes the symbol, for example {@code
+     *     name}
      */
     public Rule {
         if (StandardSymbols.DERIVED.contains(symbol) || symbol.equals("class")) {
@@ -31,7 +32,10 @@ public record Rule(
         return expression.uses().stream().anyMatch(name -> name.startsWith("physics."));
     }
 
-    /** Returns the symbol that a name reads, or null if it reads none. */
+    /**
+     * Returns the symbol that a full name such as {@code semantic.lit} reads; null if it reads no
+     * symbol.
+     */
     static @Nullable String symbolRead(String name) {
         return name.startsWith("semantic.") ? name.substring("semantic.".length()) : null;
     }

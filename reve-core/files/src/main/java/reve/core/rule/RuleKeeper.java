@@ -22,8 +22,8 @@ import java.util.Objects;
 import java.util.function.BooleanSupplier;
 
 /**
- * Keeps the symbol of one rule up to date. For each row it stores the inputs of the last
- * evaluation; equal inputs need no evaluation.
+ * Keeps the symbol of one rule up to date for all items of its kind. Stores for each row the inputs
+ * of the last evaluation; while they are equal, the rule is not evaluated again.
  */
 final class RuleKeeper {
     /** Returned by {@link #update} when no item is left. */
@@ -39,7 +39,10 @@ final class RuleKeeper {
     private final Bindings bindings;
     private final Unit unit;
 
-    /** Columns that the rule reads; if the inputs cannot be listed, it is evaluated every time. */
+    /**
+     * Columns that the rule reads. If not all inputs can be compared ({@link #listed} is false),
+     * the rule is evaluated in every update.
+     */
     private final List<Column> columns = new ArrayList<>();
 
     private final List<String> symbols = new ArrayList<>();
@@ -51,7 +54,7 @@ final class RuleKeeper {
     private boolean told;
     private long steps;
 
-    /** The item of the present evaluation. */
+    /** The item for which the rule is being evaluated. */
     private @Nullable Item current;
 
     RuleKeeper(World world, Rule rule) {
@@ -73,7 +76,10 @@ final class RuleKeeper {
         numbersPerRow = columns.stream().mapToInt(Column::components).sum();
     }
 
-    /** Adds the inputs of a name to the lists; returns false if they cannot be compared. */
+    /**
+     * Adds the column or symbol that a name reads to the inputs; returns false for other names,
+     * such as relations, which cannot be compared.
+     */
     private boolean list(String name) {
         String symbol = Rule.symbolRead(name);
         if (name.startsWith(PHYSICS)) {
@@ -106,17 +112,18 @@ final class RuleKeeper {
         }
     }
 
-    /** Makes all items count as changed; no item has the id 0. */
+    /** Makes all items count as changed, by storing the id 0, which no item has. */
     void forget() {
         Arrays.fill(ids, 0);
     }
 
     /**
-     * Evaluates the rule for the items that have changed, from a row on. Ends early if the rule
-     * takes more than its steps, or if told to.
+     * Evaluates the rule for the items whose inputs have changed, from a row on. Ends early if the
+     * evaluations take too many steps, or if {@code ends} returns true.
      *
-     * @param most steps of this update; the evaluation that exceeds them is the last one
-     * @param ends whether to end early for another reason
+     * @param most maximum number of steps; the evaluation that exceeds it is completed and is the
+     *     last one
+     * @param ends returns true to end early for another reason
      * @return the row to continue with, or {@link #COMPLETE}
      */
     int update(long frame, int fromRow, long most, BooleanSupplier ends) {
@@ -129,21 +136,21 @@ final class RuleKeeper {
         }
     }
 
-    /** Returns the steps of the last update. */
+    /** Returns the number of steps that the last update took. */
     long steps() {
         return steps;
     }
 
     /**
-     * Reports that rules take too many steps.
+     * Raises a fault event: rules take too many steps, this one the most.
      *
-     * @param why follows the rule's name in the message of the fault
+     * @param why text after the rule's name in the message of the fault
      */
     void reportTooManySteps(long frame, String why) {
         raise(frame, "TooManySteps", "rule " + rule.symbol() + " " + why);
     }
 
-    /** Returns the rule and the item of its evaluation; safe on any thread. */
+    /** Returns the rule and the item for which it is being evaluated; any thread. */
     @Override
     public String toString() {
         Item item = current;
@@ -168,7 +175,10 @@ final class RuleKeeper {
             }
         }
         for (int row = rows; row < table.rowCount(); row++) {
-            give(itemAt(row), null, frame); // scenery that had physics before
+            give(
+                    itemAt(row),
+                    null,
+                    frame); // scenery that may have had physics before: removes the symbol
         }
         return COMPLETE;
     }
@@ -186,7 +196,10 @@ final class RuleKeeper {
         }
     }
 
-    /** Compares the rule's inputs for an item with the stored ones of the row, and stores them. */
+    /**
+     * Returns whether the rule's inputs for an item differ from those stored for the row; stores
+     * the new ones.
+     */
     private boolean hasChanged(int row, Item item) {
         boolean changed = ids[row] != item.id().value();
         ids[row] = item.id().value();

@@ -19,11 +19,11 @@ import java.util.function.BooleanSupplier;
  * rule has no value for an item, the item does not have the symbol; this is reported once per rule.
  * World's thread.
  *
- * <p>All rules share the steps of a frame. If they need more, the remaining items keep their
- * symbols and are evaluated in the next frames, so that rules never delay a frame for long. The
- * first update, and the first after {@link #forget}, may take more, so that a large world begins
- * complete. Steps are counted, never time: the same items are evaluated in the same frames on every
- * machine.
+ * <p>All rules together may take a limited number of evaluation steps per frame. If they need more,
+ * the remaining items keep their symbols and are evaluated in the next frames, so that rules never
+ * delay a frame for long. The limit of the first update, and of the first one after {@link
+ * #forget}, is higher, so that a large world begins with all symbols. Steps are counted, never
+ * time: the same items are evaluated in the same frames on every machine.
  */
 public final class Rules {
     /** Default maximum number of steps of all rules in one frame, about 20 ms. */
@@ -40,14 +40,14 @@ public final class Rules {
     private boolean first = true;
     private boolean reported;
 
-    /** Start of the next update: the rule and the row. */
+    /** Index of the rule with which the next update starts; the next field is the row. */
     private int nextKeeper;
 
     private int nextRow;
 
     /**
      * @param rules of the world, in order of evaluation
-     * @param stepsPerFrame maximum number of steps in one frame
+     * @param stepsPerFrame maximum number of evaluation steps in one frame
      */
     public Rules(World world, List<Rule> rules, long stepsPerFrame) {
         this(world, rules, stepsPerFrame, FIRST_STEPS);
@@ -61,17 +61,19 @@ public final class Rules {
     }
 
     /**
-     * Evaluates rules in DERIVE of every frame, after earlier subscribers.
+     * Evaluates the rules in the phase DERIVE of every frame, after listeners that subscribed
+     * earlier.
      *
-     * @param stopped returns whether the world makes no more frames: then the evaluation ends early
+     * @param stopped returns whether the world makes no more frames, so that the evaluation ends
+     *     early
      */
     public void subscribeTo(FrameBus bus, BooleanSupplier stopped) {
         bus.subscribe(FramePhase.DERIVE, "rules", event -> update(event.frame(), stopped));
     }
 
     /**
-     * Evaluates all rules again, because the world was restored and stored inputs no longer match
-     * its items. Results then depend on the world alone.
+     * Makes the next update evaluate all rules for all items, because the world was restored and
+     * the stored inputs belong to another state.
      */
     public void forget() {
         first = true;
@@ -83,7 +85,7 @@ public final class Rules {
 
     /**
      * Replaces the rules. Items lose the symbols of rules that are not among the new ones; the next
-     * update evaluates the new rules for all items. Outside DERIVE.
+     * update evaluates the new rules for all items. Called outside the phase DERIVE.
      */
     public void set(List<Rule> rules) {
         Map<Rule, RuleKeeper> before = new IdentityHashMap<>();

@@ -12,12 +12,13 @@ import java.util.Map;
 import java.util.Objects;
 
 /**
- * The names that expressions may use, with their types: {@code physics}, {@code physical}, {@code
- * semantic} and {@code item} of an item of one kind; in actions also {@code actor} and the action's
- * parameters. Compiles each text once. For one thread.
+ * The names that expressions may use, with their types, and the compiler of these expressions:
+ * {@code physics}, {@code physical}, {@code semantic} and {@code item} of an item of one kind; in
+ * actions also {@code actor} and the action's parameters. Compiles each distinct text once. For one
+ * thread.
  */
 public final class Scope {
-    /** The acting body, in the scope of actions. */
+    /** Name of the acting body, in the scope of actions. */
     public static final String ACTOR = "actor";
 
     private final KindNames own;
@@ -38,14 +39,14 @@ public final class Scope {
         this.withActor = withActor;
     }
 
-    /** Returns the names for rules of items of that kind. */
+    /** Returns the scope for rules of items of that kind. */
     public static Scope ofItem(WorldPrototype prototype, String kind) {
         return new Scope(prototype, kind, Map.of(), false);
     }
 
     /**
-     * Returns the names for actions of items of that kind: of the item, of the acting body, and of
-     * the parameters.
+     * Returns the scope for actions of items of that kind, with the names of the item, the acting
+     * body and the parameters.
      */
     public static Scope ofAction(
             WorldPrototype prototype, String kind, Iterable<Parameter> parameters) {
@@ -77,7 +78,7 @@ public final class Scope {
         return known.containsKey(text);
     }
 
-    /** Returns empty bindings for these names. */
+    /** Returns new bindings for these names, without values. */
     public Bindings bindings() {
         return new Bindings(this);
     }
@@ -86,7 +87,10 @@ public final class Scope {
         return own;
     }
 
-    /** Returns the names of actors and of items that are arguments, which are bodies. */
+    /**
+     * Returns the names in the aspects of other items (the actor and items given as arguments),
+     * which are bodies.
+     */
     KindNames other() {
         return other;
     }

@@ -15,8 +15,8 @@ final class Uses {
     private Uses() {}
 
     /**
-     * Returns the full names in alphabetical order: {@code actor.physics.mass}, {@code
-     * semantic.lit}.
+     * Returns the full names that an expression reads, in alphabetical order: {@code
+     * actor.physics.mass}, {@code semantic.lit}.
      */
     static Set<String> of(CelAbstractSyntaxTree ast, Set<String> roots) {
         Set<String> uses = new TreeSet<>();
@@ -37,7 +37,10 @@ final class Uses {
         return uses;
     }
 
-    /** Follows selections upwards from {@code semantic}, over {@code .lit} or {@code ["lit"]}. */
+    /**
+     * Extends a name such as {@code semantic} by the selections around it, {@code .lit} or {@code
+     * ["lit"]}, to the full name.
+     */
     private static String inFull(CelNavigableExpr node, String name) {
         CelNavigableExpr parent = node.parent().orElse(null);
         if (parent == null) {

@@ -20,8 +20,8 @@ import java.lang.foreign.ValueLayout;
  * world around the item's rotated and translated box. Only this class writes these columns. World's
  * thread.
  *
- * <p>It works on plain arrays of a few hundred rows. Columns are copied in and out in bulk, which
- * compilers optimize reliably.
+ * <p>Copies a few hundred rows at a time between the columns and plain arrays, because compilers
+ * optimize loops over arrays reliably.
  */
 public final class BoundingBoxes {
 
@@ -82,8 +82,8 @@ public final class BoundingBoxes {
     }
 
     /**
-     * Computes half the size of the box around the rotated box; a mesh need not be centred on its
-     * origin.
+     * Turns an item's half extents into those of the axis-aligned box around it; moves the position
+     * of a mesh to the centre of its box.
      */
     private void turn(int row, @Nullable Mesh mesh) {
         double x = orientation[4 * row];
@@ -116,8 +116,8 @@ public final class BoundingBoxes {
     }
 
     /**
-     * Computes one axis of the world: (x, y, z) is its row of the rotation matrix, (a, b, c) half
-     * the item's own size.
+     * Computes the half extent along one world axis: (x, y, z) is this axis's row of the rotation
+     * matrix, (a, b, c) the half extents along the item's own axes.
      */
     private void turn(
             int at,

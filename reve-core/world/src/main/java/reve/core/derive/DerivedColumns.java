@@ -5,14 +5,16 @@ import reve.core.frame.FrameBus;
 import reve.core.frame.FramePhase;
 import reve.core.world.FrameControl;
 
-/** The first listener of DERIVE, which updates all columns that are derived from others. */
+/**
+ * The first listener of the phase DERIVE, which updates all columns that are derived from others.
+ */
 public final class DerivedColumns {
 
     private DerivedColumns() {}
 
     /**
-     * Subscribes to DERIVE. In every frame it computes the places of attached items, then the boxes
-     * of all bodies.
+     * Subscribes to the phase DERIVE. In every frame it computes the places of attached items, then
+     * the boxes of all bodies.
      */
     public static void subscribeTo(FrameBus bus) {
         var boxes = new BoundingBoxes();

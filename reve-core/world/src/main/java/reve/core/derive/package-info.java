@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/** Columns that are derived from other properties, in DERIVE. */
+/** Columns that the world computes from other columns in the phase DERIVE of each frame. */
 @NullMarked
 package reve.core.derive;
 

@@ -21,13 +21,13 @@ import java.util.Set;
 /**
  * A file that one process appends to, locked until it is closed or the process ends. Devices are
  * not locked. Pipes are refused, because opening one waits for a reader. While it is open, this
- * process must not open the file in another way, because the system releases the lock when the
- * other channel is closed. One thread.
+ * process must not open the file a second time: closing any channel of the file releases the lock.
+ * One thread.
  */
 public final class OwnedFile implements Closeable {
     private static final int TRIES = 5;
 
-    /** Mask of the file type in a Unix file mode, and its value for a pipe. */
+    /** Mask of the file type in a Unix file mode; the next constant is the type of a pipe. */
     private static final int TYPE_BITS = 0170000;
 
     private static final int PIPE = 0010000;
@@ -45,7 +45,8 @@ public final class OwnedFile implements Closeable {
     /**
      * Opens a file, or creates it with these attributes.
      *
-     * @throws IOException if that fails, it is a pipe, or another process has locked it
+     * @throws IOException if opening fails, the path is a pipe, or another process has locked the
+     *     file
      */
     public static OwnedFile open(Path path, FileAttribute<?>... attributes) throws IOException {
         for (int i = 0; i < TRIES; i++) {
@@ -75,7 +76,7 @@ public final class OwnedFile implements Closeable {
             if (after.isPresent() && (before.isEmpty() || before.equals(after))) {
                 return new OwnedFile(path, channel, after);
             }
-            channel.close(); // the file was moved between open and lock
+            channel.close(); // another program moved the file between open and lock: try again
         }
         throw new FileSystemException(
                 path.toString(), null, "something moves or removes it again and again");
@@ -122,10 +123,10 @@ public final class OwnedFile implements Closeable {
     }
 
     /**
-     * Returns what another program did to the file, as the rest of a sentence; empty if the path
-     * leads to the complete file. Any thread.
+     * Returns what another program did to the file, as the end of a sentence: "was moved or
+     * removed". Empty if the path leads to the complete file. Any thread.
      *
-     * @param written number of bytes in the file, unless it is a device
+     * @param written number of bytes that the file must have; ignored for a device
      */
     public String trouble(long written) {
         if (!isInPlace()) {
@@ -142,14 +143,14 @@ public final class OwnedFile implements Closeable {
     }
 
     /**
-     * Renames a file to {@code FILE.1}. The numbers of older files increase by one, up to the first
-     * free number; if there is none, the oldest is replaced.
+     * Renames a file to {@code FILE.1}, after renaming {@code FILE.1} to {@code FILE.2} and so on
+     * up to the first free number. If no number is free, the oldest file is replaced.
      *
      * @param keep maximum number of older files, at least 1
-     * @param kind checks the content of an older file
+     * @param kind check that an older file has the expected content
      * @return the new path of the file
-     * @throws IOException if nothing was renamed, for example because a file with such a name is of
-     *     another kind or in use
+     * @throws IOException if nothing was renamed, for example because an older file has other
+     *     content or is in use
      */
     public static Path rotate(Path file, int keep, Kind kind) throws IOException {
         int free = 1;
@@ -166,18 +167,18 @@ public final class OwnedFile implements Closeable {
         return older(file, 1);
     }
 
-    /** The kind of file that is rotated. */
+    /** Check of the content of files that are rotated. */
     @FunctionalInterface
     public interface Kind {
         /**
-         * @throws IOException naming the file, if its content is of another kind
+         * @throws IOException naming the file, if it has other content than expected
          */
         void require(Path file) throws IOException;
     }
 
     /**
-     * Refuses a name whose older files could not be kept: one of them is of another kind or in use,
-     * or its name would be too long.
+     * Refuses a file that could not be rotated, because an older file has other content or is in
+     * use, or the name of an older file would be too long.
      *
      * @param keep maximum number of older files
      */
@@ -201,8 +202,8 @@ public final class OwnedFile implements Closeable {
     }
 
     /**
-     * Refuses an older file that must not be renamed or replaced. The check of the content comes
-     * first, because the end of a read would release a lock of this process.
+     * Refuses an older file that must not be renamed or replaced. Checks the content before the
+     * lock, because closing the file after reading releases locks of this process.
      */
     private static void requireOlder(Path older, Kind kind) throws IOException {
         if (!Files.isRegularFile(older)) {
@@ -220,9 +221,9 @@ public final class OwnedFile implements Closeable {
     }
 
     /**
-     * Refuses a file whose name is too long for the names of the files beside it.
+     * Refuses a file whose name plus an ending exceeds the length that the file system permits.
      *
-     * @param ending of the longest such name
+     * @param ending longest ending that the program appends to the name
      */
     public static void requireName(Path file, String ending) throws IOException {
         try {
@@ -238,7 +239,7 @@ public final class OwnedFile implements Closeable {
         }
     }
 
-    /** Returns the path of an older file; 0 is the file itself. */
+    /** Returns the path {@code FILE.number} of an older file; for number 0, the file itself. */
     public static Path older(Path file, int number) {
         return number == 0 ? file : file.resolveSibling(file.getFileName() + "." + number);
     }

@@ -12,8 +12,8 @@ public final class Reason {
     private Reason() {}
 
     /**
-     * Returns an exception whose message names the file and the reason, for example a full disk,
-     * whose own exception names no file.
+     * Returns an exception whose message names the file and the reason. Some exceptions of the
+     * system, for example for a full disk, name no file.
      */
     public static FileSystemException naming(Path file, IOException failure) {
         var named = new FileSystemException(file.toString(), null, of(failure));
@@ -21,7 +21,7 @@ public final class Reason {
         return named;
     }
 
-    /** Returns the reason, for a message that names the file. */
+    /** Returns the reason without the path; the caller names the file. */
     public static String of(Exception failure) {
         return switch (failure) {
             case NoSuchFileException gone ->

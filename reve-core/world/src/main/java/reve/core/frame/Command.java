@@ -3,13 +3,19 @@ package reve.core.frame;
 
 import reve.core.world.World;
 
-/** A request to change the world, from any thread, executed once in ACT of a frame. */
+/**
+ * A request to change the world. Any thread may queue it; the world executes it once, in the phase
+ * ACT of a frame.
+ */
 public interface Command {
 
-    /** Returns the name of the sender; commands of one frame are first ordered by it. */
+    /**
+     * Returns the name of the sender. Commands of one frame are executed in order of origin, then
+     * of {@link #sequence}.
+     */
     String origin();
 
-    /** Returns a number that increases with each command of an origin, and orders them. */
+    /** Returns a number that increases from command to command of one origin. */
     long sequence();
 
     /**
@@ -22,15 +28,15 @@ public interface Command {
 
     /**
      * Returns true if the command must wait for the next frame. Later commands of its origin then
-     * wait, too. Called in ACT.
+     * wait, too. Called in the phase ACT.
      */
     default boolean mustWait(FrameEvent event) {
         return false;
     }
 
     /**
-     * Executes the command. Called on the world's thread in ACT. An exception is reported and does
-     * not affect other commands.
+     * Executes the command. Called on the world's thread in the phase ACT. An exception is reported
+     * and does not affect other commands.
      */
     void execute(World world, FrameEvent event);
 }

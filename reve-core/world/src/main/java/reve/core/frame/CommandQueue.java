@@ -10,9 +10,10 @@ import java.util.concurrent.ConcurrentLinkedQueue;
 import java.util.concurrent.atomic.AtomicInteger;
 
 /**
- * The queue of commands from other threads. INTAKE takes the queued commands into the frame, and
- * ACT executes them in order of origin and sequence, so the order of arrival within a frame has no
- * effect. Prompt commands may be executed before the frame. Bounded, and lock-free on both sides.
+ * The queue of commands from other threads. The phase INTAKE takes the queued commands into the
+ * frame, and ACT executes them in order of origin and sequence, so the order of arrival within a
+ * frame has no effect. Prompt commands may be executed before the frame. Bounded, and lock-free on
+ * both sides.
  */
 public final class CommandQueue {
 
@@ -24,7 +25,7 @@ public final class CommandQueue {
     private final AtomicInteger waiting = new AtomicInteger();
     private final List<Command> taken = new ArrayList<>();
 
-    /** Commands that must wait for the next frame; they count as waiting. */
+    /** Commands that must wait for the next frame; they count towards the capacity. */
     private final List<Command> postponed = new ArrayList<>();
 
     private final FaultLog faults = new FaultLog();
@@ -40,7 +41,7 @@ public final class CommandQueue {
         this.capacity = capacity;
     }
 
-    /** Subscribes the queue to INTAKE and ACT. */
+    /** Subscribes the queue to the phases INTAKE and ACT of the frames. */
     public void subscribeTo(FrameBus bus) {
         bus.subscribe(FramePhase.INTAKE, "command queue", this::take);
         bus.subscribe(FramePhase.ACT, "command queue", this::execute);
@@ -56,7 +57,7 @@ public final class CommandQueue {
         return true;
     }
 
-    /** Executes the queued prompt commands; between frames. */
+    /** Executes the queued prompt commands ({@link Command#isPrompt}) between two frames. */
     void executePrompt(FrameEvent event) {
         for (Iterator<Command> all = arrived.iterator(); all.hasNext(); ) {
             Command command = all.next();
@@ -107,8 +108,8 @@ public final class CommandQueue {
     }
 
     /**
-     * Returns whether an earlier command of this origin waits. Commands are in order of origin, so
-     * the last waiting command decides.
+     * Returns whether an earlier command of this origin waits. Compares only the last waiting
+     * command, because commands are executed in order of origin.
      */
     private boolean isOfWaiting(String origin) {
         return !postponed.isEmpty() && postponed.getLast().origin().equals(origin);

@@ -12,8 +12,8 @@ import java.util.Map;
 import java.util.Set;
 
 /**
- * The conversion of exceptions of listeners and commands to "fault" events, once for each distinct
- * message.
+ * Converter of exceptions from listeners and commands to log lines and "fault" events of the world,
+ * one for each distinct message.
  */
 final class FaultLog {
 
@@ -22,7 +22,10 @@ final class FaultLog {
 
     private final Set<String> reported = new HashSet<>();
 
-    /** Reports a fault, unless the source reported the same before or the limit is reached. */
+    /**
+     * Reports a fault, unless the same source has reported the same fault before, or {@link
+     * #MAX_DISTINCT} faults were reported.
+     */
     void report(FrameEvent event, String source, Throwable fault) {
         String message = String.valueOf(fault.getMessage());
         String type = fault.getClass().getSimpleName();

@@ -12,7 +12,7 @@ public final class FrameBus {
 
     private static final Subscriber[] NONE = {};
 
-    /** Subscribers by phase; an array is replaced and never changed. */
+    /** Subscribers by phase (copy-on-write: a subscription replaces the array). */
     private final AtomicReferenceArray<Subscriber[]> subscribers =
             new AtomicReferenceArray<>(FramePhase.values().length);
 

@@ -23,6 +23,9 @@ public interface FrameClock {
     /** Returns monotonic time from an arbitrary origin [ns]. */
     long nanoTime();
 
-    /** Waits for about that long [ns]. May return early, and does when the thread is unparked. */
+    /**
+     * Waits for about that long [ns]. May return early; returns at once when the thread is
+     * unparked.
+     */
     void park(long nanoseconds);
 }

@@ -19,8 +19,8 @@ public final class FrameEvent {
     }
 
     /**
-     * Returns the number of the frame, from 1; 0 while the initial world is derived and published.
-     * It never decreases, unlike time when the world is rewound.
+     * Returns the number of the frame, from 1; 0 while the phases DERIVE and PUBLISH run for the
+     * initial world. A rewind sets the time back, but not this number.
      */
     public long frame() {
         return frame;

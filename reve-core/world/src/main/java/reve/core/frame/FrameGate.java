@@ -25,35 +25,35 @@ public interface FrameGate {
             };
 
     /**
-     * Returns whether a due frame may begin.
+     * Decides whether a frame that is due may begin.
      *
      * @param nowNanoseconds time of the loop's clock [ns]
-     * @return 0 or less if it may begin, otherwise the time after which to ask again [ns]; the loop
-     *     asks earlier if it is woken ({@link FrameLoop#wake})
+     * @return 0 or less if the frame may begin, otherwise the time after which the loop asks again
+     *     [ns]; it asks earlier if it is woken ({@link FrameLoop#wake})
      */
     long nanosecondsToWait(long frame, long nowNanoseconds);
 
     /**
-     * Blocks the loop's thread for about that long [ns] or until {@link #wake}. The gate may
-     * meanwhile do work on this thread that could open it.
+     * Blocks the loop's thread for about that long [ns] or until {@link #wake}. Meanwhile the gate
+     * may run work on this thread, for example read the messages that it waits for.
      *
-     * @param disturbed returns true if the loop has other work; a gate that does not park the
-     *     thread checks it before it waits
+     * @param disturbed returns true if the loop has other work; a gate with its own way to wait
+     *     checks this first
      * @param clock the loop's clock
      */
     default void await(long nanoseconds, BooleanSupplier disturbed, FrameClock clock) {
         clock.park(nanoseconds);
     }
 
-    /** Ends {@link #await}; the loop's thread is also unparked. Any thread. */
+    /** Ends {@link #await}. The caller also unparks the loop's thread. Any thread. */
     default void wake() {}
 
-    /** Notifies the gate that the loop is paused: the waiting time so far no longer counts. */
+    /** Notifies the gate that the loop is paused: time limits start again after the pause. */
     void paused();
 
     /**
-     * Notifies the gate that the world was replaced by that of another frame, see {@link
-     * FrameLoop#continueAfter}.
+     * Notifies the gate that the state of the world was replaced by that of another frame, see
+     * {@link FrameLoop#continueAfter}.
      */
     void continuesAfter(long frame);
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.frame;
 
-/** A participant of frames. */
+/** A callback for one phase of each frame. */
 @FunctionalInterface
 public interface FrameListener {
 

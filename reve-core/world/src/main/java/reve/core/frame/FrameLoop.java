@@ -21,15 +21,15 @@ import java.util.function.BooleanSupplier;
  * The loop that makes the frames of a world on the thread that calls {@link #step} or {@link #run};
  * this thread owns the world.
  *
- * <p>Frame 0 is the initial world: it is derived and published before the first frame, so that
- * readers can see it. A frame ends at a x steps x dt of simulated time, where a is the world's age
- * in frames.
+ * <p>Frame 0 is the initial world: only the phases DERIVE and PUBLISH run for it, so that readers
+ * can see it before the first frame. A frame ends at a x steps x dt of simulated time, where a is
+ * the world's age in frames.
  */
 public final class FrameLoop {
 
     /**
-     * Maximum number of frames that a late loop runs without waiting, to catch up; older delay is
-     * dropped.
+     * Maximum number of frames that a late loop makes without waiting, to catch up with its
+     * schedule. The loop gives up any further delay.
      */
     public static final int MAX_CATCH_UP_FRAMES = 4;
 
@@ -52,10 +52,10 @@ public final class FrameLoop {
     private final AtomicLong frames = new AtomicLong();
     private final FrameClock clock;
 
-    /** Last frame that {@link #run} may make; {@link #UNLIMITED} unless paused. */
+    /** Number of the last frame that {@link #run} may make; {@link #UNLIMITED} unless paused. */
     private final AtomicLong lastAllowed = new AtomicLong(UNLIMITED);
 
-    /** Last frame that was begun. */
+    /** Number of the last frame that was begun. */
     private final AtomicLong begunFrame = new AtomicLong();
 
     private final AtomicReference<@Nullable FramePhase> phase = new AtomicReference<>();
@@ -80,7 +80,7 @@ public final class FrameLoop {
     }
 
     /**
-     * @param clock paces and profiles the frames; the world never sees it
+     * @param clock determines when frames run and measures them; the world has no access to it
      */
     public FrameLoop(World world, FrameBus bus, Timing timing, Pacing pacing, FrameClock clock) {
         this.world = world;
@@ -118,10 +118,10 @@ public final class FrameLoop {
     }
 
     /**
-     * Continues with the frame after the given one, because the world was replaced. The replaced
-     * world is first derived and published. World's thread, between frames.
+     * Continues with the frame after the given one, because the state of the world was replaced.
+     * First runs the phases DERIVE and PUBLISH for the new state. World's thread, between frames.
      *
-     * @param frame the last frame made, or a later one
+     * @param frame number of the last frame made, or a higher number
      * @throws IllegalStateException if a frame is in progress
      */
     public void continueAfter(long frame) {
@@ -162,9 +162,9 @@ public final class FrameLoop {
     }
 
     /**
-     * Runs an errand between two frames, as soon as no frame is in progress: at once while the loop
-     * is paused or waits. If the errand replaces the world, it is derived and published at once.
-     * Any thread.
+     * Runs an errand, a task between two frames, as soon as no frame is in progress: at once while
+     * the loop is paused or waits. If the errand replaces the world's state, the phases DERIVE and
+     * PUBLISH follow at once. Any thread.
      *
      * @param errand called on the world's thread; must not throw
      */
@@ -174,8 +174,9 @@ public final class FrameLoop {
     }
 
     /**
-     * Executes the prompt commands of a queue now, unless the loop is paused. Their changes belong
-     * to the next frame, as if that frame had executed them first. World's thread, between frames.
+     * Executes the prompt commands of a queue ({@link Command#isPrompt}) now, unless the loop is
+     * paused. Their changes belong to the next frame, as if that frame had executed them first.
+     * World's thread, between frames.
      */
     public void executePrompt(CommandQueue commands) {
         if (!isPaused()) {
@@ -185,8 +186,8 @@ public final class FrameLoop {
     }
 
     /**
-     * Makes {@code count} paced frames, or fewer if {@link #stop()} is called or the thread is
-     * interrupted.
+     * Makes {@code count} frames, each when it is due, or fewer if {@link #stop()} is called or the
+     * thread is interrupted.
      *
      * @param count 0 only publishes frame 0, if that has not happened yet
      */
@@ -206,7 +207,10 @@ public final class FrameLoop {
         }
     }
 
-    /** Makes paced frames until {@link #stop()} is called or the thread is interrupted. */
+    /**
+     * Makes frames, each when it is due, until {@link #stop()} is called or the thread is
+     * interrupted.
+     */
     public void run() {
         run(Long.MAX_VALUE);
     }
@@ -228,14 +232,19 @@ public final class FrameLoop {
      * @return the frame after which it pauses: the last one begun
      */
     public synchronized long pause() {
-        lastAllowed.set(0); // from here on no frame is begun, or the loop checks again
+        lastAllowed.set(
+                0); // from here on, the loop begins no frame, or notices the pause when it checks
+        // again
         long last = begunFrame.get();
         lastAllowed.set(last);
         wake(); // ends a wait for the gate
         return last;
     }
 
-    /** Resumes {@link #run} after a pause, as if no time had passed. Any thread. */
+    /**
+     * Resumes {@link #run} after a pause. The duration of the pause does not count as delay. Any
+     * thread.
+     */
     public synchronized void resume() {
         lastAllowed.set(UNLIMITED);
         wake();
@@ -254,14 +263,14 @@ public final class FrameLoop {
         return last;
     }
 
-    /** Returns true while no further frame may be made. Any thread. */
+    /** Returns true while the loop must not begin another frame. Any thread. */
     public boolean isPaused() {
         return lastAllowed.get() <= frame();
     }
 
     /**
-     * Sets the speed of {@link #run} as world time per time of the clock; 1 at the start. Has no
-     * effect on the content of frames, nor on a loop that is as fast as possible. Any thread.
+     * Sets the speed of {@link #run}: simulated time per time of the clock, initially 1. Does not
+     * affect the content of frames, nor a loop with {@link Pacing#FAST}. Any thread.
      *
      * @param factor above 0
      */
@@ -275,7 +284,7 @@ public final class FrameLoop {
         return pacer.speed();
     }
 
-    /** Returns the pacing of {@link #run}. */
+    /** Returns whether {@link #run} follows the clock or runs as fast as possible. */
     public Pacing pacing() {
         return pacing;
     }
@@ -285,7 +294,7 @@ public final class FrameLoop {
         return world;
     }
 
-    /** Returns the current activity of the world's thread. Any thread. */
+    /** Returns which rule, condition or action the world's thread evaluates now. Any thread. */
     public Activity activity() {
         return world.activity();
     }
@@ -302,7 +311,7 @@ public final class FrameLoop {
 
     /**
      * Returns true while the loop's thread waits for the end of a pause, for the gate or for the
-     * next frame's time, unless the wait is longer than intended. Any thread.
+     * next frame's time. Returns false if a wait exceeds its planned end. Any thread.
      */
     public boolean isWaiting() {
         long end = waitEnd.getAcquire();
@@ -314,7 +323,7 @@ public final class FrameLoop {
         return frames.getAcquire();
     }
 
-    /** Returns the profile so far. Any thread. */
+    /** Returns the number of frames and their times so far. Any thread. */
     public FrameProfile profile() {
         Map<FramePhase, Long> byPhase = new EnumMap<>(FramePhase.class);
         for (FramePhase phase : PHASES) {
@@ -375,9 +384,9 @@ public final class FrameLoop {
     }
 
     /**
-     * Waits while paused or held by the gate.
+     * Waits while the loop is paused or the gate holds the next frame.
      *
-     * @return false if no more frames are wanted
+     * @return false if the loop was stopped or its thread interrupted
      */
     private boolean mayBegin() {
         boolean waited = false;
@@ -412,7 +421,10 @@ public final class FrameLoop {
         return !errands.isEmpty() || isPaused() || stopped;
     }
 
-    /** Returns how long a frame must still wait, at most until the next check [ns]. */
+    /**
+     * Returns how long the loop waits before it checks again whether a frame may begin [ns]; 0 or
+     * less if it may begin.
+     */
     private long nanosecondsHeld(long frame) {
         if (lastAllowed.get() < frame) {
             gate.paused();
@@ -422,8 +434,8 @@ public final class FrameLoop {
     }
 
     /**
-     * Begins a frame unless paused. A concurrent pause either sees this frame as begun, or prevents
-     * it.
+     * Begins a frame unless paused. If another thread pauses the loop meanwhile, either this frame
+     * still runs before the pause, or it does not begin.
      */
     private boolean begin(long frame) {
         if (lastAllowed.get() < frame) {

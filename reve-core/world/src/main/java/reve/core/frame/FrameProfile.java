@@ -6,10 +6,9 @@ import java.util.Map;
 /**
  * The times of a frame loop since its start.
  *
- * @param frames frames completed
- * @param overruns frames that ended after the next one was due (REAL_TIME only)
- * @param droppedFrames number of frames by which the loop gave up catching up with the wall clock
- *     (REAL_TIME only)
+ * @param frames number of completed frames
+ * @param overruns number of frames that ended after the next frame was due (REAL_TIME only)
+ * @param droppedFrames delay that the loop will not catch up, in frames (REAL_TIME only)
  * @param busyNanoseconds time inside frames, without waiting [ns]
  * @param phaseNanoseconds time in the listeners of each phase [ns]
  */

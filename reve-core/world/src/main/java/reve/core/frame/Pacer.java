@@ -4,8 +4,8 @@ package reve.core.frame;
 import java.util.concurrent.atomic.AtomicLong;
 
 /**
- * The schedule of frames. Deadlines are products on the monotonic clock, so one late wake-up does
- * not delay later frames.
+ * The schedule of frames on the monotonic clock. Frame n is due at the start plus n times the
+ * duration of a frame, so one late wake-up does not delay later frames.
  */
 final class Pacer {
 
@@ -19,7 +19,7 @@ final class Pacer {
     private long originNanoseconds;
     private long framesSinceOrigin;
 
-    /** The requested speed: world time per time of the clock. */
+    /** The requested speed: simulated time per time of the clock. */
     private volatile double speed = 1;
 
     /** The speed of the present schedule. */
@@ -38,7 +38,10 @@ final class Pacer {
         scheduledSpeed = speed;
     }
 
-    /** Changes the speed; the schedule restarts with the next check. Any thread. */
+    /**
+     * Changes the speed. The schedule restarts at the next call of {@link #nanosecondsToWait}. Any
+     * thread.
+     */
     void setSpeed(double factor) {
         if (!(factor > 0 && Double.isFinite(factor))) {
             throw new IllegalArgumentException(
@@ -51,7 +54,10 @@ final class Pacer {
         return speed;
     }
 
-    /** Advances the schedule after a frame; the next one is due after one frame of wall time. */
+    /**
+     * Advances the schedule by one frame. If the loop is late by more than {@link
+     * FrameLoop#MAX_CATCH_UP_FRAMES}, skips the further delay.
+     */
     void frameDone() {
         framesSinceOrigin++;
         if (pacing == Pacing.FAST) {
@@ -80,7 +86,7 @@ final class Pacer {
         }
         if (scheduledSpeed != speed) {
             start();
-            framesSinceOrigin = 1; // the frame that was just made
+            framesSinceOrigin = 1; // counts the frame that was just made
         }
         return originNanoseconds + due(framesSinceOrigin) - clock.nanoTime();
     }
@@ -94,7 +100,8 @@ final class Pacer {
     }
 
     /**
-     * Returns the offset of a frame's start from the origin [ns]; does not overflow for centuries.
+     * Returns the time from the start of the schedule to the start of a frame [ns]; does not
+     * overflow for centuries.
      */
     private long due(long frame) {
         int perSecond = timing.framesPerSecond();

@@ -5,7 +5,7 @@ package reve.core.frame;
 public interface Subscription extends AutoCloseable {
 
     /**
-     * Ends the subscription: at once between frames, from the next dispatch on during a frame.
+     * Ends the subscription. A dispatch in progress may still call the listener; later ones do not.
      * Idempotent.
      */
     @Override

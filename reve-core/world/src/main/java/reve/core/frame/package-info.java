@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/** The frame: its phases, its listeners, its commands, and its pacing. */
+/** The frame, one tick of a world: its phases, its listeners, its commands, and when it runs. */
 @NullMarked
 package reve.core.frame;
 

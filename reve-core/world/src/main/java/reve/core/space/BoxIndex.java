@@ -8,11 +8,11 @@ import java.util.function.LongPredicate;
 /**
  * An index that finds the boxes that meet a region or are nearest to a point: a packed tree of
  * boxes (an R-tree whose nodes contain eight neighbours along a space-filling curve). All boxes are
- * loaded at once whenever they move. Results depend on the boxes alone and have a fixed order. One
- * thread.
+ * loaded at once whenever they move. Results depend only on the boxes, not on earlier loads, and
+ * have a fixed order. One thread.
  *
- * <p>While the number of boxes stays the same, their order along the curve is reused and only the
- * nodes around them are computed. The boxes are sorted again after they have moved far.
+ * <p>A new load with the same number of boxes reuses their order along the curve and computes only
+ * the nodes. After the boxes have moved far, it sorts them again.
  */
 public final class BoxIndex {
 
@@ -22,7 +22,10 @@ public final class BoxIndex {
     private static final int MAX_LEVELS = 12;
     private static final int NOTHING = -1;
 
-    /** Factor by which the edges of a node grow before it counts as worn. */
+    /**
+     * Growth of a leaf node's edges (factor) from which it counts as worn; the boxes are sorted
+     * again if many are.
+     */
     private static final double WORN_OUT = 2;
 
     private final RankedOrder ranked = new RankedOrder();
@@ -39,13 +42,14 @@ public final class BoxIndex {
     private double[] extents = {};
 
     /**
-     * All nodes, six sides each: the boxes in order, then the nodes around eight boxes, and so on.
+     * (nodes x 6) lower and upper corners: first the boxes in their order along the curve, then the
+     * nodes around eight boxes each, and so on.
      */
     private double[] sides = {};
 
     private long[] keys = {};
 
-    /** The first node of each level, and the index after the last node. */
+    /** Index of the first node of each level, then the index after the last node. */
     private final int[] firstOf = new int[MAX_LEVELS + 2];
 
     private int levels;
@@ -108,11 +112,12 @@ public final class BoxIndex {
     }
 
     /**
-     * Returns whether the segment between two points meets or touches a box that counts.
+     * Returns whether the segment between two points meets or touches a box for which {@code
+     * counts} returns true.
      *
-     * @param ends fraction of the segment at either end that is ignored, such as 1e-9
+     * @param ends fraction of the segment that is ignored at each end, for example 1e-9
      * @param counts called with the keys of the boxes on the segment, in no particular order, until
-     *     it returns true
+     *     the call returns true
      */
     public boolean isOnWay(double[] from, double[] to, double ends, LongPredicate counts) {
         int depth = pushTop();
@@ -130,8 +135,9 @@ public final class BoxIndex {
     }
 
     /**
-     * Returns whether the intervals of the line within the three pairs of a node's faces overlap
-     * (slab method). As rounding is monotonic, a node around a box is met if the box is.
+     * Returns whether the segment meets a node: its intervals between the three pairs of opposite
+     * faces overlap (slab method). Rounding is monotonic, so a segment that meets a box also meets
+     * the nodes around the box.
      */
     private boolean isOnLine(int node, double[] from, double[] to, double ends) {
         int at = SIDES * node;
@@ -210,7 +216,8 @@ public final class BoxIndex {
         return after;
     }
 
-    // For searches of this package: boxes are the nodes below size(), and the last node is the top.
+    // For searches of this package: the nodes with an index below size() are the boxes, and the
+    // last node is the root.
 
     /** Returns the number of nodes, including boxes. */
     int nodes() {
@@ -231,7 +238,7 @@ public final class BoxIndex {
         return firstChild(node, levelOf(node));
     }
 
-    /** Returns the index after the last child. */
+    /** Returns the index after the last child of a node. */
     int endOfChildren(int node) {
         int level = levelOf(node);
         return lastChild(firstChild(node, level), level);
@@ -261,7 +268,7 @@ public final class BoxIndex {
         return dx * dx + dy * dy + dz * dz;
     }
 
-    /** Reads the boxes without NaN; returns their number. */
+    /** Copies the boxes, except those with a NaN, into arrays; returns their number. */
     private int read(
             MemorySegment ids, MemorySegment givenLows, MemorySegment givenHighs, int rows) {
         MemorySegment.copy(ids, ValueLayout.JAVA_LONG, 0, givenKeys, 0, rows);
@@ -292,7 +299,7 @@ public final class BoxIndex {
         ordered = count;
     }
 
-    /** Returns true if many leaf nodes have grown. */
+    /** Returns true if so many leaf nodes have grown that the boxes must be sorted again. */
     private boolean isWorn() {
         int grown = 0;
         for (int node = size(); node < firstOf[2]; node++) {
@@ -315,7 +322,10 @@ public final class BoxIndex {
                 + (sides[at + 5] - sides[at + 2]);
     }
 
-    /** Writes the boxes in order, and the levels above them. */
+    /**
+     * Writes the boxes in their order along the curve, then computes the levels of nodes above
+     * them.
+     */
     private void fill(int count) {
         for (int i = 0; i < count; i++) {
             keys[i] = givenKeys[order[i]];
@@ -367,7 +377,7 @@ public final class BoxIndex {
         extents = new double[room / FAN_OUT + 1];
         keys = new long[room];
         ordered = NOTHING;
-        // Each level has an eighth of the nodes of the previous one, rounded up.
+        // Each level has an eighth of the nodes of the level below it, rounded up.
         sides = new double[SIDES * (room + room / (FAN_OUT - 1) + MAX_LEVELS)];
     }
 }

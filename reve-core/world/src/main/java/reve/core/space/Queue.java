@@ -5,8 +5,8 @@ import java.util.Arrays;
 
 /**
  * A priority queue of nodes of a {@link BoxIndex} by distance from a point, nearest first: a binary
- * heap in arrays. At equal distance, nodes precede boxes, which they may contain, and boxes are
- * ordered by key.
+ * heap in arrays. At equal distance, inner nodes precede boxes, because a node may contain a box
+ * with a lower key; boxes are ordered by key.
  */
 final class Queue {
 

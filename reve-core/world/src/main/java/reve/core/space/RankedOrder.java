@@ -4,10 +4,10 @@ package reve.core.space;
 import java.util.Arrays;
 
 /**
- * An order of points that keeps neighbours in space mostly adjacent: a Z-curve (Morton) through
- * their ranks on each axis. Ranks replace coordinates so that one distant point does not press all
- * others into one cell. Radix sorts, in time proportional to the number of points; allocates only
- * for more points than ever before.
+ * Sorter of points along a Z-order curve (Morton curve), which keeps neighbours in space mostly
+ * adjacent. The curve runs through the points' ranks on each axis instead of their coordinates, so
+ * that one distant point does not press all others into one cell. Uses radix sorts, whose time is
+ * proportional to the number of points. Allocates only for more points than ever before.
  */
 final class RankedOrder {
 
@@ -16,12 +16,12 @@ final class RankedOrder {
     private static final int DIGIT_BITS = 11;
     private static final int DIGITS = 1 << DIGIT_BITS;
 
-    /** Smallest number that is infinite as a float. */
+    /** Smallest power of 2 beyond the range of floats. */
     private static final double BEYOND_FLOATS = 0x1p128;
 
     /**
-     * Number of low bits of a double that are dropped, so that the rest fits the non-finite
-     * patterns of a float.
+     * Number of low bits that are dropped from the pattern of a larger double, so that the rest
+     * fits the bit patterns of non-finite floats.
      */
     private static final int SPARE_BITS = 39;
 
@@ -32,10 +32,10 @@ final class RankedOrder {
     private int[] spare = {};
 
     /**
-     * Returns the order of the points.
+     * Returns the indices of the points in their order along the Z-order curve.
      *
      * @param places (count x 3) coordinates, converted by {@link #sortable}
-     * @return indices of points; valid until the next call, may be longer than count
+     * @return indices; only the first {@code count} elements count, and only until the next call
      */
     int[] sort(int[] places, int count) {
         reserve(count);
@@ -54,7 +54,10 @@ final class RankedOrder {
         return order;
     }
 
-    /** Sorts by unsigned keys; equal keys keep the order of their indices. */
+    /**
+     * Sets {@link #order} to the indices of the keys in ascending unsigned order; equal keys stay
+     * in order of index.
+     */
     private void sortByKeys(int[] by, int count) {
         for (int i = 0; i < count; i++) {
             order[i] = i;
@@ -81,9 +84,9 @@ final class RankedOrder {
     }
 
     /**
-     * Returns bits whose unsigned order is the order of the numbers, at the precision of floats.
-     * Larger numbers use the non-finite patterns of floats, at a relative precision of a ten
-     * thousandth.
+     * Converts a coordinate into bits whose unsigned order is the order of the coordinates, at the
+     * precision of floats. Numbers beyond the range of floats become patterns of non-finite floats,
+     * with a relative precision of a ten thousandth.
      */
     static int sortable(double value) {
         int bits = Float.floatToRawIntBits((float) value);

@@ -13,16 +13,16 @@ import java.util.stream.LongStream;
  */
 public final class RelatedBoxes {
 
-    /** The relation "inside", the first by name. */
+    /** Index of the relation "inside"; the relations are in alphabetical order. */
     public static final int INSIDE = 0;
 
-    /** The relation "near". */
+    /** Index of the relation "near". */
     public static final int NEAR = 1;
 
-    /** The relation "on". */
+    /** Index of the relation "on". */
     public static final int ON = 2;
 
-    /** The relation "touching". */
+    /** Index of the relation "touching". */
     public static final int TOUCHING = 3;
 
     /** Number of relations. */
@@ -31,7 +31,7 @@ public final class RelatedBoxes {
     /** Maximum number of results for one box and relation. */
     public static final int MOST = 32;
 
-    /** Fraction of the size of two boxes below which a distance counts as zero. */
+    /** Distance that counts as zero, as a fraction of the smaller diagonal of two boxes. */
     public static final double TOLERANCE = 0.01;
 
     private static final int AXES = 3;
@@ -43,18 +43,19 @@ public final class RelatedBoxes {
     private double[] highs = {};
     private int count;
 
-    // Indexed by node of the tree.
+    // These arrays are indexed by node of the tree.
     private long[] firstBox = {};
     private double[] diagonal = {};
     private double[] lowestTop = {};
 
-    // Nodes still to visit, the relations possible in each, and its distance.
+    // Stack of the nodes to visit: node, bit set of the relations that its boxes may have, and
+    // distance from the box.
     private final int[] stack = new int[DEEPEST];
     private final int[] mayHold = new int[DEEPEST];
     private final double[] gaps = new double[DEEPEST];
     private int depth;
 
-    // The box whose relations are searched.
+    // The box whose related boxes are searched.
     private final double[] low = new double[AXES];
     private final double[] high = new double[AXES];
     private final double[] closeLow = new double[AXES];
@@ -64,13 +65,14 @@ public final class RelatedBoxes {
     private int box;
     private double size;
 
-    // Results by relation, nearest first.
+    // Results by relation: number, boxes (nearest first) and their distances.
     private final int[] found = new int[RELATIONS];
     private final int[][] boxes = new int[RELATIONS][MOST];
     private final double[][] distances = new double[RELATIONS][MOST];
 
     /**
-     * Replaces the boxes. Their order decides between equal distances.
+     * Replaces the boxes. Among results at equal distance, the box with the lower index comes
+     * first.
      *
      * @param newLows (count x 3) lower corners [m]
      * @param newHighs (count x 3) upper corners [m]
@@ -137,7 +139,7 @@ public final class RelatedBoxes {
         return count;
     }
 
-    /** Finds the boxes to which a box is related. */
+    /** Finds the boxes to which a box has each relation. */
     public void find(int ofBox) {
         take(ofBox);
         depth = 0;
@@ -164,7 +166,10 @@ public final class RelatedBoxes {
         return found[relation];
     }
 
-    /** Returns one of these boxes, ordered by gap, then by index. */
+    /**
+     * Returns the index of a found box; place 0 has the smallest gap, and equal gaps are ordered by
+     * index.
+     */
     public int found(int relation, int place) {
         return boxes[relation][place];
     }
@@ -184,7 +189,7 @@ public final class RelatedBoxes {
         Arrays.fill(found, 0);
     }
 
-    /** Pushes a node if it may contain a result. */
+    /** Pushes a node on the stack if it may contain a result. */
     private void push(int node) {
         if (!meets(node, farLow, farHigh)) {
             return;
@@ -204,7 +209,7 @@ public final class RelatedBoxes {
         }
     }
 
-    /** Pushes the nearest child last, so that it is visited first. */
+    /** Pushes the children of a node, the nearest one last, so that it is visited first. */
     private void pushChildren(int node) {
         int bottom = depth;
         int first = index.firstChild(node);
@@ -240,7 +245,8 @@ public final class RelatedBoxes {
     }
 
     /**
-     * Returns the relations for which the node may contain a box that precedes one of the results.
+     * Removes relations whose results are full and cannot improve: each of the {@link #MOST}
+     * results precedes all of the node's boxes.
      */
     private int withoutFull(int relations, double gap, long first) {
         int left = relations;
@@ -258,7 +264,7 @@ public final class RelatedBoxes {
         return gap < otherGap || gap == otherGap && first < otherFirst;
     }
 
-    /** Tests a leaf for the relations that its bounds left open. */
+    /** Adds a box to the results of each wanted relation that holds exactly. */
     private void test(int leaf, double gap, int wanted) {
         int other = (int) firstBox[leaf];
         if (other == box) {
@@ -293,8 +299,9 @@ public final class RelatedBoxes {
         others[at] = other;
     }
 
-    // A node's bounds contain those of its boxes, and rounding is monotonic: a condition that holds
-    // for a box holds for the nodes around it.
+    // The tests below serve nodes and boxes. A node's bounds contain those of its boxes, and
+    // rounding is monotonic, so a condition that holds for a box also holds for the nodes around
+    // the box.
 
     private boolean meets(int node, double[] fromLow, double[] toHigh) {
         double[] sides = index.sides();

@@ -5,7 +5,9 @@ import java.math.BigDecimal;
 import java.math.MathContext;
 import java.math.RoundingMode;
 
-/** Numbers as people read them: four significant digits, without an exponent where it is short. */
+/**
+ * Formatter of numbers for people: four significant digits, without an exponent if that is short.
+ */
 public final class Rounded {
     private static final MathContext FOUR = new MathContext(4, RoundingMode.HALF_UP);
     private static final double PLAIN_FROM = 1e-4;
@@ -13,7 +15,10 @@ public final class Rounded {
 
     private Rounded() {}
 
-    /** Returns a number with at most four significant digits; whole numbers keep all of theirs. */
+    /**
+     * Returns a number with at most four significant digits; whole numbers keep all of their
+     * digits.
+     */
     public static String of(double number) {
         if (!Double.isFinite(number)) {
             return Double.toString(number);

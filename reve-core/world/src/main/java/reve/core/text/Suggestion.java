@@ -6,15 +6,12 @@ import java.util.Collection;
 import java.util.Comparator;
 import java.util.Locale;
 
-/** Search for the name that was probably meant. */
+/** Search for the known name that a misspelt name probably means. */
 public final class Suggestion {
     /** Maximum number of names that are compared, so that a wrong file is refused quickly. */
     private static final int MAX_CANDIDATES = 1_000;
 
-    /**
-     * Maximum length of a text for which a name is searched [characters]; names of items are not
-     * longer.
-     */
+    /** Maximum length of a misspelt text [characters]; names of items are not longer. */
     private static final int MAX_LENGTH = 128;
 
     /** Maximum edit distance between the text and a suggested name. */
@@ -22,7 +19,10 @@ public final class Suggestion {
 
     private Suggestion() {}
 
-    /** Returns {@code "; did you mean `x`?"}, or an empty text if no known name is similar. */
+    /**
+     * Returns an end for a message, {@code "; did you mean `x`?"}, or an empty text if no known
+     * name is similar.
+     */
     public static String of(String wrong, Collection<String> known) {
         if (wrong.length() > MAX_LENGTH) {
             return "";
@@ -50,8 +50,9 @@ public final class Suggestion {
 
     /**
      * Returns the minimum number of insertions, deletions, replacements and swaps of neighbours
-     * between two texts, or a number above {@code limit}. Keeps the last three rows, and in them
-     * only the cells near the diagonal.
+     * between two texts, or any number above {@code limit} if it exceeds the limit. Dynamic
+     * programming with only the last three rows of the table, and only their cells near the
+     * diagonal.
      */
     private static int distance(String a, String b, int limit) {
         int far = limit + 1;

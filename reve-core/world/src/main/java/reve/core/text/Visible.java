@@ -39,7 +39,7 @@ public final class Visible {
 
     /**
      * Returns the JSON document with JSON escapes for unsafe characters beyond ASCII, which occur
-     * in strings only. Every writer of JSON escapes those within ASCII.
+     * in strings only. Unsafe ASCII characters are escaped already, because JSON requires it.
      */
     public static String json(String document) {
         if (isSafe(document, '\n')) {
@@ -67,7 +67,7 @@ public final class Visible {
         for (int i = 0; i < text.length(); i++) {
             char c = text.charAt(i);
             if ((c < least || c > LAST_ASCII) && !isSafe(c)) {
-                return false; // possibly half of a safe character
+                return false; // a surrogate, possibly of a safe character: the slower check decides
             }
         }
         return true;

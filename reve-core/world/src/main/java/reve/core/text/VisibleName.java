@@ -9,14 +9,14 @@ import java.util.Set;
 
 /**
  * The rule for names that people compare by eye: every character is visible, and characters are
- * displayed in their logical order. Names of any script can follow it. Joiners and variation
- * selectors are permitted where a script or an emoji needs them.
+ * displayed in the order in which they are stored. Names of any script can follow it. Joiners and
+ * variation selectors are permitted where a script or an emoji needs them.
  */
 public final class VisibleName {
     private static final int NON_JOINER = 0x200C;
     private static final int JOINER = 0x200D;
 
-    /** Scripts in which a joiner or a non-joiner changes the form of letters. */
+    /** Scripts in which a zero-width joiner or non-joiner changes the form of letters. */
     private static final Set<UnicodeScript> JOINED =
             EnumSet.of(
                     UnicodeScript.ARABIC,
@@ -39,7 +39,7 @@ public final class VisibleName {
 
     private VisibleName() {}
 
-    /** Returns why a text violates the rule; empty if it does not. */
+    /** Returns why a text violates the rule, for a message; empty if it follows the rule. */
     public static Optional<String> fault(String text) {
         int last = text.length() - 1;
         if (last >= 0 && (isGap(text.codePointAt(0)) || isGap(text.charAt(last)))) {
@@ -93,7 +93,9 @@ public final class VisibleName {
                 || character >= 0xE0100 && character <= 0xE01EF;
     }
 
-    /** Returns whether an invisible character has an effect between its neighbours. */
+    /**
+     * Returns whether the invisible character at an index changes how its neighbours are displayed.
+     */
     private static boolean isNeeded(String text, int at, int character) {
         if (at == 0) {
             return false;

@@ -8,8 +8,8 @@ import java.util.Arrays;
  * (rad = 1). Units with an offset (degrees Celsius) are not supported: one multiplication converts
  * a number to SI.
  *
- * <p>Immutable, any thread. Equality compares dimension and scale; the symbol only records the
- * notation.
+ * <p>Immutable, any thread. Two units are equal if dimension and scale are equal; the symbol only
+ * records how the unit was written.
  */
 public final class Unit {
     /** The unit of pure numbers and of angles in radians. */

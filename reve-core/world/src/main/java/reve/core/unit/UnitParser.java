@@ -2,7 +2,8 @@
 package reve.core.unit;
 
 /**
- * Text to {@link Unit}, by the grammar of the engine's {@code vesper_unit_parse}:
+ * Parser of texts into {@link Unit}s. It accepts the same grammar as the physics engine's {@code
+ * vesper_unit_parse}:
  *
  * <pre>
  * product = power { ("*" | "·" | "/") power };  power = atom [ "^" integer | raised digits ];
@@ -24,7 +25,7 @@ final class UnitParser {
     /** Whether the text read so far ends with a power that was written with {@code ^}. */
     private boolean endsWithExponent;
 
-    /** A unit under construction; its scale is a fraction. */
+    /** A unit under construction; its scale is a fraction, so that ratios stay exact. */
     private static final class Quantity {
         private final int[] exponents = new int[BASES];
         private double numerator = 1;
@@ -64,7 +65,7 @@ final class UnitParser {
                                     + " is no exponent; write m^2 for square metres"
                             : found() + ", expected *, /, ^ or the end" + EXAMPLE);
         }
-        // probably a typing error, not a scale
+        // a text without any letter, such as "1000": probably a typing error, not a scale
         if (text.chars().allMatch(c -> c < 'A' && c != '%')) {
             throw refuse("it is a number; a plain number has the unit 1");
         }
@@ -176,7 +177,7 @@ final class UnitParser {
         return inner;
     }
 
-    /** Reads a number above 0 such as 9.80665 or 1e3. */
+    /** Reads a number above 0, for example 9.80665 or 1e3, as a unit with only a scale. */
     private Quantity number() {
         int begin = at;
         digits();

@@ -15,7 +15,10 @@ import java.util.List;
 import java.util.Map;
 import java.util.Objects;
 
-/** The symbols of units and prefixes, from the tables that the engine is also built from. */
+/**
+ * The symbols of units and prefixes, read from the tables from which the physics engine is also
+ * built.
+ */
 final class UnitTable {
 
     private static final Map<String, Named> UNITS = new HashMap<>();
@@ -34,12 +37,12 @@ final class UnitTable {
         }
     }
 
-    /** A scale as a fraction, which keeps exact ratios exact: g/ms is kg/s. */
+    /** A scale as a fraction, so that ratios of units stay exact: g/ms is exactly kg/s. */
     record Scale(double numerator, double denominator) {}
 
     private record Named(int[] exponents, Scale scale, boolean takesPrefix) {}
 
-    /** The meaning of a symbol. */
+    /** The unit that a symbol such as {@code km} means. */
     record Symbol(int[] exponents, Scale scale) {}
 
     private UnitTable() {}

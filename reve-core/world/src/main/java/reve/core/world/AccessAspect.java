@@ -7,7 +7,10 @@ import java.util.ArrayList;
 import java.util.List;
 import java.util.Optional;
 
-/** The actions and capabilities of an item. World's thread only. */
+/**
+ * The actions that agents can perform on an item, and its capabilities as a body. World's thread
+ * only.
+ */
 public final class AccessAspect {
 
     private final Item item;

@@ -11,10 +11,10 @@ import java.util.Optional;
  * @param target the item that has the action
  * @param actor the acting body; empty if no body of this world acts
  * @param arguments checked against the action's parameters
- * @param capabilities capabilities of the actor that it may use now
- * @param quota limit on created items
- * @param events limit on the size of raised events
- * @param forces limit on the number of lasting forces
+ * @param capabilities names of the capabilities that the actor may use in this call
+ * @param quota limit on the number of items that actions create
+ * @param events limit on the size of the events that actions raise
+ * @param forces limit on the number of forces that act in later frames
  */
 public record ActionCall(
         World world,
@@ -45,7 +45,7 @@ public record ActionCall(
     /**
      * Performs an action of the target.
      *
-     * @throws ActionRefused if it is not possible now; the world is then unchanged
+     * @throws ActionRefused if the action is not possible now; the world is then unchanged
      */
     public void perform(Action action) throws ActionRefused {
         if (!(action instanceof PerformableAction performable)) {

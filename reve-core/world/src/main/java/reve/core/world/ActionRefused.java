@@ -4,8 +4,8 @@ package reve.core.world;
 import org.jspecify.annotations.Nullable;
 
 /**
- * An action was refused; the world is unchanged. The code is for programs and never changes its
- * meaning; the message is for people.
+ * Reports that an action was refused; the world is unchanged. The code is for programs and never
+ * changes its meaning; the message is for people.
  */
 public final class ActionRefused extends Exception {
     private static final long serialVersionUID = 1L;

@@ -19,7 +19,7 @@ public final class Activity {
     /**
      * Begins an activity, which replaces the current one. World's thread.
      *
-     * @param what its {@code toString} describes it to people, and is safe on any thread
+     * @param what the activity; its {@code toString} describes it for people, on any thread
      */
     public void begin(Object what) {
         current.setRelease(what);
@@ -31,21 +31,21 @@ public final class Activity {
     }
 
     /**
-     * Ends the current activity and counts its steps. World's thread.
+     * Ends the current activity and adds its steps to the count. World's thread.
      *
-     * @param count number of steps, the same on every machine
+     * @param count number of evaluation steps, the same on every machine
      */
     public void end(long count) {
         steps += count;
         end();
     }
 
-    /** Counts steps outside an evaluation. World's thread. */
+    /** Adds steps of work that is not an activity. World's thread. */
     void spend(long count) {
         steps += count;
     }
 
-    /** Returns the steps of all ended activities. World's thread. */
+    /** Returns the number of steps counted so far. World's thread. */
     public long steps() {
         return steps;
     }

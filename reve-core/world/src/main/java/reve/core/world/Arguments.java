@@ -26,7 +26,7 @@ public final class Arguments {
      *
      * @throws ActionRefused with code {@code missing-argument}, {@code unknown-argument}, {@code
      *     wrong-type}, {@code wrong-components}, {@code not-finite} or {@code out-of-range}; the
-     *     message names action and parameter and what it takes
+     *     message names action and parameter, and what the parameter accepts
      */
     public static Arguments check(Action action, Map<String, ?> given) throws ActionRefused {
         var values = new LinkedHashMap<String, Object>();
@@ -69,7 +69,7 @@ public final class Arguments {
         return get(name, double[].class).clone();
     }
 
-    /** Returns a text, or the name of an item, which may not exist. */
+    /** Returns a text or the name of an item; an item of this name need not exist. */
     public String text(String name) {
         return get(name, String.class);
     }

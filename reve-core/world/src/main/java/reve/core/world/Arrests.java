@@ -8,8 +8,8 @@ import java.util.Optional;
 import java.util.TreeSet;
 
 /**
- * Items at which laws may fail because of actions or edits, and the arrest of such an item, which
- * excludes it from laws. World's thread.
+ * Items whose changed numbers may make physics laws fail, and the arrest of such an item: its
+ * numbers become 0, so that laws do not move it. World's thread.
  */
 public final class Arrests {
     /** The properties of an item that laws read, by kind; an arrest sets them to 0. */
@@ -29,13 +29,16 @@ public final class Arrests {
                     WorldPrototype.SURFACE,
                             List.of("hardness", "surfaceDamping", "frictionCoefficient"));
 
-    /** Magnitudes above this are extreme, in SI units; no body of a working world has them. */
+    /**
+     * Magnitude above which a number is extreme, in SI units; no body of a working world has such
+     * numbers.
+     */
     private static final double EXTREME = 1e15;
 
     private final Items items;
     private final WorldGuard guard;
 
-    /** Items whose physics or place actions or edits changed. */
+    /** Items whose physics or place was changed by actions or edits. */
     private final TreeSet<ItemId> changed = new TreeSet<>();
 
     Arrests(Items items, WorldGuard guard) {
@@ -50,11 +53,12 @@ public final class Arrests {
     }
 
     /**
-     * Returns the items with physics that are not arrested and whose physics or place actions or
-     * edits changed since the world was built or resumed, in the order of their ids.
+     * Returns the items that may have caused a failure, in the order of their ids: items with
+     * physics, not arrested, whose physics or place actions or edits changed since the world was
+     * built or resumed.
      *
-     * @param failed the item at which a law failed. If it has extreme numbers it is added as the
-     *     last suspect, because changed items may have pushed it
+     * @param failed the item at which a law failed. If it has extreme numbers, it is added at the
+     *     end, because changed items may have pushed it
      */
     public List<Item> suspects(Optional<Item> failed) {
         guard.checkOwner();
@@ -68,12 +72,15 @@ public final class Arrests {
         return suspects;
     }
 
-    /** Returns whether an item has numbers that no body of a working world has. */
+    /** Returns whether an item has an extreme number, which no body of a working world has. */
     public boolean isExtreme(Item item) {
         return excess(item) > EXTREME;
     }
 
-    /** Returns the largest magnitude among an item's numbers and the inverse of its mass. */
+    /**
+     * Returns the largest magnitude among the item's numbers that laws read and the inverse of its
+     * mass; 0 if arrested.
+     */
     public double excess(Item item) {
         double most = 0;
         if (item.physics().isEmpty()) {
@@ -96,7 +103,7 @@ public final class Arrests {
      * coordinates become 0, because distances to them would not be finite. Like changes by laws,
      * this is not recorded as a change.
      *
-     * @return restores the numbers; valid in the same frame only
+     * @return undoes the arrest; may be called in the same frame only
      */
     public Runnable arrest(Item item) {
         guard.requireEditable();

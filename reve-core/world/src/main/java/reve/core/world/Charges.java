@@ -8,11 +8,12 @@ import java.util.Map;
 import java.util.TreeMap;
 
 /**
- * Charges agents for rules that are evaluated because of their acts: stores which agent changed an
- * item last, and adds up the steps of the item's rules. World's thread.
+ * Charges agents for the rules that must be evaluated because of their acts: stores which agent
+ * last changed each item, and adds up the evaluation steps of the item's rules for this agent.
+ * World's thread.
  */
 public final class Charges {
-    /** The agent that last changed each item: before the present pass of the rules, and since. */
+    /** The agent that last changed each item before the current pass of the rules began. */
     private Map<ItemId, String> changedBefore = new HashMap<>();
 
     private Map<ItemId, String> changedSince = new HashMap<>();
@@ -51,7 +52,7 @@ public final class Charges {
             case WorldChange.Detached detached -> changed(detached.item());
             case WorldChange.Edited edited -> changed(edited.item());
             case WorldChange.Pushed pushed -> changed(pushed.force().item());
-            case WorldChange.ColumnEdited column -> {} // has no item
+            case WorldChange.ColumnEdited column -> {} // is a change of a column, without an item
         }
     }
 
@@ -67,8 +68,9 @@ public final class Charges {
     }
 
     /**
-     * Begins a pass of the rules over all items, which may take several frames. Changes are charged
-     * in the next pass and, because a change may be made during a pass, also in that one.
+     * Begins a pass of the rules over all items, which may take several frames. Changes since the
+     * last call are charged in this pass; changes during this pass are charged in this pass and the
+     * next one.
      */
     public void beginPass() {
         Map<ItemId, String> reused = changedBefore;
@@ -77,7 +79,10 @@ public final class Charges {
         changedSince = reused;
     }
 
-    /** Charges steps to the agent that last changed the item, if any. */
+    /**
+     * Charges evaluation steps to the agent that last changed the item; does nothing if no agent
+     * did.
+     */
     public void charge(ItemId item, long more) {
         String agent = changedSince.get(item);
         if (agent == null) {
@@ -88,7 +93,10 @@ public final class Charges {
         }
     }
 
-    /** Returns the steps charged since the last call, by agent in the order of names. */
+    /**
+     * Returns the steps charged since the last call of this method, by agent, in the order of
+     * names.
+     */
     public Map<String, Long> take() {
         if (steps.isEmpty()) {
             return Map.of();

@@ -5,7 +5,7 @@ import java.util.Optional;
 import java.util.regex.Pattern;
 
 /**
- * An sRGB colour with straight alpha.
+ * An sRGB colour with an alpha channel that is not premultiplied.
  *
  * @param rgba red in the low byte, then green, blue, alpha, so that the bytes in memory are r g b a
  *     on a little-endian machine

@@ -3,7 +3,10 @@ package reve.core.world;
 
 import java.lang.foreign.MemorySegment;
 
-/** A live column. World's thread only. Values are not checked here; the aspects check them. */
+/**
+ * A column of a live world: one property of all items of a kind. Does not check values; the aspects
+ * check them. World's thread only.
+ */
 public final class Column extends ColumnView {
 
     private final Rows rows;
@@ -13,14 +16,17 @@ public final class Column extends ColumnView {
     private MemorySegment used;
     private long version;
 
-    /** Period of the frame record in which the last direct edit was recorded. */
+    /**
+     * {@link FrameRecord#period} in which a direct edit was last recorded, so that each frame
+     * records one.
+     */
     private long editNotedIn;
 
     /**
-     * @param rows of the table
+     * @param rows row count, shared with the table
      * @param guard called before each change
      * @param record receives direct edits
-     * @param memory zeroed
+     * @param memory zeroed memory for the rows
      */
     Column(
             PropertyDescriptor descriptor,
@@ -56,7 +62,10 @@ public final class Column extends ColumnView {
         noteEdit();
     }
 
-    /** Sets one number like {@link #setDouble}, for an aspect, which records the change itself. */
+    /**
+     * Sets one number like {@link #setDouble}, without recording the change: the calling aspect
+     * records it.
+     */
     void write(int row, int component, double value) {
         guard.requireEditable();
         long offset = offset(row, component);
@@ -77,8 +86,8 @@ public final class Column extends ColumnView {
     }
 
     /**
-     * Sets one number like {@link #write}, in DERIVE; increments the version only if {@code
-     * raiseVersion} is true.
+     * Sets one number like {@link #write}, in the phase DERIVE; increments the version only if
+     * {@code raiseVersion} is true.
      */
     void derive(int row, int component, double value, boolean raiseVersion) {
         long before = version;
@@ -95,7 +104,10 @@ public final class Column extends ColumnView {
         noteEdit();
     }
 
-    /** Sets one integer like {@link #setInt}, for an aspect, which records the change itself. */
+    /**
+     * Sets one integer like {@link #setInt}, without recording the change: the calling aspect
+     * records it.
+     */
     void write(int row, int component, int value) {
         guard.requireEditable();
         memory.set(INT, offset(row, component), value);
@@ -103,8 +115,8 @@ public final class Column extends ColumnView {
     }
 
     /**
-     * Returns the version, which every edit in place increments, so that data computed from the
-     * values can be renewed. Laws and DERIVE do not increment it.
+     * Returns a version that increases with every edit of the values. A caller compares it to
+     * decide whether to recompute data. Laws and the phase DERIVE do not increase it.
      */
     public long version() {
         return version;
@@ -116,18 +128,21 @@ public final class Column extends ColumnView {
         noteEdit();
     }
 
-    /** Zeroes the memory behind the last row, in case foreign code wrote there. */
+    /** Zeroes the memory behind the last row, in case a law wrote there. */
     public void clearUnused() {
         memory.asSlice(segment().byteSize()).fill((byte) 0);
     }
 
-    /** Copies all rows from an image. Recorded as a change of the world, not of the column. */
+    /**
+     * Replaces all rows by those of a {@link WorldImage}. Not recorded as an edit: the world
+     * records the restoration.
+     */
     void restore(MemorySegment rows) {
         MemorySegment.copy(rows, 0, memory, 0, rows.byteSize());
         version++;
     }
 
-    /** Records a direct edit, once per frame. */
+    /** Records that the column was edited directly, once per frame. */
     private void noteEdit() {
         if (editNotedIn != record.period()) {
             editNotedIn = record.period();
@@ -135,7 +150,10 @@ public final class Column extends ColumnView {
         }
     }
 
-    /** Sets a reference. Only the world calls it, because it counts references. */
+    /**
+     * Sets one REF: a reference, or the id of a row's item. {@link References} sets and counts
+     * references.
+     */
     void setReference(int row, int component, long value) {
         guard.requireEditable();
         memory.set(LONG, offset(row, component), value);

@@ -4,8 +4,8 @@ package reve.core.world;
 import java.lang.foreign.MemorySegment;
 
 /**
- * Allocator of a world's column memory. The world allocates when it grows, never during a frame.
- * The arena outlives the world; only the world's thread uses both.
+ * Allocator of the memory for a world's columns. The world allocates when rows are added. The arena
+ * must outlive the world; only the world's thread uses both.
  */
 public interface ColumnArena extends AutoCloseable {
 
@@ -21,12 +21,12 @@ public interface ColumnArena extends AutoCloseable {
 
     /**
      * Frees memory from {@link #reserve}. After a column has moved to larger memory, the world
-     * calls this at the end of the next PHYSICS, so that users of the column can bind the new
-     * memory first.
+     * frees the old memory at the end of the next PHYSICS phase, when the engine has bound the new
+     * one.
      */
     void release(MemorySegment memory);
 
-    /** Frees all memory; columns of a world that uses this arena are invalid afterwards. */
+    /** Frees all memory; the columns of the world are invalid afterwards. */
     @Override
     void close();
 }

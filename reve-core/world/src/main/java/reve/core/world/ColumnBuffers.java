@@ -7,20 +7,23 @@ import java.util.ArrayList;
 import java.util.List;
 
 /**
- * The memory for copies of one column in the slots of a {@link SnapshotRing}. Slots with identical
- * bytes share a copy. World's thread only.
+ * The memory for copies of one column in the slots of a {@link SnapshotRing}. Slots whose bytes are
+ * equal share one buffer. World's thread only.
  */
 final class ColumnBuffers {
 
     private static final long ALIGNMENT_BYTES = 64;
 
     /**
-     * A growing buffer is allocated with an eighth more rows, so that it need not grow in each
-     * frame.
+     * Divisor: a buffer for a column that has grown gets an eighth more bytes than needed, so that
+     * it need not grow in each frame.
      */
     private static final int SLACK = 8;
 
-    /** A copy, and the number of slots that hold it; a constant copy is not counted. */
+    /**
+     * A copy, and the number of slots that hold it; not counted if it is constant, because it is
+     * never reused.
+     */
     static final class Buffer {
         private final MemorySegment memory;
         private final boolean constant;
@@ -48,7 +51,10 @@ final class ColumnBuffers {
         return buffer;
     }
 
-    /** Returns an unused buffer, for one slot; discards buffers that are too small. */
+    /**
+     * Returns an unused buffer, held by one slot, or allocates one. Discards unused buffers that
+     * are too small.
+     */
     Buffer take(long bytes) {
         while (!idle.isEmpty()) {
             Buffer buffer = idle.removeLast();
@@ -71,7 +77,7 @@ final class ColumnBuffers {
         return Arena.ofAuto().allocate(bytes, ALIGNMENT_BYTES);
     }
 
-    /** Removes a slot that held the buffer. */
+    /** Removes a slot that held the buffer; without slots, the buffer can be reused. */
     void release(Buffer buffer) {
         if (!buffer.constant && --buffer.slots == 0) {
             idle.add(buffer);

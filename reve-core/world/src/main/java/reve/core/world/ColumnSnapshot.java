@@ -3,7 +3,7 @@ package reve.core.world;
 
 import java.lang.foreign.MemorySegment;
 
-/** A column in the state of a published frame. Any thread, read only. */
+/** A read-only column with the values of a published frame. Any thread. */
 public final class ColumnSnapshot extends ColumnView {
 
     private final MemorySegment segment;

@@ -10,7 +10,8 @@ import java.util.Objects;
 import java.util.Set;
 
 /**
- * Check of definitions against a world before any item is added, so that a refusal changes nothing.
+ * Check of item definitions against a world before any of the items is added, so that a refusal
+ * changes nothing.
  */
 final class DefinitionCheck {
 
@@ -20,7 +21,7 @@ final class DefinitionCheck {
     private final Map<String, ItemDefinition> batch = new HashMap<>();
     private Map<String, Object> checkedSymbols = Map.of();
 
-    /** Names whose chain of parents is known to be without a cycle. */
+    /** Names of items whose chain of parents is known to have no cycle. */
     private final Set<String> rooted = new HashSet<>();
 
     DefinitionCheck(WorldData world, Items items, List<ItemDefinition> definitions) {

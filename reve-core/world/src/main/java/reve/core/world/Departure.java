@@ -8,12 +8,13 @@ import java.util.Map;
 import java.util.Set;
 
 /**
- * The effects on other items when an agent's body leaves the world, which is never refused.
+ * The effects on other items of removing an agent's body from the world. The removal is never
+ * refused.
  *
  * @param detached names of the items that were attached to the body and are now detached, in the
  *     order of their ids
  * @param removed names of the items that were removed because they referred to the body, directly
- *     or not
+ *     or through other items
  */
 public record Departure(List<String> detached, List<String> removed) {
 
@@ -22,7 +23,7 @@ public record Departure(List<String> detached, List<String> removed) {
      * Items that refer to it are removed too, and items attached to those are detached.
      *
      * @throws IllegalArgumentException if it is the item {@code world}
-     * @throws IllegalStateException naming the phase if the structure is locked
+     * @throws IllegalStateException naming the phase of the frame if it permits no removal
      */
     public static Departure of(World world, ItemId id) {
         List<Item> referring = world.referring(id);
@@ -44,9 +45,9 @@ public record Departure(List<String> detached, List<String> removed) {
     }
 
     /**
-     * Raises an event {@code detached} or {@code removed} for each of those items.
+     * Raises an event {@code detached} or {@code removed} for each affected item.
      *
-     * @param agent whose body left
+     * @param agent name of the agent whose body left
      * @param body name of the body
      */
     public void raise(World world, long frame, String agent, String body) {

@@ -7,16 +7,15 @@ import java.util.HashMap;
 import java.util.Map;
 
 /**
- * Limit on the size of events that actions of agents raise in one second of world time. Seconds are
- * counted in frames, from the world's frame number, so only the current second matters. World's
- * thread.
+ * Limit on the size of events that actions of agents raise in one second of world time. A second
+ * begins every {@code framesPerSecond} frames; unused bytes are not carried over. World's thread.
  */
 public final class EventBudget {
     private final int agentBytes;
     private final int worldBytes;
     private final int framesPerSecond;
 
-    /** Bytes in the current second, by agent. */
+    /** Bytes of events raised in the current second, by agent. */
     private final Map<String, Long> spent = new HashMap<>();
 
     private long spentByAll;
@@ -41,8 +40,8 @@ public final class EventBudget {
     /**
      * Refuses events that exceed the budget.
      *
-     * @param agent whose action raises events; null if no agent acts
-     * @param bytes of the events of one call, see {@link WorldEvent#bytes}
+     * @param agent name of the agent whose action raises events; null if no agent acts
+     * @param bytes total size of the events of one call, see {@link WorldEvent#bytes}
      * @throws ActionRefused {@code too-many-events}, with the found size and the limit
      */
     public void require(@Nullable String agent, long frame, long bytes) throws ActionRefused {

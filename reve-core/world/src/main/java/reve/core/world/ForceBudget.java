@@ -13,10 +13,10 @@ import java.util.PriorityQueue;
  * costs time in each frame. World's thread.
  */
 public final class ForceBudget {
-    /** Maximum number of forces of one agent's actions. */
+    /** Maximum number of forces of one agent's actions at the same time. */
     public static final int OF_AGENT = 1000;
 
-    /** Maximum number of forces of all agents' actions. */
+    /** Maximum number of forces of all agents' actions at the same time. */
     public static final int OF_ALL = 10_000;
 
     private final int ofAgent;
@@ -46,8 +46,8 @@ public final class ForceBudget {
     /**
      * Refuses forces that exceed the budget.
      *
-     * @param agent whose action exerts them; null if no agent acts
-     * @param count of the forces of one call
+     * @param agent name of the agent whose action exerts the forces; null if no agent acts
+     * @param count number of forces of one call
      * @throws ActionRefused {@code too-many-forces}, with the found number and the limit
      */
     public void require(@Nullable String agent, long now, int count) throws ActionRefused {
@@ -59,7 +59,7 @@ public final class ForceBudget {
         require(count, acting.size(), ofAll, "actions of all agents");
     }
 
-    /** Counts a force that {@link #require} has accepted, for a number of frames. */
+    /** Counts a force that {@link #require} has accepted, until its frames are over. */
     public void take(@Nullable String agent, long now, long frames) {
         if (agent == null) {
             return;
@@ -70,7 +70,7 @@ public final class ForceBudget {
     }
 
     private void begin(long now) {
-        if (now < frame) { // the world was rewound
+        if (now < frame) { // the world was rewound to an earlier frame
             acting.clear();
             byAgent.clear();
         }

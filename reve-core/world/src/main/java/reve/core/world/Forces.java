@@ -5,9 +5,9 @@ import java.util.ArrayList;
 import java.util.List;
 
 /**
- * Forces on bodies for a number of frames, in addition to forces of laws. During PHYSICS they are
- * part of the column {@code appliedForce}, which otherwise contains the designers' values. World's
- * thread.
+ * Forces that actions exert on bodies for a number of frames. During the phase PHYSICS they are
+ * added to the column {@code appliedForce}, in which laws read them; at other times it contains
+ * only the world designer's values. World's thread.
  */
 public final class Forces {
 
@@ -41,14 +41,17 @@ public final class Forces {
     }
 
     /**
-     * Returns the smallest number of frames, 1 to {@link #MAX_FRAMES}, that last at least {@code
-     * seconds} [s].
+     * Returns the smallest number of frames that last at least {@code seconds} of world time [s],
+     * limited to 1 to {@link #MAX_FRAMES}.
      */
     public long frames(double seconds) {
         return Math.clamp((long) Math.ceil(seconds * framesPerSecond - 1e-9), 1, MAX_FRAMES);
     }
 
-    /** Adds a force, which acts from the next PHYSICS. It ends early if the item is removed. */
+    /**
+     * Adds a force, which acts from the next PHYSICS phase on. The force ends early if the item is
+     * removed.
+     */
     public void add(Force force) {
         guard.requireEditable();
         active.add(force);
@@ -63,13 +66,16 @@ public final class Forces {
         return List.copyOf(active);
     }
 
-    /** Replaces all forces when a world is restored. */
+    /** Replaces all forces by those of a restored image. */
     void restore(List<Force> forces) {
         active.clear();
         active.addAll(forces);
     }
 
-    /** Adds the forces to the column, one after the other. Called before PHYSICS. */
+    /**
+     * Adds the forces to the column {@code appliedForce}, in the order of addition. Called before
+     * the phase PHYSICS.
+     */
     void apply() {
         if (before.length < 3 * active.size()) {
             before = new double[6 * active.size()];
@@ -85,7 +91,8 @@ public final class Forces {
     }
 
     /**
-     * Restores the column to the bit, and removes forces whose time is over. Called after PHYSICS.
+     * Restores the column {@code appliedForce} to the bit, and removes forces whose frames are
+     * over. Called after the phase PHYSICS.
      */
     void withdraw() {
         if (active.isEmpty()) {
@@ -105,7 +112,7 @@ public final class Forces {
         restore(remaining.reversed());
     }
 
-    /** Returns the row of the item, -1 if the item is removed or scenery. */
+    /** Returns the row of the item; -1 if it was removed or is scenery, which has no physics. */
     private int row(Force force) {
         return bodies.hasPhysics(force.item()) ? bodies.rowOf(force.item()) : -1;
     }

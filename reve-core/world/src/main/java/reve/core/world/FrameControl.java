@@ -2,8 +2,8 @@
 package reve.core.world;
 
 /**
- * The operations on a world for the frame loop, the first listener of DERIVE, and tests that make
- * frames themselves. World's thread only.
+ * The operations on a world for the frame loop, the first listener of the phase DERIVE, and tests
+ * that make frames themselves. World's thread only.
  */
 public final class FrameControl {
 
@@ -31,24 +31,24 @@ public final class FrameControl {
         data.age++;
     }
 
-    /** Refuses structural changes until {@link #unlock()}; the phase appears in messages. */
+    /** Refuses to add or remove items until {@link #unlock()}; messages name the phase. */
     public void lock(String phase) {
         data.guard.lockStructure(phase);
     }
 
-    /** Permits structural changes. */
+    /** Permits adding and removing items again. */
     public void unlock() {
         data.guard.unlockStructure();
     }
 
-    /** Adds the lasting forces to the columns, before PHYSICS. */
+    /** Adds the forces of actions to the column {@code appliedForce}, before the phase PHYSICS. */
     public void applyForces() {
         forces.apply();
     }
 
     /**
-     * Ends PHYSICS: removes the lasting forces again, to the bit, and frees replaced column memory,
-     * because all users have bound the new memory by then.
+     * Ends the phase PHYSICS: removes the forces of actions again, to the bit, and frees replaced
+     * column memory, because the engine has bound the new memory by then.
      */
     public void endPhysics() {
         data.guard.checkOwner();
@@ -56,25 +56,31 @@ public final class FrameControl {
         data.layout.releaseReplaced();
     }
 
-    /** Computes the places of attached items; called in DERIVE before other listeners. */
+    /**
+     * Computes the places of attached items from those of their parents; called in the phase DERIVE
+     * before other listeners.
+     */
     public void placeAttached() {
         data.guard.checkOwner();
         data.hierarchy.place();
     }
 
-    /** Records that the boxes around bodies were computed, in DERIVE. */
+    /**
+     * Records that the boxes around bodies were computed in the phase DERIVE, so that spatial
+     * searches use them.
+     */
     public void boundsDerived() {
         data.guard.checkOwner();
         data.boundsChanged();
     }
 
-    /** Begins PUBLISH: events and changes from now on belong to the next frame. */
+    /** Begins the phase PUBLISH: events and changes from now on belong to the next frame. */
     public void publish() {
         data.guard.checkOwner();
         data.record.fix();
     }
 
-    /** Ends a frame: discards its events and changes, and unlocks the structure. */
+    /** Ends a frame: discards its events and changes, and permits adding and removing items. */
     public void end() {
         data.guard.checkOwner();
         data.record.end();

@@ -8,8 +8,8 @@ import java.util.Collections;
 import java.util.List;
 
 /**
- * A list of entries of one frame. PUBLISH fixes it for all readers, and the end of the frame clears
- * it. World's thread only.
+ * A list of events or changes of one frame. The phase PUBLISH fixes it, so that all readers see the
+ * same entries; the end of the frame clears it. World's thread only.
  */
 final class FrameLog<T> {
 
@@ -39,17 +39,23 @@ final class FrameLog<T> {
         return published != null;
     }
 
-    /** Returns the entries of this frame in the order of addition; a copy unless fixed. */
+    /**
+     * Returns the entries of this frame in the order of addition: the fixed list, or a copy before
+     * {@link #fix()}.
+     */
     List<T> entries() {
         return published != null ? published : List.copyOf(noted);
     }
 
-    /** Returns the number of entries of this frame beyond the limit. */
+    /** Returns how many entries of this frame were not stored because of the limit. */
     long lost() {
         return published != null ? publishedLost : lost;
     }
 
-    /** Assigns further entries to the next frame. Allocates memory only if there are entries. */
+    /**
+     * Makes the entries of this frame final; further ones belong to the next frame. Allocates
+     * memory only if there are entries.
+     */
     void fix() {
         publishedLost = lost;
         lost = 0;

@@ -28,7 +28,8 @@ final class FrameRecord {
     }
 
     /**
-     * Returns a number, at least 1, that increases when entries begin to belong to another frame.
+     * Returns a number, at least 1, that increases each time when further entries begin to belong
+     * to the next frame.
      */
     long period() {
         return period;
@@ -44,12 +45,12 @@ final class FrameRecord {
         return changes.entries();
     }
 
-    /** Returns the number of changes beyond the limit. */
+    /** Returns how many changes were not stored because of the limit. */
     long changesLost() {
         return changes.lost();
     }
 
-    /** Begins PUBLISH: further entries belong to the next frame. */
+    /** Begins the phase PUBLISH: further events and changes belong to the next frame. */
     void fix() {
         events.fix();
         changes.fix();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
-/** Hash codes for tables whose sizes are powers of 2. */
+/** Mixing of hash codes for hash tables whose sizes are powers of 2. */
 final class Hash {
 
     private Hash() {}

@@ -15,9 +15,9 @@ import java.util.TreeMap;
 import java.util.TreeSet;
 
 /**
- * Attachments between bodies, and the resulting places. An attached item's pose relative to its
- * parent is part of its symbols; its rows of {@code position} and {@code orientation}, in the
- * world's reference frame, are computed from it. World's thread only.
+ * Attachments of bodies to parents. The pose (location and orientation) of an attached item
+ * relative to its parent is part of its symbolic data; its rows of {@code position} and {@code
+ * orientation}, in the world's reference frame, are computed from this pose. World's thread only.
  */
 final class Hierarchy {
 
@@ -29,26 +29,26 @@ final class Hierarchy {
     private final Activity activity;
     private final NavigableMap<ItemId, Attachment> attachments = new TreeMap<>();
 
-    /** The items attached to each item; contains no empty set. */
+    /** The items attached to each parent; contains no empty set. */
     private final Map<ItemId, TreeSet<ItemId>> children = new HashMap<>();
 
     private final double[] pose = new double[Pose.NUMBERS];
 
-    /** Attached items, parents before children; out of date unless {@link #current}. */
+    /** Attached items, parents before children; valid only while {@link #current} is true. */
     private final List<ItemId> order = new ArrayList<>();
 
     /** Poses of the attached items relative to their parents, in the same order. */
     private double[] relative = {};
 
-    /** The row of each attached item and of its parent, in the same order. */
+    /** (items x 2) the row of each attached item and of its parent, in the same order. */
     private int[] rows = {};
 
     private boolean current = true;
     private long rowsVersion = -1;
 
     /**
-     * @param layout reports when rows have moved
-     * @param activity counts a step for each level of parents
+     * @param layout has a version that changes when rows have moved
+     * @param activity counts an evaluation step for each level of parents
      */
     Hierarchy(Table bodies, Layout layout, Activity activity) {
         this.bodies = bodies;
@@ -138,7 +138,7 @@ final class Hierarchy {
         current = false;
     }
 
-    /** Attaches all items of a restored world according to their symbols. */
+    /** Attaches all items of a restored world according to their symbolic data. */
     void restore(Collection<ItemSymbols> items) {
         attachments.clear();
         children.clear();
@@ -175,7 +175,7 @@ final class Hierarchy {
         write(bodies.rowOf(item), worldPose(item));
     }
 
-    /** Places new attached items according to their parents, in any order. */
+    /** Computes the rows of new attached items from their parents; the list may have any order. */
     void placeNew(List<ItemId> items) {
         Set<ItemId> waiting = new HashSet<>();
         for (ItemId item : items) {
@@ -204,7 +204,8 @@ final class Hierarchy {
     }
 
     /**
-     * Places all attached items according to their parents; allocates memory only after changes.
+     * Computes the rows of all attached items from their parents; allocates memory only after
+     * attachments have changed.
      */
     void place() {
         if (!current) {

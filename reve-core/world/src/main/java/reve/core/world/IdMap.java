@@ -43,7 +43,7 @@ final class IdMap {
         }
         keys[gap] = 0;
         size--;
-        // Entries after the gap may have been placed there by probing.
+        // Later entries may be there only because the gap was occupied: they move up.
         for (int i = after(gap); keys[i] != 0; i = after(i)) {
             long moved = keys[i];
             keys[i] = 0;

@@ -5,8 +5,8 @@ import java.util.List;
 import java.util.Optional;
 
 /**
- * An item of a world. It stores no numbers: its aspects are views of its row in the columns.
- * World's thread only; a removed item refuses every use.
+ * An item of a world, such as a body or a spring. The object stores no numbers: its aspects read
+ * and write its row in the columns. World's thread only; a removed item refuses every use.
  */
 public final class Item {
 
@@ -14,7 +14,7 @@ public final class Item {
     private final Table table;
     private ItemSymbols symbols;
 
-    /** Cached row of the item, and the layout version for which it is valid. */
+    /** Cached row of the item; valid for one layout version, which the next field stores. */
     private int row;
 
     private long layoutVersion = -1;
@@ -25,7 +25,7 @@ public final class Item {
         this.symbols = symbols;
     }
 
-    /** Returns the id, which does not change while the item is in the world or in its images. */
+    /** Returns the id, which never changes and which saved images of the world contain. */
     public ItemId id() {
         return symbols.id();
     }
@@ -35,7 +35,9 @@ public final class Item {
         return symbols.name();
     }
 
-    /** Returns the kind, whose table contains the item's row. */
+    /**
+     * Returns the kind, for example {@code body}; the table of this kind contains the item's row.
+     */
     public String kind() {
         return symbols.kind();
     }
@@ -68,14 +70,14 @@ public final class Item {
         return symbols.sensors();
     }
 
-    /** Returns the physics aspect, which laws use; empty for scenery. */
+    /** Returns the physics aspect, which laws use; empty for scenery, which laws do not move. */
     public PhysicsAspect physics() {
         return new PhysicsAspect(this);
     }
 
     /**
-     * Returns the present definition of the item, for a file; an item created from it in another
-     * world of the same prototype is equal to the bit. Omits physics properties that are 0.
+     * Returns a definition of the item in its current state, for a file. An item created from it in
+     * another world of the same prototype is equal to the bit. Omits physics properties that are 0.
      */
     public ItemDefinition definition() {
         checkedRow();
@@ -145,7 +147,9 @@ public final class Item {
         symbols = changed;
     }
 
-    /** Replaces the symbolic data of the item by that of an image, when the world is restored. */
+    /**
+     * Replaces the symbolic data of the item by that of an image to which the world is restored.
+     */
     void restore(ItemSymbols restored) {
         symbols = restored;
     }

@@ -11,8 +11,8 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * The initial state of an item. This class checks what does not depend on a world; {@link
- * World#add} checks the rest. Immutable; worlds may share it.
+ * The initial state of an item. This class makes the checks that need no world; {@link World#add}
+ * makes the others. Immutable; worlds may share it.
  */
 public final class ItemDefinition {
 
@@ -54,7 +54,8 @@ public final class ItemDefinition {
     }
 
     /**
-     * Begins a definition: kind body, no shape, at the origin, scenery.
+     * Begins a definition with the defaults: kind {@code body}, no shape, at the origin, no
+     * physics.
      *
      * @throws IllegalArgumentException if the name has invisible or misleading characters, see
      *     {@link reve.core.text.VisibleName}
@@ -63,17 +64,20 @@ public final class ItemDefinition {
         return new Builder(Names.requireItemName("item name", name));
     }
 
-    /** Begins a definition of an item from a store, whose name is accepted as stored. */
+    /** Begins a definition of an item from a store file; its name is not checked again. */
     public static Builder kept(String name) {
         return new Builder(name);
     }
 
-    /** Returns a copy with another name, for templates. */
+    /** Returns a copy with another name, for items that are created from a template. */
     public ItemDefinition renamed(String newName) {
         return copy(newName).build();
     }
 
-    /** Returns a copy with other symbols: text, truth, finite numbers or lists. */
+    /**
+     * Returns a copy with these symbols instead; their values are text, truth, finite numbers or
+     * lists.
+     */
     public ItemDefinition withSymbols(Map<String, Object> otherSymbols) {
         Builder copy = copy(name);
         copy.symbols = TreePMap.empty();
@@ -81,7 +85,7 @@ public final class ItemDefinition {
         return copy.build();
     }
 
-    /** Begins a definition with another name that shares all else with this one. */
+    /** Begins a definition with another name and otherwise the content of this one. */
     public Builder copy(String newName) {
         Builder copy = new Builder(newName);
         copy.kind = kind;
@@ -116,12 +120,14 @@ public final class ItemDefinition {
         return shape;
     }
 
-    /** Returns the declared colour, else {@link Colour#defaultOf}. */
+    /** Returns the declared colour, or the default of {@link Colour#defaultOf}. */
     public Colour colour() {
         return colour;
     }
 
-    /** Returns the material of the whole shape; if empty, a mesh has its own materials. */
+    /**
+     * Returns the material of the whole shape; if empty, a mesh keeps the materials of its file.
+     */
     public Optional<Material> material() {
         return material;
     }
@@ -167,7 +173,7 @@ public final class ItemDefinition {
         return sensors;
     }
 
-    /** Returns whether the item takes part in physics; otherwise it is scenery. */
+    /** Returns whether laws act on the item; otherwise it is scenery. */
     public boolean hasPhysics() {
         return !numbers.isEmpty() || !references.isEmpty();
     }
@@ -177,12 +183,15 @@ public final class ItemDefinition {
         return numbers.names();
     }
 
-    /** Returns the values of a numeric physics property [its unit]; empty if not given. */
+    /** Returns the values of a numeric physics property, in its unit; empty if not given. */
     public Optional<double[]> physics(String property) {
         return Optional.ofNullable(numbers.get(property)).map(double[]::clone);
     }
 
-    /** Returns the names of the items that each reference property refers to. */
+    /**
+     * Returns, for each reference property such as {@code end1}, the names of the items that it
+     * refers to.
+     */
     public Map<String, List<String>> references() {
         return references.toMap();
     }
@@ -231,7 +240,7 @@ public final class ItemDefinition {
         PMap<String, Object> symbols = TreePMap.empty();
         List<Action> actions = List.of();
 
-        /** Replaces the list when another action is added. */
+        /** Replaces the list of actions when another action is added. */
         private @Nullable Map<String, Action> actionsByName;
 
         List<String> capabilities = List.of();
@@ -323,7 +332,7 @@ public final class ItemDefinition {
             return this;
         }
 
-        /** Shares place, shape, material and colour of another definition. */
+        /** Takes place, shape, material and colour from another definition, without a copy. */
         public Builder physicalOf(ItemDefinition other) {
             placed = other.placed;
             shape = other.shape;
@@ -334,20 +343,20 @@ public final class ItemDefinition {
             return this;
         }
 
-        /** Shares all symbols of another definition. */
+        /** Takes all symbols from another definition, without a copy. */
         public Builder symbolsOf(ItemDefinition other) {
             symbols = other.symbols;
             return this;
         }
 
-        /** Shares all actions of another definition. */
+        /** Takes all actions from another definition, without a copy. */
         public Builder actionsOf(ItemDefinition other) {
             actions = other.actions;
             actionsByName = null;
             return this;
         }
 
-        /** Shares all physics properties of another definition. */
+        /** Takes all physics properties from another definition, without a copy. */
         public Builder physicsOf(ItemDefinition other) {
             numbers = other.numbers;
             references = other.references;
@@ -376,7 +385,7 @@ public final class ItemDefinition {
             return this;
         }
 
-        /** Sets a numeric physics property [its SI unit]. */
+        /** Sets a numeric physics property, in its SI unit. */
         public Builder physics(String property, double... values) {
             Values.requireFinite(name, property, values);
             numbers = numbers.with(property, values.clone());

@@ -7,8 +7,8 @@ import java.util.Arrays;
 import java.util.function.Function;
 
 /**
- * A hash table of items by a unique key of theirs, with linear probing; it needs one or two
- * references per item. World's thread only.
+ * A hash table from unique keys to items, with linear probing. Its memory is one or two references
+ * per item, because each item contains its key. World's thread only.
  */
 final class ItemIndex<K> {
 
@@ -19,7 +19,7 @@ final class ItemIndex<K> {
     private int size;
 
     /**
-     * @param keyOf returns the key, which must not change while the item is in the table
+     * @param keyOf returns the key of an item, which must not change while the item is in the table
      */
     ItemIndex(Function<Item, K> keyOf) {
         this.keyOf = keyOf;
@@ -58,7 +58,7 @@ final class ItemIndex<K> {
         int gap = slotOf(keyOf.apply(item));
         slots[gap] = null;
         size--;
-        // Entries that were placed after the gap by probing move up.
+        // Later entries that are there only because the gap was occupied move up.
         Item next;
         for (int i = after(gap); (next = slots[i]) != null; i = after(i)) {
             slots[i] = null;

@@ -4,11 +4,11 @@ package reve.core.world;
 import org.jspecify.annotations.Nullable;
 
 /**
- * Limit on the number of items that actions create. Removed items no longer count.
+ * Limit on the number of items created by actions that exist at the same time.
  *
- * @param agent whose action creates items; null if no agent acts
- * @param items maximum number of items created by that agent
- * @param worldItems maximum number of items created by all agents
+ * @param agent name of the agent whose action creates items; null if no agent acts
+ * @param items maximum number of existing items that this agent created
+ * @param worldItems maximum number of existing items that all agents created
  */
 public record ItemQuota(@Nullable String agent, int items, int worldItems) {
 
@@ -19,7 +19,7 @@ public record ItemQuota(@Nullable String agent, int items, int worldItems) {
      * Refuses an action that exceeds the quota.
      *
      * @param created number of items that the action creates
-     * @param removed items that it removes, each once
+     * @param removed items that the action removes, each listed once
      * @throws ActionRefused {@code too-many-items}, with the found number and the limit
      */
     public void require(World world, int created, Iterable<Item> removed) throws ActionRefused {

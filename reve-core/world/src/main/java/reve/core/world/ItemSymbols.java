@@ -17,7 +17,7 @@ import java.util.Optional;
  * @param given the designer's symbols by name, in alphabetical order: String, Double, Boolean or a
  *     List of these
  * @param derived the symbols that rules set, in the same form
- * @param attachment of the item, or null
+ * @param attachment attachment to a parent, or null
  * @param maker the agent whose action created the item; null for other items
  */
 public record ItemSymbols(
@@ -31,12 +31,15 @@ public record ItemSymbols(
 
     private static final PMap<String, Object> NO_SYMBOLS = TreePMap.empty();
 
-    /** Takes the symbolic data of a definition, without its attachment. */
+    /** Creates the symbolic data of an item from its definition, without the attachment. */
     public ItemSymbols(ItemId id, ItemDefinition definition) {
         this(id, definition, Likeness.of(definition), null);
     }
 
-    /** Takes the symbolic data of a definition and shares an equal likeness. */
+    /**
+     * Creates the symbolic data of an item from its definition, with an equal {@link Likeness} that
+     * other items share.
+     */
     ItemSymbols(ItemId id, ItemDefinition definition, Likeness likeness, @Nullable String maker) {
         this(id, definition.name(), likeness, definition.symbols(), NO_SYMBOLS, null, maker);
     }
@@ -117,7 +120,7 @@ public record ItemSymbols(
         return with(given.minus(symbol));
     }
 
-    /** Returns a copy with other symbols of rules, which are not checked. */
+    /** Returns a copy with these symbols instead of those set by rules; does not check them. */
     public ItemSymbols withDerived(Map<String, Object> symbols) {
         return withDerived(given(symbols));
     }
@@ -126,7 +129,7 @@ public record ItemSymbols(
         return new ItemSymbols(id, name, likeness, given, newDerived, attachment, maker);
     }
 
-    /** Returns a copy with other symbols of the designer, which are not checked. */
+    /** Returns a copy with these symbols instead of the designer's; does not check them. */
     public ItemSymbols withGiven(Map<String, Object> symbols) {
         return with(given(symbols));
     }
@@ -144,7 +147,7 @@ public record ItemSymbols(
         return new ItemSymbols(id, name, likeness, given, derived, newAttachment, maker);
     }
 
-    /** Returns a copy that was created by an action of that agent. */
+    /** Returns a copy with this agent as the maker of the item. */
     public ItemSymbols madeBy(@Nullable String newMaker) {
         return new ItemSymbols(id, name, likeness, given, derived, attachment, newMaker);
     }

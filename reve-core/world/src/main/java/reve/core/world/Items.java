@@ -24,7 +24,7 @@ final class Items {
         return byName.find(name);
     }
 
-    /** Returns the items of the given ids, which must be in the world, in the same order. */
+    /** Returns the items with these ids, in the same order; all must be in the world. */
     List<Item> of(Collection<ItemId> ids) {
         List<Item> items = new ArrayList<>(ids.size());
         for (ItemId id : ids) {
@@ -47,7 +47,7 @@ final class Items {
         byName.remove(item);
     }
 
-    /** Replaces the symbolic data of an item, including its name. */
+    /** Replaces the symbolic data of an item, which contains a new name. */
     void rename(Item item, ItemSymbols changed) {
         byName.remove(item);
         item.change(changed);
@@ -55,10 +55,10 @@ final class Items {
     }
 
     /**
-     * Replaces all items by those of an image. Items with the same id and kind keep their objects;
-     * the others count as removed.
+     * Replaces all items by those of an image. Objects of items with the same id and kind stay
+     * valid; the others become removed items.
      *
-     * @param create creates an item that is not in the world
+     * @param create creates an item of the image that is not in the world
      */
     void restore(Collection<ItemSymbols> image, Function<ItemSymbols, Item> create) {
         List<Item> restored = new ArrayList<>(image.size());

@@ -6,8 +6,8 @@ import java.util.ArrayList;
 import java.util.List;
 
 /**
- * The layout of all tables: the memory of their columns, and a version that changes when rows or
- * memory have moved. World's thread.
+ * The layout of all tables: a version that increases when rows or the memory of columns have moved,
+ * and the former memory, which is freed later. World's thread.
  */
 final class Layout {
 
@@ -42,7 +42,7 @@ final class Layout {
         return version;
     }
 
-    /** Frees the former memory, which must not be used any more. */
+    /** Frees the former memory of columns, which no user may access any more. */
     void releaseReplaced() {
         for (int i = 0; i < replaced.size(); i++) {
             arena.release(replaced.get(i));

@@ -5,13 +5,14 @@ import java.util.List;
 import java.util.Optional;
 
 /**
- * The symbolic data of an item except name, symbols and attachment. Often equal for many items,
- * which then share it. Immutable.
+ * The symbolic data of an item except name, symbols and attachment. Many items are equal in these
+ * data and share one object. Immutable.
  *
- * @param material of the whole shape; without it, a mesh has its own materials
- * @param actions on the item
- * @param capabilities of the item
- * @param sensors for an agent with this item as its body; if empty, the agent perceives everything
+ * @param material material of the whole shape; if empty, a mesh keeps the materials of its file
+ * @param actions actions that can be performed on the item
+ * @param capabilities capabilities of the item as the body of an agent
+ * @param sensors sensors for an agent with this item as its body; if empty, the agent perceives
+ *     everything
  */
 public record Likeness(
         String kind,

@@ -4,10 +4,10 @@ package reve.core.world;
 import java.util.Optional;
 
 /**
- * Optical properties of a surface. The shown colour is the item's colour times this colour times
- * the texture. Immutable.
+ * Optical properties of a surface. The displayed colour is the product of the item's colour, this
+ * colour and the texture. Immutable.
  *
- * @param colour of the surface
+ * @param colour colour of the surface
  * @param roughness 0 (a small and bright highlight, like a mirror) to 1 (no visible highlight)
  * @param metallic 0 (plastic, wood, stone) to 1 (bare metal: its colour appears in reflections
  *     only)

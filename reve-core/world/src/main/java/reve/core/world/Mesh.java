@@ -30,7 +30,7 @@ public final class Mesh implements Shape {
     private final float[] high = filled(Float.NEGATIVE_INFINITY);
 
     /**
-     * Triangles of one material.
+     * A range of successive triangles with one material.
      *
      * @param firstTriangle index of the first triangle
      * @param triangleCount number of triangles, at least 1
@@ -38,7 +38,7 @@ public final class Mesh implements Shape {
     public record Part(int firstTriangle, int triangleCount, Material material) {}
 
     /**
-     * Creates a mesh of flat triangles in the item's material.
+     * Creates a mesh of flat triangles that have the item's material.
      *
      * @param vertices (count x 3) coordinates [m]; copied
      * @param triangles (count x 3) indices of vertices; copied
@@ -87,7 +87,10 @@ public final class Mesh implements Shape {
         file = builder.file;
     }
 
-    /** Begins a mesh with further attributes; the arrays as in {@link #Mesh(float[], int[])}. */
+    /**
+     * Begins a mesh with further attributes; the arrays have the form of {@link #Mesh(float[],
+     * int[])}.
+     */
     public static Builder builder(float[] vertices, int[] triangles) {
         return new Builder(vertices, triangles);
     }
@@ -103,15 +106,16 @@ public final class Mesh implements Shape {
     }
 
     /**
-     * Returns (count x 3) normals of the vertices, read only. Triangles whose corners have 0 0 0
-     * are flat; without normals, all triangles are flat.
+     * Returns (count x 3) normals of the vertices, read only. A triangle whose corners have the
+     * normal 0 0 0 is drawn flat; without normals, all are.
      */
     public Optional<FloatBuffer> normals() {
         return readOnly(normals);
     }
 
     /**
-     * Returns (count x 2) texture coordinates; 0 0 is the upper left corner, 1 1 the lower right.
+     * Returns (count x 2) texture coordinates of the vertices; 0 0 is the upper left corner of the
+     * image, 1 1 the lower right.
      */
     public Optional<FloatBuffer> textureCoordinates() {
         return readOnly(textureCoordinates);
@@ -119,21 +123,23 @@ public final class Mesh implements Shape {
 
     /**
      * Returns (count) colours of the vertices as {@link Colour#rgba()}, which multiply the
-     * material's.
+     * material's colour.
      */
     public Optional<IntBuffer> colours() {
         return Optional.ofNullable(colours).map(all -> IntBuffer.wrap(all).asReadOnlyBuffer());
     }
 
     /**
-     * Returns the triangles by material, in order and without gaps; if empty, all have the item's
-     * material.
+     * Returns the ranges of triangles by material, in order and without gaps; if empty, all
+     * triangles have the item's material.
      */
     public List<Part> parts() {
         return parts;
     }
 
-    /** Returns the file of the mesh, relative to the world's folder. */
+    /**
+     * Returns the path of the mesh's file, relative to the world's folder; empty if it has none.
+     */
     public Optional<String> file() {
         return file;
     }

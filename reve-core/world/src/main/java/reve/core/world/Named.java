@@ -9,8 +9,8 @@ import java.util.List;
 import java.util.Map;
 
 /**
- * A small map from names to values, in the order of the names. Copies with other values for the
- * same names share the names. Immutable.
+ * A small map from names to values, in the order of the names. Copies with the same names share the
+ * array of names. Immutable.
  */
 final class Named<V> {
 

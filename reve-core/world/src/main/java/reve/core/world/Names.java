@@ -6,7 +6,7 @@ import reve.core.text.VisibleName;
 
 import java.util.regex.Pattern;
 
-/** The rules for names. */
+/** The rules for names in worlds. */
 final class Names {
 
     static final int MAX_LENGTH = 128;
@@ -16,7 +16,7 @@ final class Names {
 
     private Names() {}
 
-    /** Checks a name that people choose and read: of an item or a symbol. */
+    /** Checks the name of an item or a symbol, which people choose and read. */
     static String require(String what, String name) {
         if (name.isBlank()) {
             throw new IllegalArgumentException(what + " is empty");
@@ -57,7 +57,7 @@ final class Names {
         return name;
     }
 
-    /** Checks a name that becomes part of file names, on any file system. */
+    /** Checks the name of a world, which becomes part of file names on any file system. */
     static String requireWorldName(String name) {
         require("world name", name);
         if (!WORLD_NAME.matcher(name).matches()) {
@@ -84,8 +84,8 @@ final class Names {
     }
 
     /**
-     * Checks a name that laws look up: of a property or kind. Its maximum length fits the 48 bytes
-     * of the C interface.
+     * Checks the name of a property or kind, which laws look up. The maximum length fits the 48
+     * bytes of the C interface.
      */
     static String requireIdentifier(String what, String name) {
         if (!IDENTIFIER.matcher(name).matches()) {

@@ -6,8 +6,8 @@ import reve.core.unit.Unit;
 /**
  * One parameter of an action. All parameters are required.
  *
- * @param components how many numbers it takes; 1 for other types
- * @param unit of its numbers; {@link Unit#ONE} for other types
+ * @param components number of numbers that the parameter takes; 1 for other types
+ * @param unit unit of these numbers; {@link Unit#ONE} for other types
  * @param minimum smallest accepted number [unit]; negative infinity for no limit
  * @param maximum largest accepted number [unit]; infinity for no limit
  */
@@ -52,7 +52,10 @@ public record Parameter(
         this(name, type, components, unit, Double.NEGATIVE_INFINITY, Double.POSITIVE_INFINITY, doc);
     }
 
-    /** Returns a copy that accepts only numbers in a range [unit]; each component must be in it. */
+    /**
+     * Returns a copy that accepts only numbers in a range [unit]; each component must be in the
+     * range.
+     */
     public Parameter within(double newMinimum, double newMaximum) {
         return new Parameter(name, type, components, unit, newMinimum, newMaximum, doc);
     }

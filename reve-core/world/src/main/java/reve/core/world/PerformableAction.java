@@ -2,14 +2,14 @@
 package reve.core.world;
 
 /**
- * An action that can be performed. All actions of items implement it; most code sees them as {@link
- * Action} only.
+ * An action that can be performed. All actions of items implement this interface; most code uses
+ * only {@link Action}.
  */
 public interface PerformableAction extends Action {
     /**
      * Performs the action completely or not at all, in the phase ACT on the world's thread.
      *
-     * @throws ActionRefused if it is not possible now; the world is then unchanged
+     * @throws ActionRefused if the action is not possible now; the world is then unchanged
      */
     void perform(ActionCall call) throws ActionRefused;
 }

@@ -8,8 +8,9 @@ import java.util.List;
 import java.util.Optional;
 
 /**
- * Place, shape and appearance of a body: a view of its row. Only the kind {@code body} has one; for
- * other kinds it is empty and all other methods throw. World's thread only.
+ * The physical aspect of a body: its place, shape and appearance, as a view of its row. Items of
+ * other kinds have an empty aspect, in which every method but {@link #isEmpty} throws. World's
+ * thread only.
  */
 public final class PhysicalAspect {
 
@@ -21,7 +22,7 @@ public final class PhysicalAspect {
         this.item = item;
     }
 
-    /** Returns whether the item is not a body. */
+    /** Returns whether the aspect is empty, because the item is not a body. */
     public boolean isEmpty() {
         return !item.kind().equals(WorldPrototype.BODY);
     }
@@ -96,7 +97,7 @@ public final class PhysicalAspect {
     }
 
     /**
-     * @param material empty for the material of the shape itself
+     * @param material the material of the whole shape; empty if a mesh has its own materials
      */
     public void setMaterial(Optional<Material> material) {
         Optional<Material> from = material();
@@ -118,21 +119,24 @@ public final class PhysicalAspect {
     }
 
     /**
-     * Returns the lower corner of the box around the item at the last DERIVE (3) [m]; NaN before.
+     * Returns the lower corner (3) [m] of the box around the item as computed in the last DERIVE
+     * phase; NaN before the first one.
      */
     public double[] boundsMin() {
         return read("boundsMin");
     }
 
     /**
-     * Returns the upper corner of the box around the item at the last DERIVE (3) [m]; NaN before.
+     * Returns the upper corner (3) [m] of the box around the item as computed in the last DERIVE
+     * phase; NaN before the first one.
      */
     public double[] boundsMax() {
         return read("boundsMax");
     }
 
     /**
-     * Writes the values of a definition, which was checked before; the box is computed in DERIVE.
+     * Writes the values of a definition, which was checked before; the box is computed in the phase
+     * DERIVE.
      */
     void place(ItemDefinition definition) {
         Table table = item.table();

@@ -28,7 +28,8 @@ public final class PhysicsAspect {
     }
 
     /**
-     * Returns all properties of the item's kind in a fixed order, or none if the aspect is empty.
+     * Returns the names of all physics properties of the item's kind in a fixed order; none if the
+     * aspect is empty.
      */
     public Set<String> properties() {
         var names = new LinkedHashSet<String>();
@@ -43,9 +44,10 @@ public final class PhysicsAspect {
     }
 
     /**
-     * Returns the value of a numeric property with one component [its unit].
+     * Returns the value of a numeric property with one component, in its unit.
      *
-     * @throws IllegalArgumentException if the kind has no such property or it has more components
+     * @throws IllegalArgumentException if the kind has no such property or the property has more
+     *     components
      * @throws IllegalStateException if the aspect is empty
      */
     public double scalar(String property) {
@@ -62,7 +64,7 @@ public final class PhysicsAspect {
         return column.getDouble(item.checkedRow(), 0);
     }
 
-    /** Returns all components of a numeric property [its unit]; throws like {@link #scalar}. */
+    /** Returns all components of a numeric property, in its unit; throws like {@link #scalar}. */
     public double[] vector(String property) {
         Column column = existing(property);
         int row = item.checkedRow();
@@ -74,8 +76,9 @@ public final class PhysicsAspect {
     }
 
     /**
-     * Sets a numeric property. The first one turns scenery into a physical item. That moves its
-     * row, and is therefore refused while the structure is locked.
+     * Sets a numeric property. If the aspect was empty, this turns scenery into an item with
+     * physics and moves its row, which is refused in the phases PHYSICS, DERIVE and PUBLISH of a
+     * frame.
      *
      * @throws IllegalArgumentException naming item, property and value if the property is unknown,
      *     components are missing, or a number is not finite or does not fit its type
@@ -98,11 +101,11 @@ public final class PhysicsAspect {
     }
 
     /**
-     * Clears the aspect: the item becomes scenery. This moves the item's row, and is therefore
-     * refused while the structure is locked.
+     * Clears the aspect: the item becomes scenery, which laws do not move. This moves the item's
+     * row, which is refused in the phases PHYSICS, DERIVE and PUBLISH of a frame.
      *
-     * @throws IllegalArgumentException naming the items that refer to it, or if it is the item
-     *     {@code world}
+     * @throws IllegalArgumentException naming the items that refer to this item, or if this is the
+     *     item {@code world}
      */
     public void clear() {
         if (isEmpty()) {
@@ -130,7 +133,9 @@ public final class PhysicsAspect {
         }
     }
 
-    /** Returns the target of a property with one reference; throws like {@link #scalar}. */
+    /**
+     * Returns the item to which a property with one reference refers; throws like {@link #scalar}.
+     */
     public ItemId reference(String property) {
         List<ItemId> all = references(property);
         if (all.size() != 1) {
@@ -145,7 +150,10 @@ public final class PhysicsAspect {
         return all.getFirst();
     }
 
-    /** Returns the targets of a reference property, in order; throws like {@link #scalar}. */
+    /**
+     * Returns the items to which a reference property refers, in order; throws like {@link
+     * #scalar}.
+     */
     public List<ItemId> references(String property) {
         Column column = existing(property);
         int row = item.checkedRow();
@@ -157,10 +165,11 @@ public final class PhysicsAspect {
     }
 
     /**
-     * Sets the targets of a reference property; refused while the structure is locked.
+     * Sets the targets of a reference property; refused in the phases PHYSICS, DERIVE and PUBLISH
+     * of a frame.
      *
      * @throws IllegalArgumentException naming item and property if a target does not exist, is of
-     *     the wrong kind or is scenery
+     *     the wrong kind or has no physics aspect
      */
     public void setReferences(String property, ItemId... targets) {
         List<ItemId> from = references(property);

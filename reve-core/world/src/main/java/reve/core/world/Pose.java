@@ -2,12 +2,12 @@
 package reve.core.world;
 
 /**
- * A location [m] and a rotation (unit quaternion xyzw) in a reference frame, of the world or of an
+ * A location [m] and a rotation (unit quaternion xyzw) in the reference frame of the world or of an
  * item. Immutable.
  */
 public record Pose(double x, double y, double z, double qx, double qy, double qz, double qw) {
 
-    /** Length of a pose as an array: location, then orientation. */
+    /** Length of the array form of a pose: location (3), then orientation (4). */
     static final int NUMBERS = 7;
 
     public static final Pose ORIGIN = new Pose(0, 0, 0, 0, 0, 0, 1);
@@ -51,7 +51,10 @@ public record Pose(double x, double y, double z, double qx, double qy, double qz
         return new Pose(location[0], location[1], location[2], unit[0], unit[1], unit[2], unit[3]);
     }
 
-    /** Returns a pose like {@link #of}, from a quaternion of length 1, which is kept to the bit. */
+    /**
+     * Returns a pose like {@link #of}, but from a quaternion of length 1, which it stores
+     * unchanged.
+     */
     static Pose exactly(double[] location, double[] orientation) {
         return new Pose(
                 location[0],
@@ -74,8 +77,8 @@ public record Pose(double x, double y, double z, double qx, double qy, double qz
     }
 
     /**
-     * Returns this pose, which is relative to {@code outer}, in the reference frame of {@code
-     * outer} itself.
+     * Converts this pose, which is relative to {@code outer}, into the reference frame in which
+     * {@code outer} is given.
      */
     public Pose within(Pose outer) {
         double[] out = new double[NUMBERS];
@@ -102,8 +105,9 @@ public record Pose(double x, double y, double z, double qx, double qy, double qz
     }
 
     /**
-     * Composes an inner pose with an outer one; {@code out} may be either of them. The inner
-     * location v rotated by q = (u, w) is v + 2w(u x v) + 2u x (u x v).
+     * Converts a pose relative to {@code outer} into the reference frame of {@code outer}; {@code
+     * out} may be either array. The inner location v rotated by q = (u, w) is v + 2w(u x v) + 2u x
+     * (u x v).
      */
     static void compose(
             double[] outer, int at, double[] inner, int innerAt, double[] out, int outAt) {
@@ -132,7 +136,7 @@ public record Pose(double x, double y, double z, double qx, double qy, double qz
     }
 
     /**
-     * Normalises a quaternion, because rounding changes the length of products of many rotations; 0
+     * Normalises a quaternion, because rounding errors of many multiplications change its length; 0
      * stays 0.
      */
     private static void normalise(double[] values, int at) {

@@ -4,16 +4,19 @@ package reve.core.world;
 import java.util.Optional;
 
 /**
- * Limits on the numbers of properties. Values that no body can have are refused in world files,
- * actions and edits; magnitudes that laws cannot compute with are refused in actions and edits.
+ * Limits on the numbers of properties. World files, actions and edits must not set values that no
+ * body can have; actions and edits also must not set magnitudes with which laws cannot compute.
  */
 public final class Possible {
-    /** Relative tolerance for rounding of moments. */
+    /** Relative tolerance for rounding errors in moments of inertia. */
     private static final double ROUNDING = 1e-6;
 
     private Possible() {}
 
-    /** Returns why an action or an edit may not set these numbers; empty if it may. */
+    /**
+     * Returns why an action or an edit must not set these numbers, for a message; empty if they are
+     * allowed.
+     */
     public static Optional<String> refusal(PropertyDescriptor property, double... values) {
         for (double value : values) {
             Optional<String> refusal = property.type().refusal(value);
@@ -28,8 +31,9 @@ public final class Possible {
     }
 
     /**
-     * Returns why a body cannot have these principal moments [kg*m^2]; empty if it can. For a
-     * solid, none exceeds the sum of the two others; an axis of 0 is locked.
+     * Returns why a body cannot have these principal moments of inertia [kg*m^2]; empty if it can.
+     * No moment of a solid exceeds the sum of the two others. A moment of 0 locks the rotation
+     * about its axis.
      */
     public static Optional<String> impossibleInertia(double... moments) {
         for (int axis = 0; axis < 3; axis++) {

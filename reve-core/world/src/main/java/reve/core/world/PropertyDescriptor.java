@@ -10,9 +10,10 @@ import java.util.Optional;
  * The declaration of a property: one typed column for all items of a kind.
  *
  * @param name unique within a {@link WorldPrototype}
- * @param kind the row space of the property: {@code body}, {@code spring}, ...
+ * @param kind the kind of the items that have the property: {@code body}, {@code spring}, ...
  * @param components numbers per item, 1 to 16
- * @param refersTo the kind of the targets of a {@link ScalarType#REF} property; empty for numbers
+ * @param refersTo the kind of items to which a {@link ScalarType#REF} property refers; empty for
+ *     numbers
  * @param minimum smallest number that may be set [unit]; negative infinity for no limit
  */
 public record PropertyDescriptor(
@@ -80,9 +81,7 @@ public record PropertyDescriptor(
         this(name, kind, type, components, unit, refersTo, Double.NEGATIVE_INFINITY, doc);
     }
 
-    /**
-     * Returns the allowed numbers in words, for messages about a value that the type could hold.
-     */
+    /** Returns the range of allowed numbers in words, for messages about a value outside it. */
     public String allowed() {
         return (minimum == 0 ? "0" : Double.toString(minimum)) + " or more [" + unit.symbol() + "]";
     }

@@ -8,13 +8,16 @@ import java.util.List;
 import java.util.Set;
 import java.util.function.BiConsumer;
 
-/** The columns of references between items, and the number of references to each item. */
+/**
+ * Setter of the reference columns (such as {@code end1} of a spring), and counter of the references
+ * to each item.
+ */
 final class References {
 
     private final List<Table> tables;
     private final Hierarchy hierarchy;
 
-    /** Numbers of references to items; contains no 0. */
+    /** Number of references to each item; contains no 0. */
     private final IdMap referrers = new IdMap();
 
     References(List<Table> tables, Hierarchy hierarchy) {
@@ -57,14 +60,17 @@ final class References {
         return referrers.get(item.value(), 0) > 0;
     }
 
-    /** Sets a reference, which was checked before. */
+    /** Sets a reference to a target that the caller has checked. */
     void set(Column column, int row, int component, ItemId target) {
         count(column.getReference(row, component), -1);
         column.setReference(row, component, target.value());
         count(target.value(), 1);
     }
 
-    /** Clears all references of an item that is removed or becomes scenery. */
+    /**
+     * Clears all references that an item has to others, because it is removed or loses its physics
+     * aspect.
+     */
     void release(Table table, ItemId item) {
         if (!table.hasPhysics(item)) {
             return;
@@ -76,7 +82,7 @@ final class References {
         }
     }
 
-    /** Counts all references from the columns. */
+    /** Counts all references in the columns anew. */
     void countAll() {
         referrers.clear();
         for (Table table : tables) {
@@ -90,7 +96,10 @@ final class References {
         }
     }
 
-    /** Returns the items that refer to an item or are attached to it, in a reproducible order. */
+    /**
+     * Returns the items that refer to an item or are attached to it, in an order that is the same
+     * in equal worlds.
+     */
     Set<ItemId> referrers(ItemId item) {
         Set<ItemId> referring = new LinkedHashSet<>();
         addReferrers(Set.of(item), referring);
@@ -98,14 +107,17 @@ final class References {
     }
 
     /**
-     * Returns an item, then all items that refer to it or are attached to it, directly or not; in a
-     * reproducible order.
+     * Returns an item, then all items that refer to it or are attached to it, directly or not; in
+     * an order that is the same in equal worlds.
      */
     List<ItemId> withReferrers(ItemId item) {
         return closure(item, this::addReferrers);
     }
 
-    /** Returns the items that refer to an item, directly or not, in a reproducible order. */
+    /**
+     * Returns the items that refer to an item, directly or not, in an order that is the same in
+     * equal worlds.
+     */
     List<ItemId> referring(ItemId item) {
         List<ItemId> all = closure(item, this::addReferring);
         return all.subList(1, all.size());

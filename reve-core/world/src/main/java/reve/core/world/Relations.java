@@ -14,19 +14,20 @@ import java.util.TreeSet;
 import java.util.function.Function;
 
 /**
- * Spatial relations between bodies that have a shape, based on the boxes around them at the last
- * DERIVE. They are computed when they are read, and cost nothing otherwise. Same thread as the
- * world or snapshot.
+ * Spatial relations between bodies that have a shape, based on the boxes around them as computed in
+ * the last DERIVE phase. They are computed only when they are read. Same thread as the world or
+ * snapshot.
  *
- * <p>Distances are relative to the boxes: the size of two bodies is the smaller of their boxes'
- * diagonals, and the tolerance is a hundredth of it.
+ * <p>Distances are relative to a <i>size</i>, the smaller of the two boxes' diagonals; the
+ * tolerance is a hundredth of this size.
  *
  * <ul>
  *   <li>{@code near}: the gap between the boxes is at most the size
  *   <li>{@code touching}: the gap is at most the tolerance
  *   <li>{@code on}: the bottom of the first box is at the top of the second within the tolerance,
  *       and they overlap as seen from above
- *   <li>{@code inside}: the first box is within the second, up to the tolerance, and smaller
+ *   <li>{@code inside}: the first box is within the second, up to the tolerance, and has the
+ *       smaller diagonal
  * </ul>
  */
 public final class Relations {
@@ -53,7 +54,10 @@ public final class Relations {
         this.nameOf = nameOf;
     }
 
-    /** Two boxes, as seen from the first. The second one is loaded from row after row. */
+    /**
+     * Two boxes, the first of the item in question, the second of another body; reused for each
+     * row.
+     */
     private static final class Pair {
         private final ColumnView mins;
         private final ColumnView maxs;
@@ -141,15 +145,15 @@ public final class Relations {
         }
     }
 
-    /** A related item, and its gap [m]. */
+    /** A related item, and the gap between the boxes [m]. */
     private record Other(ItemId id, double gap) {}
 
     private static final Comparator<Other> NEAREST =
             Comparator.comparingDouble(Other::gap).thenComparing(Other::id);
 
     /**
-     * Returns the names of the related items, ordered by gap, then by id, at most {@link
-     * #MAX_ITEMS}.
+     * Returns the names of the items to which an item has a relation, ordered by gap, then by id,
+     * at most {@link #MAX_ITEMS}.
      *
      * @param relation one of {@link #NAMES}
      * @throws IllegalArgumentException for any other relation

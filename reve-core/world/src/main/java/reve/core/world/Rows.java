@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 package reve.core.world;
 
-/** The number of rows of a table, and the row of each item. Changed by the table only. */
+/** The number of rows of a table, and the row of each item. Only the table changes them. */
 final class Rows {
 
     private static final int NONE = -1;

@@ -16,10 +16,13 @@ public enum ScalarType {
     /** The {@link ItemId} of another item; 0 means none. */
     REF(Long.BYTES);
 
-    /** Largest magnitude that files, actions and edits may set, in the unit of the property. */
+    /**
+     * Largest magnitude of 64-bit numbers that files, actions and edits may set, in the unit of the
+     * property.
+     */
     public static final double MAX_F64 = 1e100;
 
-    /** Smallest magnitude other than 0. */
+    /** Smallest magnitude of 64-bit numbers other than 0. */
     public static final double MIN_F64 = 1e-100;
 
     private static final double MAX_F32 = 1e30;
@@ -37,10 +40,10 @@ public enum ScalarType {
     }
 
     /**
-     * Returns why an action or an edit may not store the number in a column of this type; empty if
-     * it may. The limits are narrower than the type, so that sums of forces, cubes of distances and
-     * quotients of masses stay finite: 0, or magnitudes of 1e-100 to 1e100, in single precision
-     * 1e-35 to 1e30.
+     * Returns why an action or an edit must not store the number in a column of this type; empty if
+     * it is allowed. The limits are narrower than the type, so that sums of forces, cubes of
+     * distances and quotients of masses stay finite: 0, or magnitudes of 1e-100 to 1e100, in single
+     * precision 1e-35 to 1e30.
      */
     public Optional<String> refusal(double value) {
         if (!holds(value)) {

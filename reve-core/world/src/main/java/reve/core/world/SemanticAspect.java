@@ -10,8 +10,8 @@ import java.util.Objects;
 import java.util.Optional;
 
 /**
- * The symbols of an item, which agents perceive: texts, truth values, numbers or lists. World's
- * thread only.
+ * The semantic aspect of an item: its symbols, named values that agents perceive (texts, truth
+ * values, numbers or lists). World's thread only.
  */
 public final class SemanticAspect {
 
@@ -38,7 +38,10 @@ public final class SemanticAspect {
         return item.symbols().get(symbol);
     }
 
-    /** Returns the relations between bodies of the item's world, at the last DERIVE. */
+    /**
+     * Returns the spatial relations between bodies of the item's world, as of the last DERIVE
+     * phase.
+     */
     public Relations relations() {
         item.world().guard.checkOwner();
         return item.world().relations;
@@ -47,7 +50,7 @@ public final class SemanticAspect {
     /**
      * Checks a symbol that is to be set later.
      *
-     * @param item name of its item, for messages
+     * @param item name of the item, for messages
      * @return the value as {@link #set} stores it: text, truth, a Double or a list of these
      * @throws IllegalArgumentException like {@link #set}
      */
@@ -65,8 +68,8 @@ public final class SemanticAspect {
      *
      * @param value String, Boolean, a finite number or a List of these; if the prototype declares a
      *     type for the symbol, of that type
-     * @throws IllegalArgumentException naming item and symbol for any other value, and for the
-     *     symbols that the world derives
+     * @throws IllegalArgumentException naming item and symbol for any other value, and for symbols
+     *     that the world computes itself
      */
     public void set(String symbol, Object value) {
         item.checkedRow();
@@ -74,7 +77,7 @@ public final class SemanticAspect {
         change(symbol, checked, item.symbols().with(symbol, checked));
     }
 
-    /** Removes a designer's symbol, if present. */
+    /** Removes a symbol that was set (not by a rule), if present. */
     public void remove(String symbol) {
         item.checkedRow();
         if (item.symbols().given().containsKey(symbol)) {
@@ -83,9 +86,9 @@ public final class SemanticAspect {
     }
 
     /**
-     * Sets a derived symbol, in DERIVE; a symbol of the same name from the designer or an action
-     * takes precedence. The change is not recorded, because it can be computed from the rest of the
-     * world.
+     * Sets the symbol of a rule, in the phase DERIVE. A symbol of the same name from the designer
+     * or an action takes precedence. Not recorded as a change, because rules compute the symbol
+     * again from the rest of the world.
      *
      * @param value as in {@link #set}, or null to remove the symbol
      * @throws IllegalArgumentException like {@link #set}

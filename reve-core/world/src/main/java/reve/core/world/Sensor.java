@@ -13,13 +13,13 @@ import java.util.TreeSet;
  *
  * <p>A camera senses no items: its agent receives pictures on request.
  *
- * @param name unique among the sensors of a body
+ * @param name name, unique among the sensors of a body
  * @param touch true if it senses items whose boxes are within the range of the body's box;
  *     otherwise it looks from the body's origin along its own +Z axis, the front of a glTF model
  * @param range maximum distance [m], infinite for no limit
  * @param fieldOfView full angle of the cone that it sees [rad], 2π for all directions; for a camera
  *     the vertical angle of its picture, {@link #NARROWEST_CAMERA} to {@link #WIDEST_CAMERA}
- * @param lineOfSight true if items behind the bounding box of another item are hidden
+ * @param lineOfSight true if the bounding boxes of items hide the items behind them
  * @param every interval between perceptions [frames]; in between the agent keeps the last
  *     perception
  * @param symbols names of the perceived symbols; empty for all
@@ -39,7 +39,7 @@ public record Sensor(
 
     public static final double ALL_ROUND = 2 * Math.PI;
 
-    /** Default gap at which boxes count as touching [m]. */
+    /** Default range of a touch sensor: the gap at which boxes count as touching [m]. */
     public static final double TOUCH_RANGE = 0.01;
 
     /** Minimum vertical angle of a picture [rad]. */
@@ -53,7 +53,7 @@ public record Sensor(
      *
      * @param width [px]
      * @param height [px]
-     * @param layers data of each pixel, at least one
+     * @param layers the kinds of data of each pixel, at least one
      */
     public record Camera(int width, int height, Set<Layer> layers) {
         /** Maximum number of pixels of a picture. */
@@ -89,7 +89,7 @@ public record Sensor(
         COLOUR,
         /** Distance along the view axis. */
         DEPTH,
-        /** Visible item. */
+        /** Index of the visible item. */
         ITEMS
     }
 
@@ -216,12 +216,12 @@ public record Sensor(
                 name, touch, range, fieldOfView, lineOfSight, every, symbols, newAspects, camera);
     }
 
-    /** Returns whether it is a camera, which senses no items. */
+    /** Returns whether the sensor is a camera, which senses no items but takes pictures. */
     public boolean isCamera() {
         return camera.isPresent();
     }
 
-    /** Returns whether it also senses items without a place, such as springs. */
+    /** Returns whether the sensor senses all items, also those without a place, such as springs. */
     public boolean isUnlimited() {
         return !isCamera()
                 && !touch

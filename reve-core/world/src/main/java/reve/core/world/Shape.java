@@ -35,10 +35,10 @@ public sealed interface Shape
     /** Returns the value in the column {@code shape}; the codes never change their meaning. */
     int code();
 
-    /** Returns the extent along an own axis (0, 1, 2) [m]. */
+    /** Returns the extent along an axis of the shape (0, 1, 2) [m]. */
     double size(int axis);
 
-    /** Returns the shape of a body without one. */
+    /** Returns {@link None}, for a body without a shape. */
     static Shape none() {
         return None.INSTANCE;
     }

@@ -9,9 +9,9 @@ import java.util.Arrays;
 import java.util.List;
 
 /**
- * The rows of one table in one slot of a {@link SnapshotRing}: the world's thread writes them, any
- * thread reads. Columns that equal those of the previous frame's slot are shared with it, and
- * columns of zeros are shared by all.
+ * A copy of one table's rows in one slot of a {@link SnapshotRing}; the world's thread writes it,
+ * any thread reads it. A column equal to that of the previous frame shares the memory of that
+ * frame's slot, and all columns of zeros share one memory.
  */
 final class SlotTable {
 
@@ -24,7 +24,7 @@ final class SlotTable {
     private int physicsRowCount;
 
     /**
-     * @param memory for each column, for all slots of the ring
+     * @param memory the buffers of each column, shared by all slots of the ring
      */
     SlotTable(Table table, List<ColumnBuffers> memory, Zeros zeros) {
         this.kind = table.kind();
@@ -58,8 +58,8 @@ final class SlotTable {
     }
 
     /**
-     * Returns a view of the copy. If the copy changes meanwhile, the values are invalid, but
-     * reading is safe; the slot's stamp shows it.
+     * Returns a view of the copy. If the copy is overwritten while it is read, reading is safe, but
+     * the values are invalid; the reader notices this by the slot's stamp.
      */
     TableSnapshot view() {
         return new TableSnapshot(kind, rowCount, physicsRowCount, properties, buffers.clone());

@@ -10,8 +10,8 @@ import java.util.Optional;
 /**
  * A fixed number of slots with the last published frames of a world, for any number of readers.
  * Neither side ever waits: a frame is written to the oldest slot without readers or, if all have
- * readers, to the oldest one, whose readers lose it. A slot allocates memory when it is first
- * needed, and slots share columns that did not change from frame to frame.
+ * readers, to the oldest slot, whose readers lose their snapshot. A slot allocates memory when it
+ * is first needed, and slots share columns that did not change from frame to frame.
  */
 public final class SnapshotRing {
 
@@ -26,7 +26,7 @@ public final class SnapshotRing {
     private volatile @Nullable SnapshotSlot latest;
 
     /**
-     * @param slots at least 2: one to read, one to write
+     * @param slots maximum number of slots, at least 2: one to read, one to write
      */
     public SnapshotRing(World world, int slots) {
         if (slots < 2) {
@@ -45,8 +45,8 @@ public final class SnapshotRing {
     }
 
     /**
-     * Copies the present world as one frame. World's thread, in PUBLISH. Allocates memory only if
-     * the world has grown or has events.
+     * Copies the present world as one frame. World's thread, in the phase PUBLISH. Allocates memory
+     * only if the world has grown or has events.
      *
      * @param frame number of the frame
      * @param timeSeconds simulated time at its end [s]
@@ -64,7 +64,7 @@ public final class SnapshotRing {
 
     /**
      * Returns the last published frame, empty before the first. Any thread; never waits. The reader
-     * closes it soon, and calls {@link WorldSnapshot#lost()} after reading.
+     * must close it soon, and check {@link WorldSnapshot#lost()} after reading.
      */
     public Optional<WorldSnapshot> acquireLatest() {
         while (true) {
@@ -80,8 +80,8 @@ public final class SnapshotRing {
     }
 
     /**
-     * Returns a new slot up to the maximum number, then the oldest slot without readers, else the
-     * oldest one.
+     * Returns a slot to write: a new one up to the maximum number, else the oldest one without
+     * readers, else the oldest one.
      */
     private SnapshotSlot oldestFreeSlot() {
         for (int i = 0; i < older.size(); i++) {

@@ -13,8 +13,8 @@ import java.util.concurrent.atomic.AtomicInteger;
 import java.util.concurrent.atomic.AtomicLong;
 
 /**
- * Memory for one snapshot, guarded by a stamp (a sequence lock): odd while the world's thread
- * writes, otherwise even and different after every write.
+ * Memory for one snapshot, guarded by a stamp (a sequence lock). The stamp is odd while the world's
+ * thread writes; otherwise it is even, and different after every write.
  */
 final class SnapshotSlot {
 
@@ -44,7 +44,7 @@ final class SnapshotSlot {
     private List<WorldEvent> events = List.of();
 
     /**
-     * @param memory of all slots of the ring
+     * @param memory memory that all slots of the ring share
      */
     SnapshotSlot(World world, Memory memory) {
         for (int i = 0; i < memory.columns.size(); i++) {
@@ -57,8 +57,8 @@ final class SnapshotSlot {
     }
 
     /**
-     * Overwrites the slot, even if it has readers. World's thread. If it throws, the slot cannot be
-     * acquired until it is written again.
+     * Overwrites the slot, even if it has readers. World's thread. After an exception, readers
+     * cannot acquire the slot until it is written again.
      *
      * @param before the slot of the previous frame, with which unchanged columns are shared
      */

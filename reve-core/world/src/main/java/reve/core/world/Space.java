@@ -11,12 +11,12 @@ import java.util.function.LongPredicate;
 import java.util.function.LongSupplier;
 
 /**
- * Spatial search for bodies by the boxes around them ({@code boundsMin}, {@code boundsMax}) at the
- * last DERIVE. Later moves and changes of shape are not considered, items added later are not
- * found, and removed items are omitted. A body without a shape is a point.
+ * Spatial search for bodies by the boxes around them ({@code boundsMin}, {@code boundsMax}) as
+ * computed in the last DERIVE phase. Later moves and changes of shape are not considered, items
+ * added later are not found, and removed items are omitted. A body without a shape is a point.
  *
- * <p>Uses a tree of boxes, which is updated at the first search after DERIVE; without searches it
- * costs nothing. Same thread as the world or snapshot.
+ * <p>Uses a tree of boxes, which only the first search after DERIVE updates. Same thread as the
+ * world or snapshot.
  */
 public final class Space {
 
@@ -32,9 +32,9 @@ public final class Space {
     private long builtRemovals;
 
     /**
-     * @param ids of the bodies in the rows
-     * @param version increases when the boxes were computed; 0 or more
-     * @param removals number of bodies removed so far
+     * @param ids ids of the bodies, by row
+     * @param version returns a number, 0 or more, that increases when the boxes are computed
+     * @param removals returns the number of bodies removed so far
      * @param isThere returns whether a body still exists
      */
     Space(
@@ -59,8 +59,8 @@ public final class Space {
     }
 
     /**
-     * Searches like {@link #inBox(Box)}, into memory of the caller, which grows only to the number
-     * of results.
+     * Searches like {@link #inBox(Box)}, but writes the ids into an object of the caller, which can
+     * be reused without allocation.
      */
     public void inBox(Box box, Found into) {
         update();
@@ -107,7 +107,7 @@ public final class Space {
             if (all || found.size() >= most) {
                 return present(most);
             }
-            asked = 2 * asked; // some bodies were removed since DERIVE
+            asked = 2 * asked; // some bodies of the tree were removed since DERIVE: search for more
         }
     }
 

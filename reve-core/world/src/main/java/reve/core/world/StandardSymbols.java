@@ -3,7 +3,7 @@ package reve.core.world;
 
 import java.util.Set;
 
-/** Names of the symbols that items have without a declaration. */
+/** Names of the symbols that every item has without a declaration. */
 public final class StandardSymbols {
 
     static final String NAME = "name";
@@ -11,7 +11,7 @@ public final class StandardSymbols {
     static final String DIMENSIONS = "dimensions";
     static final String LOCATION = "location";
 
-    /** Standard symbols that cannot be set. */
+    /** Standard symbols that only the world itself sets. */
     public static final Set<String> DERIVED =
             Set.of(NAME, DIMENSIONS, LOCATION, "near", "on", "inside", "touching");
 

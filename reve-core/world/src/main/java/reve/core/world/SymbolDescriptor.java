@@ -4,9 +4,9 @@ package reve.core.world;
 import reve.core.unit.Unit;
 
 /**
- * The designer's declaration of a semantic symbol, for all items.
+ * The designer's declaration of a symbol's type and unit, valid for all items.
  *
- * @param unit of a number; {@link Unit#ONE} for other types
+ * @param unit unit of a number; {@link Unit#ONE} for other types
  */
 public record SymbolDescriptor(String name, SymbolType type, Unit unit, String doc) {
     /** Maximum number of elements of a list. */

@@ -8,8 +8,8 @@ import java.util.Map;
 import java.util.TreeSet;
 
 /**
- * An index from the values of a symbol to items. A symbol is indexed from its first search, so that
- * other symbols cost nothing. World's thread only.
+ * An index that finds the items with a given value of a symbol. A symbol is indexed when it is
+ * first searched; other symbols cost nothing. World's thread only.
  */
 final class SymbolIndex {
 
@@ -18,7 +18,7 @@ final class SymbolIndex {
     /**
      * Returns the items with that value, in the order of their ids; a copy.
      *
-     * @param all every item of the world, for building the index
+     * @param all the symbolic data of every item, from which the first search builds the index
      */
     List<ItemId> find(String symbol, Object value, Collection<ItemSymbols> all) {
         Map<Object, TreeSet<ItemId>> index = byValue.get(symbol);
@@ -67,7 +67,7 @@ final class SymbolIndex {
                                         }));
     }
 
-    /** Returns a key that is equal for equal numbers of any type, and for 0 and -0. */
+    /** Returns a key for the index: equal for equal numbers of any type, also for 0 and -0. */
     private static Object key(Object value) {
         return value instanceof Number number ? Double.valueOf(number.doubleValue() + 0.0) : value;
     }

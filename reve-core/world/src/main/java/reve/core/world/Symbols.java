@@ -10,18 +10,20 @@ import java.util.List;
 import java.util.Map;
 
 /**
- * The symbolic data of all items of a world as one immutable version, with an index of symbols and
- * counts of items by maker. World's thread only.
+ * The symbolic data of all items of a world as one immutable map, with an index of symbols and the
+ * number of items that each agent's actions created. World's thread only.
  */
 final class Symbols {
 
     private final SymbolIndex bySymbol = new SymbolIndex();
     private PMap<ItemId, ItemSymbols> all = TreePMap.empty();
 
-    /** The likeness of the last added item, because the next item often has an equal one. */
+    /**
+     * The {@link Likeness} of the last added item, because the next item often has an equal one.
+     */
     private @Nullable Likeness latest;
 
-    /** Numbers of items by the agent that made them; contains no 0. */
+    /** Number of items by the agent whose actions created them; contains no 0. */
     private final Map<String, Integer> made = new HashMap<>();
 
     private int madeInAll;
@@ -74,7 +76,7 @@ final class Symbols {
         count(item, 1);
     }
 
-    /** Returns a number that each removal increments, including removals by a restored image. */
+    /** Returns the number of removals so far, including those by restoring an image. */
     long removals() {
         return removals;
     }

@@ -14,8 +14,8 @@ import java.util.function.Function;
 import java.util.stream.Stream;
 
 /**
- * The live rows of one kind. World's thread only; {@link World} adds and removes rows. Memory after
- * the last row is always zero.
+ * The columns and rows of all items of one kind in a live world. World's thread only; {@link World}
+ * adds and removes rows. Memory after the last row is always zero.
  */
 public final class Table implements TableView {
 
@@ -38,7 +38,7 @@ public final class Table implements TableView {
 
     /**
      * @param guard called before each change
-     * @param record receives direct edits of columns
+     * @param record receives direct edits of columns, which no aspect makes
      */
     Table(
             String kind,
@@ -150,7 +150,7 @@ public final class Table implements TableView {
         return references;
     }
 
-    /** Assigns a zeroed row at the end of its part to an item. */
+    /** Assigns a zeroed row to an item, at the end of the rows with physics or of the scenery. */
     int insert(ItemId id, boolean physics) {
         makeRoom(rowCount() + 1);
         int row = rowCount();
@@ -167,7 +167,10 @@ public final class Table implements TableView {
         return row;
     }
 
-    /** Removes an item's row; the last row of each part moves into the gap. */
+    /**
+     * Removes an item's row. The last row of each part (with physics, scenery) moves into the gap
+     * that arises in it.
+     */
     void remove(ItemId id) {
         int gap = rowOf(id);
         int last = rowCount() - 1;
@@ -184,7 +187,7 @@ public final class Table implements TableView {
         layout.changed();
     }
 
-    /** Moves a scenery row to the end of the physics part, with its values. */
+    /** Moves the row of a scenery item, with its values, to the end of the physics rows. */
     void promote(ItemId id) {
         makeRoom(rowCount() + 1);
         int to = physicsRowCount();
@@ -193,7 +196,9 @@ public final class Table implements TableView {
         layout.changed();
     }
 
-    /** Moves a physics row to the scenery part and zeroes its physics properties. */
+    /**
+     * Moves the row of an item with physics to the scenery rows, and zeroes its physics properties.
+     */
     void demote(ItemId id) {
         makeRoom(rowCount() + 1);
         int to = physicsRowCount() - 1;
@@ -215,7 +220,7 @@ public final class Table implements TableView {
         Arrays.fill(shapes, before, capacity, Shape.none());
     }
 
-    /** Copies all rows from an image. */
+    /** Replaces all rows by those of an image. */
     void restore(TableCopy copy, Function<ItemId, Shape> shapeOf) {
         makeRoom(copy.rowCount());
         clear(copy.rowCount(), Math.max(0, rowCount() - copy.rowCount()));
@@ -262,7 +267,7 @@ public final class Table implements TableView {
         shapes[to] = shapes[from];
     }
 
-    /** Records the row of its item. */
+    /** Records in which row the item of this row is now. */
     private void settle(int row) {
         rows.put(ids.getReference(row, 0), row);
     }

@@ -17,8 +17,7 @@ public final class TableCopy {
     private int physicsRowCount;
 
     /**
-     * @param allocate returns memory with that number of bytes; replaced memory stays with its
-     *     owner
+     * @param allocate returns memory with that number of bytes; this class never frees memory
      */
     TableCopy(Table table, LongFunction<MemorySegment> allocate) {
         this.kind = table.kind();

@@ -9,19 +9,19 @@ import java.util.HashMap;
 import java.util.List;
 import java.util.Map;
 
-/** A table in the state of a published frame. One reading thread, read only. */
+/** A read-only table with the rows of a published frame. One thread. */
 public final class TableSnapshot implements TableView {
 
     private final String kind;
     private final int rowCount;
     private final int physicsRowCount;
 
-    /** The ids, then the columns. */
+    /** The column of ids, then the properties of the other columns. */
     private final List<PropertyDescriptor> properties;
 
     private final ColumnBuffers.Buffer[] buffers;
 
-    /** Created when they are requested, because few readers need all. */
+    /** Column snapshots, each created on request, because few readers need all. */
     private final @Nullable ColumnSnapshot[] made;
 
     private final Map<Long, Integer> rowById = new HashMap<>();
@@ -63,7 +63,7 @@ public final class TableSnapshot implements TableView {
     /**
      * Returns the item in a row.
      *
-     * @throws IllegalArgumentException possibly, if the snapshot was lost
+     * @throws IllegalArgumentException in some cases, if the snapshot was overwritten
      */
     @Override
     public ItemId idAt(int row) {

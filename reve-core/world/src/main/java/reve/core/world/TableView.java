@@ -5,8 +5,8 @@ import java.util.List;
 
 /**
  * All items of one kind as columns with densely packed rows: live ({@link Table}) or of a snapshot
- * ({@link TableSnapshot}). Rows [0, physicsRowCount) are the items with a physics aspect, the rest
- * is scenery.
+ * ({@link TableSnapshot}). Rows [0, physicsRowCount) are the items with a physics aspect; the other
+ * rows are scenery, which laws do not move.
  */
 public sealed interface TableView permits Table, TableSnapshot {
 

@@ -13,7 +13,7 @@ public final class Texture {
     /** Maximum number of pixels of one texture. */
     public static final int MAX_PIXELS = 1 << 24;
 
-    /** Maximum width and height [px], which any graphics library supports. */
+    /** Maximum width and height [px] that any graphics library supports. */
     public static final int MAX_SIDE = 8192;
 
     private final int width;
@@ -24,9 +24,9 @@ public final class Texture {
     /**
      * @param width [px]
      * @param height [px]
-     * @param rgba (height x width x 4) bytes r g b a, by rows from the upper left pixel; copied; a
-     *     is not shown
-     * @param file relative to the world's folder, if the texture has its own file
+     * @param rgba (height x width x 4) bytes r g b a, by rows from the upper left pixel; copied;
+     *     the alpha byte a is ignored
+     * @param file path relative to the world's folder, if the texture has its own file
      * @throws IllegalArgumentException if the number of pixels is 0 or too large, or there are not
      *     4 bytes per pixel
      */

@@ -5,7 +5,7 @@ import java.util.Arrays;
 import java.util.List;
 import java.util.Map;
 
-/** Checks of numbers and symbol values before they enter a world. */
+/** Checks of numbers and symbol values before a world stores them. */
 final class Values {
 
     static final int MAX_TEXT = 4096;
@@ -32,7 +32,9 @@ final class Values {
         return true;
     }
 
-    /** Checks number of components, finiteness and range against a numeric property. */
+    /**
+     * Checks that values fit a numeric property: number of components, finite, and in its range.
+     */
     static void requireFits(String item, PropertyDescriptor property, double... values) {
         String name = property.name();
         if (property.type() == ScalarType.REF) {
@@ -69,7 +71,7 @@ final class Values {
 
     /**
      * Returns the quaternion normalised to length 1; unchanged to the bit if its squared length is
-     * 1 within {@link #UNIT_TOLERANCE}, as after normalisation in 32 bits.
+     * 1 within {@link #UNIT_TOLERANCE}, for example after normalisation in 32 bits.
      *
      * @param xyzw four numbers, not all 0
      */

@@ -15,8 +15,8 @@ import java.util.Optional;
  * of an item ({@link Item}).
  *
  * <p>One thread owns a world and all objects that it returns; other threads read a {@link
- * WorldSnapshot}. The {@link #guard()} holds the owner thread and the permitted changes: items are
- * added and removed only while the structure is unlocked, not in PHYSICS, DERIVE and PUBLISH.
+ * WorldSnapshot}. The {@link #guard()} checks the thread and the permitted changes: items are added
+ * and removed only outside the phases PHYSICS, DERIVE and PUBLISH of a frame.
  */
 public final class World {
 
@@ -58,18 +58,21 @@ public final class World {
         return data.guard;
     }
 
-    /** Returns the current activity of the world's thread; any thread may read it. */
+    /** Returns the evaluation that the world's thread is busy with; any thread may read it. */
     public Activity activity() {
         return data.activity;
     }
 
-    /** Returns the number of simulated frames so far; restoring an image also restores it. */
+    /**
+     * Returns the number of frames that led to the present state; restoring an image restores its
+     * age.
+     */
     public long age() {
         data.guard.checkOwner();
         return data.age;
     }
 
-    /** Sets the initial age of the world; called while it is built. */
+    /** Sets the initial age of the world, in frames; called while the world is built. */
     public void setAge(long frames) {
         data.guard.checkOwner();
         data.age = frames;
@@ -85,9 +88,9 @@ public final class World {
      * none.
      *
      * @throws IllegalArgumentException naming item, property and value if a name is taken, a kind
-     *     or property does not exist, a value does not fit, or a reference is missing or points at
-     *     nothing, at the wrong kind or at scenery
-     * @throws IllegalStateException naming the phase if the structure is locked
+     *     or property does not exist, a value does not fit, or a reference is missing, or refers to
+     *     no item, to the wrong kind or to an item without physics
+     * @throws IllegalStateException naming the phase of the frame if it forbids structural changes
      */
     public List<Item> addAll(List<ItemDefinition> definitions) {
         return addAll(definitions, null);
@@ -126,9 +129,9 @@ public final class World {
     /**
      * Removes an item.
      *
-     * @throws IllegalArgumentException naming the items that refer to it, or if it is the item
-     *     {@code world}
-     * @throws IllegalStateException naming the phase if the structure is locked
+     * @throws IllegalArgumentException naming the items that refer to the item, or if it is the
+     *     item {@code world}
+     * @throws IllegalStateException naming the phase of the frame if it forbids structural changes
      */
     public void remove(ItemId id) {
         Item item = removable(id);
@@ -167,7 +170,7 @@ public final class World {
      * Renames an item. References are not affected, because they contain ids.
      *
      * @throws IllegalArgumentException if the name is taken or invalid
-     * @throws IllegalStateException naming the phase if the structure is locked
+     * @throws IllegalStateException naming the phase of the frame if it forbids structural changes
      */
     public void rename(ItemId id, String newName) {
         Item item = item(id);
@@ -209,15 +212,16 @@ public final class World {
     }
 
     /**
-     * Attaches a body to a parent, with a fixed pose relative to it. An attached body changes its
-     * parent. The pose in the world's reference frame is computed in DERIVE, at any depth.
+     * Attaches a body to a parent, with a fixed pose relative to it. A body that is attached
+     * already changes its parent. Attached bodies may be parents of others; the phase DERIVE
+     * computes their poses in the world's reference frame.
      *
-     * <p>Laws do not move attached items: they are scenery or have mass 0, and forces on them do
-     * not reach the parent.
+     * <p>Laws do not move attached items, which are scenery or have mass 0. Forces on them do not
+     * act on the parent.
      *
      * @throws IllegalArgumentException naming both if one is not a body, the child has a mass, or
      *     the parent is attached to the child, directly or not
-     * @throws IllegalStateException naming the phase if the structure is locked
+     * @throws IllegalStateException naming the phase of the frame if it forbids structural changes
      */
     public void attach(ItemId child, ItemId parent, Pose pose) {
         data.guard.requireUnlocked("attach items");
@@ -234,7 +238,7 @@ public final class World {
      * Detaches an item, which keeps its present pose in the world.
      *
      * @throws IllegalArgumentException if it is not attached
-     * @throws IllegalStateException naming the phase if the structure is locked
+     * @throws IllegalStateException naming the phase of the frame if it forbids structural changes
      */
     public void detach(ItemId child) {
         data.guard.requireUnlocked("detach items");
@@ -249,25 +253,25 @@ public final class World {
         data.note(new WorldChange.Detached(child, before));
     }
 
-    /** Returns the spatial search, with the state of the last DERIVE. */
+    /** Returns the spatial search, which uses the boxes of the last DERIVE phase. */
     public Space space() {
         data.guard.checkOwner();
         return data.space;
     }
 
-    /** Returns the relations between bodies, with the state of the last DERIVE. */
+    /** Returns the spatial relations between bodies, from the boxes of the last DERIVE phase. */
     public Relations relations() {
         data.guard.checkOwner();
         return data.relations;
     }
 
     /**
-     * Restores, to the bit, the world from which an image was copied. Items with the same id keep
-     * their objects; items that are not in the image count as removed.
+     * Restores, to the bit, the state of the world that an image contains. Items with the same id
+     * keep their objects; items that are not in the image count as removed.
      *
      * @param image of a world of the same prototype
-     * @throws IllegalArgumentException naming the difference if the prototype is another
-     * @throws IllegalStateException naming the phase if the structure is locked
+     * @throws IllegalArgumentException naming the difference if the image has another prototype
+     * @throws IllegalStateException naming the phase of the frame if it forbids structural changes
      */
     public void restore(WorldImage image) {
         data.guard.requireUnlocked("restore an image");
@@ -346,7 +350,7 @@ public final class World {
     /**
      * Returns the layout version, which increases when rows are added, removed or moved, items are
      * attached or detached, or column memory is replaced. Replaced memory stays readable until the
-     * end of the next PHYSICS.
+     * end of the next PHYSICS phase.
      */
     public long layoutVersion() {
         return data.layout.version();
@@ -359,8 +363,8 @@ public final class World {
     }
 
     /**
-     * Adds an event to the frame that is being made; in PUBLISH and between frames, to the next
-     * one.
+     * Adds an event to the frame that is being made; in the phase PUBLISH and between frames, to
+     * the next one.
      */
     public void raise(WorldEvent event) {
         data.guard.requireEditable();
@@ -369,8 +373,8 @@ public final class World {
 
     /**
      * Returns the changes of the frame that is being made, in order, except those by laws and in
-     * DERIVE; a copy. In PUBLISH all callers receive the same changes. Changes made in PUBLISH and
-     * between frames belong to the next frame, those before the first frame to frame 0.
+     * the phase DERIVE; a copy. In PUBLISH all callers receive the same changes. Changes made in
+     * PUBLISH and between frames belong to the next frame, those before the first frame to frame 0.
      */
     public List<WorldChange> changes() {
         data.guard.checkOwner();
@@ -379,7 +383,7 @@ public final class World {
 
     /**
      * Returns the number of changes of the frame beyond the limit (2^20). If it is not 0, a
-     * listener that follows a world by its changes must read all of it.
+     * listener that follows a world by its changes must read the whole world.
      */
     public long changesLost() {
         data.guard.checkOwner();
@@ -387,25 +391,27 @@ public final class World {
     }
 
     /**
-     * Returns the events of the frame that is being made, in the order raised; a copy. In PUBLISH
-     * all callers receive the same events.
+     * Returns the events of the frame that is being made, in the order raised; a copy. In the phase
+     * PUBLISH all callers receive the same events.
      */
     public List<WorldEvent> events() {
         data.guard.checkOwner();
         return data.record.events();
     }
 
-    /** Returns the forces on bodies that last for some frames. */
+    /** Returns the forces that actions exert on bodies for some frames. */
     public Forces forces() {
         return forces;
     }
 
-    /** Returns the items at which laws may fail because of actions and edits. */
+    /**
+     * Returns the record of items whose numbers actions and edits changed, at which laws may fail.
+     */
     public Arrests arrests() {
         return arrests;
     }
 
-    /** Returns the steps that are charged to agents. */
+    /** Returns the account of the rules' evaluation steps that are charged to agents. */
     public Charges charges() {
         data.guard.checkOwner();
         return data.record.charges();
@@ -445,7 +451,7 @@ public final class World {
         items.addAll(added);
     }
 
-    /** Allocates memory before any item is added, because nothing later can fail. */
+    /** Allocates all memory before any item is added, so that adding cannot fail halfway. */
     private void makeRoom(List<ItemDefinition> definitions) {
         for (Table table : data.tables) {
             int more = 0;
@@ -471,7 +477,10 @@ public final class World {
         return item;
     }
 
-    /** Sets the references and the parent of an added item; the targets may be added with it. */
+    /**
+     * Sets the references and the parent of an added item, whose targets may have been added
+     * together with it.
+     */
     private void link(Item item, ItemDefinition definition) {
         if (definition.hasReferences()) {
             definition.references().forEach((property, names) -> refer(item, property, names));

@@ -6,9 +6,9 @@ import org.jspecify.annotations.Nullable;
 import java.util.List;
 
 /**
- * A change of a world by a command or by the program, not by a law and not in DERIVE. {@link
- * World#changes()} returns those of a frame, in an order that turns equal worlds into equal worlds.
- * Immutable.
+ * A change of a world by a command or by the program, not by a law and not in the phase DERIVE.
+ * {@link World#changes()} returns the changes of a frame; applied in this order to equal worlds,
+ * they give equal worlds. Immutable.
  */
 public sealed interface WorldChange {
 
@@ -67,9 +67,9 @@ public sealed interface WorldChange {
      *
      * @param property the changed part: a physics property, a symbol, an action, or {@code
      *     location}, {@code orientation}, {@code shape}, {@code material}, {@code colour}
-     * @param from null if there was none: scenery has no physics properties, an item may lack the
-     *     symbol
-     * @param to null if it was removed
+     * @param from the former value; null if there was none: scenery has no physics properties, an
+     *     item may lack the symbol
+     * @param to the new value; null if it was removed
      */
     record Edited(
             ItemId item, Aspect aspect, String property, @Nullable Object from, @Nullable Object to)
@@ -80,7 +80,7 @@ public sealed interface WorldChange {
 
     /**
      * Numbers of any rows were written to a column directly, through {@link Column}. Recorded once
-     * per frame; the column has the present values.
+     * per frame and without values, which the column itself contains.
      */
     record ColumnEdited(String kind, String property) implements WorldChange {}
 

@@ -8,8 +8,9 @@ import java.util.Map;
 import java.util.Set;
 
 /**
- * The data of a world below the level of items: columns, symbols, attachments, references, and the
- * record of the frame, all by item id. Aspects change items through it. World's thread only.
+ * The data of a world by item id: columns, symbols, attachments, references, and the record of the
+ * frame's changes. The aspects of an {@link Item} change its data through this class. World's
+ * thread only.
  */
 final class WorldData {
 
@@ -84,7 +85,7 @@ final class WorldData {
         return symbolsOf;
     }
 
-    /** Makes spatial searches use the present boxes. */
+    /** Makes spatial searches use the boxes computed now. */
     void boundsChanged() {
         boundsVersion++;
     }

@@ -7,7 +7,7 @@ import java.util.LinkedHashMap;
 import java.util.Map;
 
 /**
- * An event of a frame, for agents, operators and the journal.
+ * An event of a frame, which agents, operators and the journal receive.
  *
  * @param type joined, left, acted, law-loaded, law-unloaded, fault, or the type of an action's
  *     event
@@ -35,7 +35,8 @@ public record WorldEvent(long frame, String type, Map<String, Object> fields) {
     }
 
     /**
-     * Returns its size: type, names and texts in UTF-8, and 8 bytes for each number or truth value.
+     * Returns the size of the event: type, names and texts in UTF-8, and 8 bytes for each number or
+     * truth value.
      */
     public long bytes() {
         long bytes = utf8(type);

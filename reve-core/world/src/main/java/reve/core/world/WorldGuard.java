@@ -4,7 +4,7 @@ package reve.core.world;
 import org.jspecify.annotations.Nullable;
 
 /**
- * Checks which thread uses a world, and which changes are permitted now.
+ * Checks that the owner thread uses a world, and that a change is permitted now.
  *
  * <p>One thread owns a world: first the thread that created it, then the thread that last called
  * {@link #claim()}; {@code FrameLoop} calls it for the thread that runs it. With {@code
@@ -19,7 +19,7 @@ public final class WorldGuard {
     private @Nullable String lockedBy;
     private @Nullable String inspectedBy;
 
-    /** Code that must not change the world. */
+    /** Code that may read but not change the world. */
     public interface Inspection<T, E extends Exception> {
         /** Reads the world, and returns a result. */
         T look() throws E;
@@ -37,9 +37,7 @@ public final class WorldGuard {
         owner = Thread.currentThread();
     }
 
-    /**
-     * Refuses structural changes until {@link #unlockStructure()}; the phase appears in messages.
-     */
+    /** Refuses to add or remove items until {@link #unlockStructure()}; messages name the phase. */
     void lockStructure(String phase) {
         checkOwner();
         lockedBy = phase;
@@ -51,8 +49,8 @@ public final class WorldGuard {
     }
 
     /**
-     * Runs code that must not change the world: meanwhile every change is refused with an
-     * IllegalStateException that names the code.
+     * Runs code that must not change the world. Until it returns, every change is refused with an
+     * IllegalStateException that names {@code inspector}.
      */
     public <T, E extends Exception> T inspect(String inspector, Inspection<T, E> inspection)
             throws E {

@@ -11,8 +11,8 @@ import java.util.List;
 /**
  * The complete state of a world at the end of a frame: all columns, the item of each row, symbolic
  * data, age, remaining forces, and the last assigned id. A world that restores it with {@link
- * World#restore} continues with the same bits. It owns its memory, so it may be kept for any time,
- * and it can be reused. One thread at a time.
+ * World#restore} continues with the same bits. The image owns its memory, so it can be kept for any
+ * time and overwritten with another state. One thread at a time.
  */
 public final class WorldImage implements AutoCloseable {
 
@@ -32,7 +32,9 @@ public final class WorldImage implements AutoCloseable {
                 world.tables().stream().map(table -> new TableCopy(table, this::allocate)).toList();
     }
 
-    /** Copies a world of the same prototype. World's thread, between frames or in PUBLISH. */
+    /**
+     * Copies a world of the same prototype. World's thread, between frames or in the phase PUBLISH.
+     */
     public void copyFrom(World world, long atFrame) {
         world.guard().checkOwner();
         for (int i = 0; i < tables.size(); i++) {
@@ -43,24 +45,24 @@ public final class WorldImage implements AutoCloseable {
         setForces(world.forces().active());
     }
 
-    /** Sets the symbolic data; for readers that fill the tables from another source. */
+    /** Sets the symbolic data; for decoders, which fill the tables themselves. */
     public void setSymbolic(long atFrame, long lastItemId, PMap<ItemId, ItemSymbols> itemSymbols) {
         frame = atFrame;
         lastId = lastItemId;
         symbols = itemSymbols;
     }
 
-    /** Sets the age of the world; for readers that fill the tables from another source. */
+    /** Sets the age of the world [frames]; for decoders, which fill the tables themselves. */
     public void setAge(long frames) {
         age = frames;
     }
 
-    /** Sets the remaining forces; for readers that fill the tables from another source. */
+    /** Sets the forces that still act; for decoders, which fill the tables themselves. */
     public void setForces(List<Force> active) {
         forces = List.copyOf(active);
     }
 
-    /** Returns the remaining forces, in the order of addition. */
+    /** Returns the forces that still act in later frames, in the order of addition. */
     public List<Force> forces() {
         return forces;
     }
@@ -70,7 +72,7 @@ public final class WorldImage implements AutoCloseable {
         return frame;
     }
 
-    /** Returns the number of simulated frames at that time. */
+    /** Returns the age of the world in the image [frames]. */
     public long age() {
         return age;
     }

@@ -17,18 +17,18 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * The properties of the items of a world: the contract between a world, its designers and the
- * engine. Immutable.
+ * The declared properties and symbols of the items of a world, by kind: the schema that a world,
+ * its designers and the engine share. Immutable.
  *
  * <p>{@link #properties()} belong to the physics aspect; {@link #physicalProperties()} belong to
  * the physical aspect (place, shape and appearance), which every body has, including scenery.
  */
 public final class WorldPrototype {
 
-    /** The kind of items with a place. */
+    /** The kind of items that have a place in space. */
     public static final String BODY = "body";
 
-    /** The kind of connections between two bodies. */
+    /** The kind of springs, which connect two bodies. */
     public static final String SPRING = "spring";
 
     /** The kind of triangles with bodies as corners. */
@@ -37,10 +37,12 @@ public final class WorldPrototype {
     /** The kind with exactly one row, for constants of the world. */
     public static final String WORLD = "world";
 
-    /** Kind of joints between bodies, in worlds that use it; see {@link #withJoints()}. */
+    /**
+     * The kind of joints between bodies; only in worlds that use joints, see {@link #withJoints()}.
+     */
     public static final String JOINT = "joint";
 
-    /** The property that decides whether laws can move a body. */
+    /** The mass of a body; laws do not move a body of mass 0. */
     static final String MASS = "mass";
 
     private final String name;
@@ -52,7 +54,7 @@ public final class WorldPrototype {
     private final Map<String, PropertyDescriptor> byName = new HashMap<>();
     private final Map<String, SymbolDescriptor> symbolsByName = new HashMap<>();
 
-    /** The reference properties by kind; has a key for each kind. */
+    /** The properties that refer to items, by kind; has a key for each kind. */
     private final Map<String, List<PropertyDescriptor>> references = new HashMap<>();
 
     private WorldPrototype(
@@ -86,8 +88,8 @@ public final class WorldPrototype {
     }
 
     /**
-     * Returns the prototype of the given name: {@code si-f64}, the default, or {@code si-f32}, for
-     * speed.
+     * Returns the prototype of the given name: {@code si-f64} with 64-bit numbers, the default, or
+     * {@code si-f32} with 32-bit numbers, which is faster.
      *
      * @throws IllegalArgumentException for any other name
      */
@@ -104,7 +106,7 @@ public final class WorldPrototype {
     }
 
     /**
-     * Returns a copy with the kind {@code joint}, whose properties a world has only if it uses it.
+     * Returns a copy with the kind {@code joint} and its properties, for worlds that use joints.
      */
     public WorldPrototype withJoints() {
         return extendedBy(joints(realType));
@@ -160,8 +162,8 @@ public final class WorldPrototype {
     }
 
     /**
-     * Returns the type of positions, velocities, forces, ...: {@link ScalarType#F64} or {@link
-     * ScalarType#F32}.
+     * Returns the type of real numbers (positions, velocities, forces, ...): {@link ScalarType#F64}
+     * or {@link ScalarType#F32}.
      */
     public ScalarType realType() {
         return realType;

@@ -9,9 +9,9 @@ import java.util.concurrent.atomic.AtomicBoolean;
 
 /**
  * The state of a world at the end of one frame, for one reading thread. It uses a slot of a {@link
- * SnapshotRing}: a reader that keeps it too long loses it, and further values are then invalid,
- * though reading stays safe. Read first, then call {@link #lost()}, and use the values only if it
- * returns false.
+ * SnapshotRing}, which the world overwrites if the reader keeps it too long: further values are
+ * then invalid, though reading stays safe. Read first, then call {@link #lost()}, and use the
+ * values only if it returns false.
  */
 public final class WorldSnapshot implements AutoCloseable {
 
@@ -104,12 +104,15 @@ public final class WorldSnapshot implements AutoCloseable {
         return new Relations(table(WorldPrototype.BODY), space(), id -> symbols.get(id).name());
     }
 
-    /** Returns the symbolic data of all items, in the order of their ids; always valid. */
+    /**
+     * Returns the symbolic data of all items, in the order of their ids; valid even if the snapshot
+     * is lost.
+     */
     public PMap<ItemId, ItemSymbols> symbols() {
         return symbols;
     }
 
-    /** Returns the events of the frame, in order; always valid. */
+    /** Returns the events of the frame, in order; valid even if the snapshot is lost. */
     public List<WorldEvent> events() {
         return events;
     }

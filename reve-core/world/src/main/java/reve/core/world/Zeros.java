@@ -2,14 +2,14 @@
 package reve.core.world;
 
 /**
- * Constant memory of zeros, shared by all columns of a ring that contain only zeros. World's thread
- * only.
+ * Constant memory of zeros, shared by all column copies in a {@link SnapshotRing} that contain only
+ * zeros. World's thread only.
  */
 final class Zeros {
 
     /**
-     * Larger memory is allocated with this fraction more, because a growing column probably grows
-     * further.
+     * Divisor: memory that must grow gets an eighth more than requested, because a growing column
+     * probably grows further.
      */
     private static final int SLACK = 8;
 

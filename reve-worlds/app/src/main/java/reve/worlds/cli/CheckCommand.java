@@ -132,7 +132,7 @@ public final class CheckCommand implements Callable<Integer> {
                     .lines()
                     .forEach(message -> problems.add(Map.of("message", message)));
             if (!json) {
-                LinePrinter.message(err, refused.getMessage());
+                LinePrinter.message(err, refused.getMessage().lines().toList());
             }
             return ExitCode.PHYSICS;
         }

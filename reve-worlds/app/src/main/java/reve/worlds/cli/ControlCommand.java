@@ -322,7 +322,7 @@ public final class ControlCommand implements Callable<Integer> {
             // control characters are escaped.
             String reason =
                     "reve: " + result.code().orElse("refused") + ": " + result.reason().orElse("");
-            reason.lines().forEach(spec.commandLine().getErr()::println);
+            LinePrinter.message(spec.commandLine().getErr(), reason.lines().toList());
         }
         out.flush();
     }

@@ -13,6 +13,7 @@ import java.nio.file.Path;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
+import java.util.stream.Collectors;
 
 /** The fields of a command of the role control, read from arguments and files. */
 final class ControlFields {
@@ -82,7 +83,16 @@ final class ControlFields {
             }
             return content;
         } catch (YamlEngineException wrong) {
-            throw new IOException(file + " is not YAML: " + wrong.getMessage(), wrong);
+            String message =
+                    String.valueOf(wrong.getMessage())
+                            .lines()
+                            .map(String::strip)
+                            .collect(Collectors.joining(" "));
+            throw new IOException(file + " is not YAML: " + message, wrong);
+        } catch (StackOverflowError deep) { // the parser calls itself for each bracket
+            throw new IOException(
+                    file + " is nested too deeply; expected an item, a rule or a list of edits",
+                    deep);
         }
     }
 

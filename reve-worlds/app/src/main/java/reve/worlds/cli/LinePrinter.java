@@ -9,6 +9,7 @@ import java.io.PrintWriter;
 import java.io.Writer;
 import java.nio.charset.StandardCharsets;
 import java.util.Arrays;
+import java.util.List;
 import java.util.Locale;
 
 /**
@@ -58,8 +59,7 @@ public final class LinePrinter extends PrintWriter {
         }
         if (!watched.isClosedPipe() && !lossTold) {
             lossTold = true;
-            message(
-                    err,
+            err.println(
                     "reve: standard output could not be written: "
                             + watched.reason().orElseThrow()
                             + "; results are lost");
@@ -72,11 +72,11 @@ public final class LinePrinter extends PrintWriter {
 
     /**
      * Prints a message of one or more lines. Indents all lines but the first, so that text from
-     * others cannot look like an event or a log line.
+     * others cannot look like an event or a log line. A line end within a line is escaped.
      */
-    public static void message(PrintWriter out, String message) {
+    static void message(PrintWriter out, List<String> lines) {
         String indent = "";
-        for (String line : message.lines().toList()) {
+        for (String line : lines) {
             out.println(indent + line);
             indent = "  ";
         }

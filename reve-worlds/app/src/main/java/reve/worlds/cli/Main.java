@@ -10,6 +10,8 @@ import picocli.CommandLine.ScopeType;
 import picocli.CommandLine.TypeConversionException;
 import picocli.CommandLine.UnmatchedArgumentException;
 
+import reve.core.file.Problem;
+import reve.core.file.WorldFileException;
 import reve.pe.PhysicsException;
 import reve.worlds.Product;
 
@@ -17,6 +19,7 @@ import java.io.FileDescriptor;
 import java.io.FileOutputStream;
 import java.io.OutputStream;
 import java.io.PrintWriter;
+import java.net.BindException;
 import java.nio.file.AccessDeniedException;
 import java.nio.file.InvalidPathException;
 import java.nio.file.Path;
@@ -178,7 +181,7 @@ public final class Main {
     private static int explainUsage(ParameterException wrong, String... arguments) {
         CommandLine line = wrong.getCommandLine();
         PrintWriter err = line.getErr();
-        LinePrinter.message(err, "reve: " + wrong.getMessage());
+        err.println("reve: " + wrong.getMessage());
         UnmatchedArgumentException.printSuggestions(wrong, err);
         err.println("`" + line.getCommandSpec().qualifiedName() + " --help` says more");
         err.flush();
@@ -190,7 +193,7 @@ public final class Main {
             Exception failure, CommandLine line, CommandLine.ParseResult parsed) {
         PrintWriter err = line.getErr();
         int code = ExitCode.of(failure);
-        LinePrinter.message(err, "reve: " + message(failure));
+        LinePrinter.message(err, lines(failure));
         if (code == ExitCode.FAILURE
                 && !(failure instanceof PhysicsException)
                 && Boolean.getBoolean("reve.debug")) {
@@ -198,6 +201,26 @@ public final class Main {
         }
         err.flush();
         return code;
+    }
+
+    /**
+     * Returns the lines of a failure's message. Only the exceptions listed here have messages of
+     * several lines. Line ends in other messages are part of a name, such as a file's, and the
+     * printer escapes them.
+     */
+    static List<String> lines(Exception failure) {
+        List<String> lines =
+                switch (failure) {
+                    case WorldFileException invalid ->
+                            invalid.problems().stream().map(Problem::toString).toList();
+                    case PhysicsException refused -> message(refused).lines().toList();
+                    case BindException refused -> message(refused).lines().toList();
+                    default -> List.of(message(failure));
+                };
+        return Stream.concat(
+                        Stream.of("reve: " + (lines.isEmpty() ? "" : lines.getFirst())),
+                        lines.stream().skip(1))
+                .toList();
     }
 
     private static String message(Exception failure) {

@@ -2,6 +2,7 @@
 package reve.worlds.cli;
 
 import static org.assertj.core.api.Assertions.assertThat;
+import static org.assertj.core.api.Assertions.assertThatThrownBy;
 
 import ch.qos.logback.classic.Level;
 import ch.qos.logback.classic.LoggerContext;
@@ -14,12 +15,19 @@ import ch.qos.logback.core.encoder.Encoder;
 
 import org.junit.jupiter.api.Test;
 
+import reve.core.file.WorldFile;
+import reve.core.file.WorldFileException;
+import reve.pe.PhysicsException;
+import reve.pe.Status;
+
 import tools.jackson.databind.json.JsonMapper;
 
+import java.io.IOException;
 import java.io.PrintWriter;
 import java.io.StringWriter;
 import java.io.Writer;
 import java.nio.charset.StandardCharsets;
+import java.nio.file.NoSuchFileException;
 import java.util.ArrayList;
 import java.util.List;
 import java.util.Map;
@@ -158,7 +166,7 @@ class HostileOutputTest {
         out.println(honest);
         out.println((Object) "a\nb");
         out.printf("%s: %d of %.1f%n", "a\u001b[31m\r\nb", 3, 0.5);
-        LinePrinter.message(out, "first\nsecond\r\nthird\u2028");
+        LinePrinter.message(out, List.of("first", "second", "third\u2028\nfault"));
         assertThat(text.toString().lines())
                 .containsExactly(
                         honest,
@@ -166,7 +174,30 @@ class HostileOutputTest {
                         "a\\u{1b}[31m\\u{d}\\u{a}b: 3 of 0.5",
                         "first",
                         "  second",
-                        "  third\\u{2028}");
+                        "  third\\u{2028}\\u{a}fault");
+    }
+
+    @Test
+    void onlyAnEnumerationOfProblemsHasSeveralLines() {
+        String name = "evil\nfault: forged";
+        assertThat(Main.lines(new NoSuchFileException(name))).containsExactly("reve: " + name);
+        assertThat(Main.lines(new IOException(name))).containsExactly("reve: " + name);
+        assertThat(Main.lines(new PhysicsException(Status.NOT_FOUND, "a: no\nb: no")))
+                .containsExactly("reve: a: no", "b: no");
+        assertThatThrownBy(
+                        () ->
+                                WorldFile.parse(
+                                        "evil\nworld.yaml",
+                                        "reve: 1\nname: x\n\"z\\nfault\": 1\n"
+                                                .getBytes(StandardCharsets.UTF_8)))
+                .isInstanceOfSatisfying(
+                        WorldFileException.class,
+                        invalid ->
+                                assertThat(Main.lines(invalid))
+                                        .hasSameSizeAs(invalid.problems())
+                                        .first()
+                                        .asString()
+                                        .startsWith("reve: evil\nworld.yaml:"));
     }
 
     @Test

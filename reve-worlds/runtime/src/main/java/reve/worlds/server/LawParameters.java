@@ -2,6 +2,7 @@
 package reve.worlds.server;
 
 import reve.core.file.LawReference;
+import reve.core.text.Visible;
 import reve.core.unit.Unit;
 import reve.pe.LawParameter;
 import reve.pe.PhysicsEngine;
@@ -50,7 +51,7 @@ final class LawParameters {
                                     && !sameDimension(mention.unit().get(), asked.get())) {
                                 wrong.put(
                                         name,
-                                        mention.place()
+                                        Visible.line(mention.place())
                                                 + ": law "
                                                 + law.name()
                                                 + ": parameter "
@@ -84,7 +85,9 @@ final class LawParameters {
                                                 .ifPresent(
                                                         message ->
                                                                 wrong.add(
-                                                                        mention.place()
+                                                                        Visible.line(
+                                                                                        mention
+                                                                                                .place())
                                                                                 + ": "
                                                                                 + message));
                                     }
@@ -94,7 +97,7 @@ final class LawParameters {
             }
         }
         if (wrong.isEmpty()) {
-            wrong.add(law.place() + ": " + refused.getMessage());
+            wrong.add(Visible.line(law.place()) + ": " + refused.getMessage());
         }
         return wrong;
     }

@@ -4,6 +4,7 @@ package reve.worlds.server;
 import reve.core.mesh.AssetException;
 import reve.core.mesh.WorldFolder;
 import reve.core.text.Suggestion;
+import reve.core.text.Visible;
 import reve.pe.PhysicsEngine;
 import reve.pe.PhysicsException;
 import reve.pe.PreparedLibrary;
@@ -213,9 +214,9 @@ public record LawPath(
         if (NAME.matcher(name).matches() && Files.exists(ships) && !holds(shipped, library)) {
             throw new PhysicsException(
                     Status.ALREADY_EXISTS,
-                    file.toAbsolutePath()
+                    shown(file.toAbsolutePath())
                             + " calls itself '"
-                            + name
+                            + Visible.line(name)
                             + "', which is the law that ships as "
                             + ships.toAbsolutePath()
                             + "; give it a name of its own");
@@ -236,12 +237,12 @@ public record LawPath(
             throw new PhysicsException(
                     Status.LIBRARY_LOAD_FAILED,
                     "the law library '"
-                            + library.name()
+                            + Visible.line(library.name())
                             + "' (SHA-256 "
                             + library.sha256()
                             + ") in it is native code, which runs with all of your rights, and"
                             + " equals none of the laws that ship"
-                            + folder.map(own -> " or lie in " + own).orElse("")
+                            + folder.map(own -> " or lie in " + shown(own)).orElse("")
                             + ": it is opened only with --trust, or with --laws DIR that has it");
         }
     }
@@ -273,7 +274,7 @@ public record LawPath(
 
     private String places() {
         return "the laws that ship"
-                + folder.map(own -> ", in " + own).orElse("")
+                + folder.map(own -> ", in " + shown(own)).orElse("")
                 + world.map(_ -> ", or in the world's own folder " + WORLDS_OWN + "/").orElse("");
     }
 
@@ -315,16 +316,23 @@ public record LawPath(
 
     /**
      * Returns the name of the law for which a file name stands, or nothing if it is no file of a
-     * law.
+     * law. Names of files come with a world, so they may contain anything.
      */
     private static Optional<String> nameOf(String file) {
-        if (file.startsWith(PREFIX) && file.endsWith(SUFFIX)) {
-            return Optional.of(file.substring(PREFIX.length(), file.length() - SUFFIX.length()));
-        }
-        return SOURCES.stream()
-                .filter(file::endsWith)
-                .findFirst()
-                .map(ending -> file.substring(0, file.length() - ending.length()));
+        Optional<String> name =
+                file.startsWith(PREFIX) && file.endsWith(SUFFIX)
+                        ? Optional.of(
+                                file.substring(PREFIX.length(), file.length() - SUFFIX.length()))
+                        : SOURCES.stream()
+                                .filter(file::endsWith)
+                                .findFirst()
+                                .map(ending -> file.substring(0, file.length() - ending.length()));
+        return name.filter(found -> NAME.matcher(found).matches());
+    }
+
+    /** Returns a path as it appears in a message of several lines. */
+    private static String shown(Path path) {
+        return Visible.line(path.toString());
     }
 
     /** Refuses two files for one name in a folder that does not ship. */
@@ -335,9 +343,9 @@ public record LawPath(
                     "law '"
                             + name
                             + "' is there twice, as "
-                            + candidates.getFirst()
+                            + shown(candidates.getFirst())
                             + " and as "
-                            + candidates.getLast()
+                            + shown(candidates.getLast())
                             + "; remove one of them, or write "
                             + candidates.getFirst().getFileName()
                             + " or "
@@ -361,7 +369,7 @@ public record LawPath(
             throw new PhysicsException(
                     Status.INVALID_ARGUMENT,
                     "'"
-                            + name
+                            + Visible.line(name)
                             + "' is no name of a "
                             + "law: expected letters, digits, _ and -, 47 of them at most");
         }

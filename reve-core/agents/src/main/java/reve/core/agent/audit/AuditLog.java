@@ -37,8 +37,8 @@ import java.util.regex.Pattern;
  * A record of every message to clients with its time: one JSON object per message, appended to a
  * file when the message is written to the connection. Secrets are omitted, and pixels of pictures
  * are replaced by a hash (SHA-256). A file that reaches the maximum size is rotated. While the file
- * cannot be written, messages are counted, and a write is tried once per second; the first record
- * after such a gap contains the number of missing records. Any thread.
+ * cannot be written, messages are only counted, and the log tries to write once per second; the
+ * first record after such a gap contains the number of missing records. Any thread.
  */
 public final class AuditLog implements Closeable {
 
@@ -75,7 +75,7 @@ public final class AuditLog implements Closeable {
     private long unrecorded;
 
     /**
-     * @throws IOException if the file cannot be appended to, or contains something else
+     * @throws IOException if the file cannot be appended to, or is no audit record
      */
     public AuditLog(AuditPlan plan) throws IOException {
         this(plan, InstantSource.system(), System::nanoTime);
@@ -99,8 +99,8 @@ public final class AuditLog implements Closeable {
     }
 
     /**
-     * Opens and locks the file. A crash may have left an incomplete record at its end; the check of
-     * the content needs no lock.
+     * Opens and locks the file. First checks, without a lock, that its content is an audit record;
+     * a crash may have left an incomplete record at the end.
      */
     private OwnedFile open() throws IOException {
         boolean regular = !Files.exists(file) || Files.isRegularFile(file);
@@ -113,7 +113,8 @@ public final class AuditLog implements Closeable {
     }
 
     /**
-     * Checks the end of the file. A file of another kind, named by mistake, is refused unchanged.
+     * Returns whether the file ends with a complete record. Refuses, unchanged, a file that is no
+     * audit record.
      */
     private boolean endsWithLine() throws IOException {
         try (FileChannel in = FileChannel.open(file)) {
@@ -122,7 +123,7 @@ public final class AuditLog implements Closeable {
         }
     }
 
-    /** Refuses an older file that is no audit record: it must not be renamed or replaced. */
+    /** Throws if an older file is no audit record, because rotation would rename or replace it. */
     private static void requireRecord(Path older) throws IOException {
         try (FileChannel in = FileChannel.open(older)) {
             requireRecord(in, older.toString());
@@ -131,9 +132,13 @@ public final class AuditLog implements Closeable {
         }
     }
 
-    /** Returns where the last line begins that may be incomplete. */
+    /**
+     * Returns the position of the last line, which may be incomplete. Throws if the file is no
+     * audit record.
+     */
     private static long requireRecord(FileChannel in, String name) throws IOException {
-        // The beginning first: the search for the last line may read the whole file.
+        // Checks the first line first, because the search for the last line may read the whole
+        // file.
         long next = isRecord(in, 0) ? lineBefore(in, in.size()) : -1;
         if (next < 0 || next > 0 && !isRecord(in, lineBefore(in, next - 1))) {
             throw new IOException(
@@ -144,7 +149,7 @@ public final class AuditLog implements Closeable {
         return next;
     }
 
-    /** Returns where the line begins that contains the byte before {@code place}. */
+    /** Returns the position at which the line with the byte before {@code place} begins. */
     private static long lineBefore(FileChannel in, long place) throws IOException {
         ByteBuffer buffer = ByteBuffer.allocate(READ_BYTES);
         for (long end = place; end > 0; end -= buffer.capacity()) {
@@ -159,7 +164,7 @@ public final class AuditLog implements Closeable {
         return 0;
     }
 
-    /** Returns whether the line begins like a record, or like an incomplete one. */
+    /** Returns whether the line at a position begins like a record; it may end early. */
     private static boolean isRecord(FileChannel in, long start) throws IOException {
         ByteBuffer buffer = ByteBuffer.allocate(HEAD_BYTES);
         in.read(buffer, start);
@@ -173,9 +178,9 @@ public final class AuditLog implements Closeable {
     }
 
     /**
-     * Records a message that is about to be written.
+     * Records a message that is about to be written to a connection.
      *
-     * @return false if that failed and the message must not be sent without a record
+     * @return false if recording failed and the message must therefore not be sent
      */
     public synchronized boolean told(
             String world, String client, Encoding encoding, ByteBuffer line) {
@@ -216,7 +221,10 @@ public final class AuditLog implements Closeable {
         return true;
     }
 
-    /** Returns whether messages may be sent: the record can be written, or is not required. */
+    /**
+     * Returns whether messages may be sent: either the record can be written, or it is not
+     * required.
+     */
     public synchronized boolean isServing() {
         return !plan.required() || isWritable();
     }
@@ -252,7 +260,7 @@ public final class AuditLog implements Closeable {
                                         : "; they are served without a record"));
     }
 
-    /** Returns the message that reports the end of a problem. */
+    /** Returns the message for the operator that a problem has ended. */
     public synchronized String solved() {
         return "what clients are sent is recorded in " + file + " again" + lastGap;
     }
@@ -274,8 +282,8 @@ public final class AuditLog implements Closeable {
     }
 
     /**
-     * Returns whether the file can be written. After a failure, opens it again once per second; it
-     * may then be another file.
+     * Returns whether the file can be written. After a failure, tries once per second to open the
+     * path again, which may then lead to another file.
      */
     private boolean isWritable() {
         if (failure == null) {
@@ -354,11 +362,12 @@ public final class AuditLog implements Closeable {
     }
 
     /**
-     * Renames each older file to the next number, and removes the oldest. If that fails, or one of
-     * them is of another kind or in use, the file grows.
+     * Renames each older file to the next number, and removes the oldest. If that fails, for
+     * example because an older file has other content or is in use, the current file grows beyond
+     * its maximum size.
      */
     private void rotate() {
-        if (!out.isInPlace()) { // problem() begins a new file
+        if (!out.isInPlace()) { // the file was moved or removed: problem() begins a new one
             return;
         }
         try {
@@ -371,7 +380,7 @@ public final class AuditLog implements Closeable {
         try {
             out = open();
             rotationFailure = null;
-        } catch (IOException e) { // continues in the full file, whatever its name
+        } catch (IOException e) { // continues in the full file, whatever its name is now
             out = full;
             rotationFailed(e);
             return;

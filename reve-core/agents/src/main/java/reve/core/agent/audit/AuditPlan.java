@@ -6,7 +6,7 @@ import java.nio.file.Path;
 /**
  * Settings of the audit record.
  *
- * @param file records are appended to it
+ * @param file path of the file to which records are appended
  * @param maxBytes size at which the file becomes {@code FILE.1} and a new one begins [bytes]
  * @param keep number of older files {@code FILE.1} to {@code FILE.keep}
  * @param required whether clients are disconnected if messages cannot be recorded; otherwise the
@@ -31,7 +31,9 @@ public record AuditPlan(Path file, long maxBytes, int keep, boolean required) {
         }
     }
 
-    /** Returns a plan with the default limits, which does not require the record. */
+    /**
+     * Returns a plan with the default limits; the server continues if the record cannot be written.
+     */
     public static AuditPlan of(Path file) {
         return new AuditPlan(file, DEFAULT_BYTES, DEFAULT_KEEP, false);
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/** The record of all messages to clients. */
+/** The audit record: a file with all messages to clients. */
 @NullMarked
 package reve.core.agent.audit;
 

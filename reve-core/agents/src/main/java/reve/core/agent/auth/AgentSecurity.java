@@ -6,16 +6,22 @@ import java.util.Optional;
 /**
  * Authentication and encryption of a server.
  *
- * @param tokens clients' tokens with their rights; if empty, every client that can connect has all
- *     rights
+ * @param tokens file with the clients' tokens and their rights; if empty, every client that can
+ *     connect has all rights
  * @param tls encryption of connections; if empty, connections are plain text
  */
 public record AgentSecurity(Optional<TokenFile> tokens, Optional<ServerTls> tls) {
 
-    /** For a loopback address, where all clients run on the same machine. */
+    /**
+     * No tokens and no TLS: permitted only for a loopback address, where all clients run on the
+     * same machine.
+     */
     public static final AgentSecurity NONE = new AgentSecurity(Optional.empty(), Optional.empty());
 
-    /** Returns whether the settings suffice for an address that other machines can reach. */
+    /**
+     * Returns whether there are tokens and TLS, as required for an address that other machines can
+     * reach.
+     */
     public boolean isComplete() {
         return tokens.isPresent() && tls.isPresent();
     }

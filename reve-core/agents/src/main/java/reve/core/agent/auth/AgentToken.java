@@ -14,13 +14,14 @@ import java.util.HexFormat;
 import java.util.Optional;
 
 /**
- * A token as the server stores it: with the SHA-256 of its secret, not the secret. Salts and slow
- * hashes are not needed, because the secret has 128 random bits and cannot be guessed from a list.
+ * A token of a client as the server stores it: with the SHA-256 of its secret instead of the
+ * secret. Salts and slow hashes are not needed, because the secret has 128 random bits and cannot
+ * be guessed.
  *
- * @param name required name of the client
- * @param sha256 of the secret's text, in hexadecimal
- * @param rights of the client
- * @param expires time when the token becomes invalid
+ * @param name name that the client must have
+ * @param sha256 SHA-256 of the secret's text, in hexadecimal
+ * @param rights rights of the client
+ * @param expires time when the token becomes invalid; never if empty
  */
 public record AgentToken(String name, String sha256, Rights rights, Optional<Instant> expires) {
 
@@ -55,7 +56,7 @@ public record AgentToken(String name, String sha256, Rights rights, Optional<Ins
     }
 
     /**
-     * @param secret for the client; the server does not store it
+     * @param secret the secret for the client, which the server does not store
      */
     public record Issued(String secret, AgentToken token) {
         @Override
@@ -64,7 +65,7 @@ public record AgentToken(String name, String sha256, Rights rights, Optional<Ins
         }
     }
 
-    /** Returns 128 random bits in hexadecimal. */
+    /** Returns a new secret: 128 random bits in hexadecimal. */
     public static String newSecret() {
         byte[] bytes = new byte[SECRET_BYTES];
         RANDOM.nextBytes(bytes);
@@ -82,7 +83,7 @@ public record AgentToken(String name, String sha256, Rights rights, Optional<Ins
         }
     }
 
-    /** Returns an identification of the token that reveals nothing about the secret. */
+    /** Returns an id of the token for operators, which reveals nothing about the secret. */
     public String id() {
         return sha256.substring(0, ID_LENGTH);
     }

@@ -9,10 +9,11 @@ import java.util.LinkedHashMap;
 import java.util.Map;
 
 /**
- * Limit on wrong secrets per network address: a burst of {@value #BURST}, then one per second.
- * Further wrong secrets disconnect with the code for too many attempts. Right secrets are not
- * counted, so an attacker cannot lock out other clients at its address. Stores the last {@value
- * #ADDRESSES} addresses; addresses of one IPv6 /64 network count as one. Any thread.
+ * Limit on wrong token secrets per network address: a burst of {@value #BURST}, then one per
+ * second. A connection that sends a further wrong secret is closed with the code for too many
+ * attempts. Right secrets are not counted, so an attacker cannot lock out other clients at its
+ * address. Stores the last {@value #ADDRESSES} addresses; addresses of one IPv6 /64 network count
+ * as one. Any thread.
  */
 public final class Attempts {
 
@@ -56,7 +57,10 @@ public final class Attempts {
                 : Math.min(BURST, before.attempts + (nowNanos - before.atNanos) * PER_NANO);
     }
 
-    /** Returns the counted address: the /64 network of an IPv6 address. */
+    /**
+     * Returns the address for which attempts are counted: an IPv4 address, or the /64 network of an
+     * IPv6 address.
+     */
     public static ByteBuffer network(InetAddress address) {
         byte[] bytes = address.getAddress();
         return ByteBuffer.wrap(

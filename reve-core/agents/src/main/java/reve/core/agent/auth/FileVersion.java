@@ -11,7 +11,7 @@ import java.nio.file.attribute.PosixFilePermissions;
 import java.util.EnumSet;
 import java.util.Set;
 
-/** Identifies a version of a file, and holds its permissions. */
+/** The attributes of a file that identify its version, and its permissions. */
 record FileVersion(
         FileTime modified,
         long bytes,
@@ -20,7 +20,7 @@ record FileVersion(
         boolean isFile,
         Set<PosixFilePermission> permissions) {
 
-    /** Mode 600. */
+    /** Permissions for the owner only: mode 600. */
     static final Set<PosixFilePermission> OWNERS =
             EnumSet.of(PosixFilePermission.OWNER_READ, PosixFilePermission.OWNER_WRITE);
 
@@ -55,7 +55,7 @@ record FileVersion(
                                 });
     }
 
-    /** Returns the message for a file that other users may access, with the remedy. */
+    /** Returns a message which states that other users can access the file, and the remedy. */
     String openToOthers(Path path) {
         return path
                 + " is open to others (mode "

@@ -7,12 +7,13 @@ import java.util.Optional;
 import java.util.Set;
 
 /**
- * The rights of a client. An empty Optional does not restrict; a set allows only its elements.
+ * The rights of a client. An empty Optional allows everything; a set allows only its elements.
  *
- * @param roles allowed roles
- * @param worlds names of the allowed worlds
- * @param bodies items that the client may take as a body; if present, no new body is created for it
- * @param capabilities allowed capabilities of its body
+ * @param roles roles that the client may have
+ * @param worlds names of the worlds that the client may join
+ * @param bodies names of the items that the client may take as a body; if present, no new body is
+ *     created for the client
+ * @param capabilities capabilities of its body that the client may use
  * @param lockStep whether the client may run in lock-step
  */
 public record Rights(

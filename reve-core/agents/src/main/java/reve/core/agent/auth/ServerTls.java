@@ -34,9 +34,9 @@ import javax.net.ssl.SSLContext;
 import javax.net.ssl.SSLEngine;
 
 /**
- * TLS 1.3 with the server's certificate. Reads both files again when they change: new connections
- * use the new pair, and an invalid pair leaves the previous one in use. {@link #engine} may be
- * called on any thread, all else on the event loop's.
+ * TLS 1.3 with the server's certificate. Reads the files of certificate and private key again when
+ * they change: new connections use the new pair, and an invalid pair leaves the previous one in
+ * use. {@link #engine} may be called on any thread, all other methods on the event loop's.
  */
 public final class ServerTls {
 
@@ -47,7 +47,10 @@ public final class ServerTls {
             Pattern.compile(
                     "-----BEGIN PRIVATE KEY-----([A-Za-z0-9+/=\\s]+)-----END PRIVATE KEY-----");
 
-    /** Maximum size of a certificate chain or a key; some twenty certificates. */
+    /**
+     * Maximum size of the file of a certificate chain or a key [bytes]; enough for about twenty
+     * certificates.
+     */
     private static final int MOST_BYTES = 65_536;
 
     private final Path certificate;
@@ -76,7 +79,7 @@ public final class ServerTls {
     }
 
     /**
-     * Reads both from PEM files.
+     * Reads certificate and private key from PEM files.
      *
      * @param certificate the server's certificate first, then its issuers
      * @param key private key of the first certificate: PKCS#8, not encrypted, readable by its owner
@@ -87,14 +90,16 @@ public final class ServerTls {
         return of(certificate, key, InstantSource.system());
     }
 
-    /** Reads the files with a clock for the check of validity. */
+    /**
+     * Reads the files like {@link #of(Path, Path)}, with another clock for the check of validity.
+     */
     public static ServerTls of(Path certificate, Path key, InstantSource clock) throws IOException {
         return new ServerTls(certificate, key, clock);
     }
 
     /**
-     * Reads both files again if one has changed since they were read and neither has changed since
-     * the last call, because the two files are replaced one after the other.
+     * Reads both files again if one has changed since they were read. Waits until neither has
+     * changed since the previous call, because the two files are replaced one after the other.
      */
     public void refresh() {
         Versions now = versions();
@@ -115,8 +120,8 @@ public final class ServerTls {
     }
 
     /**
-     * Returns why clients do not receive the certificate of the file, or refuse it; empty if there
-     * is no problem.
+     * Returns why the certificate in the file is not in use, or why clients refuse it; empty if
+     * there is no problem.
      */
     public Optional<String> problem() {
         Instant expires = pair.expires;
@@ -130,7 +135,7 @@ public final class ServerTls {
                                 + "), and clients refuse it; replace it and its key");
     }
 
-    /** Returns the message that reports the end of a problem. */
+    /** Returns the message for the operator that a problem has ended. */
     public String solved() {
         return "new connections use the certificate of "
                 + certificate
@@ -174,7 +179,7 @@ public final class ServerTls {
         }
     }
 
-    /** Returns the context of the present pair. Any thread. */
+    /** Returns the TLS context with the certificate and key in use. Any thread. */
     public SSLContext context() {
         return pair.context;
     }

@@ -33,21 +33,22 @@ import java.util.stream.Collectors;
 
 /**
  * The tokens of a server, in a file with access for its owner only. Changes of the file take effect
- * at once; if the file is invalid, the tokens read before stay in effect. Any thread.
+ * at once. If the file becomes invalid, the tokens that were read before stay in effect. Any
+ * thread.
  */
 public final class TokenFile {
 
     private static final Logger LOG = LoggerFactory.getLogger("reve.agents");
     private static final long MAX_BYTES = 16L * 1024 * 1024;
 
-    /** Attributes that give access to the owner only from the creation of a file. */
+    /** Attributes for creating a file that only its owner can access from the start. */
     public static final FileAttribute<Set<PosixFilePermission>> PRIVATE =
             PosixFilePermissions.asFileAttribute(FileVersion.OWNERS);
 
     private final Path path;
     private final InstantSource clock;
 
-    /** Null if the file did not exist. */
+    /** Version of the file that was read; null if it did not exist. */
     private @Nullable FileVersion read;
 
     private Map<String, AgentToken> tokens;
@@ -69,7 +70,7 @@ public final class TokenFile {
         return open(path, InstantSource.system());
     }
 
-    /** Opens the file with a clock for the check of expiry. */
+    /** Opens the file like {@link #open(Path)}, with another clock for the check of expiry. */
     public static TokenFile open(Path path, InstantSource clock) throws IOException {
         return new TokenFile(path, clock);
     }
@@ -116,7 +117,8 @@ public final class TokenFile {
 
     /**
      * Returns the token with that secret unless it has expired. The time does not depend on whether
-     * one exists or how many there are: the lookup uses the hash, which an attacker cannot choose.
+     * such a token exists or how many tokens there are: the lookup uses the hash of the secret,
+     * which an attacker cannot choose.
      */
     public Optional<AgentToken> find(String secret) {
         return Optional.ofNullable(refreshed().get(AgentToken.hash(secret)))
@@ -132,15 +134,13 @@ public final class TokenFile {
         return !token.hasExpired(clock.instant());
     }
 
-    /**
-     * Returns why the present content of the file is not in effect; empty if there is no problem.
-     */
+    /** Returns why the tokens in the file are not in effect; empty if there is no problem. */
     public synchronized Optional<String> problem() {
         refreshed();
         return problem;
     }
 
-    /** Returns the message that reports the end of a problem. */
+    /** Returns the message for the operator that a problem has ended. */
     public synchronized String solved() {
         return path + " was read again: " + tokens.size() + " tokens";
     }
@@ -204,8 +204,8 @@ public final class TokenFile {
     }
 
     /**
-     * Returns the file that a link leads to: a new file in place of the link would leave the
-     * server's file as it is.
+     * Returns the file that a link leads to. A change must replace this file, because replacing the
+     * link would not change the file that the server reads.
      */
     private static Path target(Path file) throws IOException {
         if (!Files.isSymbolicLink(file)) {
@@ -219,14 +219,14 @@ public final class TokenFile {
     }
 
     /**
-     * Changes the file. A lock serializes changes by several programs; readers see the file before
-     * or after a change.
+     * Changes the file. A lock serializes changes by several programs. Replaces the file
+     * atomically, so that readers never see half a change.
      */
     private static void change(Path path, boolean make, UnaryOperator<List<AgentToken>> change)
             throws IOException {
         Path file = target(path.toAbsolutePath());
         if (Files.exists(file)) {
-            version(file); // refuses a folder
+            version(file); // throws if the path is a folder
         } else if (!Files.isDirectory(file.getParent())) {
             throw new NoSuchFileException(
                     "there is no folder "

@@ -21,8 +21,8 @@ import java.util.Set;
 import java.util.TreeSet;
 
 /**
- * JSON format of tokens. Strict, because ignoring a misspelt field could grant more rights than
- * intended.
+ * The JSON format of token files. Reading refuses unknown fields, because ignoring a misspelt one
+ * could grant more rights than intended.
  */
 final class TokenFormat {
 

@@ -28,8 +28,8 @@ import java.util.function.Consumer;
 import java.util.function.Supplier;
 
 /**
- * Executes commands of clients where each belongs: in the world's queue, in its frame loop, or in
- * the program. Any thread.
+ * Dispatcher of clients' commands for one world: passes each to the world's command queue, to its
+ * frame loop, or to the program that runs the world. Any thread.
  */
 public final class ControlDesk {
 
@@ -44,13 +44,14 @@ public final class ControlDesk {
     private final AtomicLong sequence = new AtomicLong();
     private final AtomicBoolean promptDue = new AtomicBoolean();
 
-    /** Belongs to the world's thread. */
+    /** True while prompt commands run. World's thread. */
     private boolean executesPrompt;
 
     /**
      * Creates a desk for the commands to one world.
      *
-     * @param clients describes the clients of the world for reports; the event loop's thread
+     * @param clients returns a description of the world's clients for reports; called on the event
+     *     loop's thread
      */
     public ControlDesk(
             WorldPort port,
@@ -76,7 +77,9 @@ public final class ControlDesk {
         return new AgentCommand(embodiment, sequence.incrementAndGet(), input, done);
     }
 
-    /** Answers waiting queries whose time has come. Called periodically. */
+    /**
+     * Answers waiting queries when the time that reports may take permits it. Called periodically.
+     */
     public void proceed() {
         reports.proceed();
     }
@@ -183,8 +186,8 @@ public final class ControlDesk {
     }
 
     /**
-     * Queues the news that an agent in lock-step was late or returned, for the next frame if it has
-     * room. Called on the loop's thread.
+     * Queues the input which reports that an agent in lock-step was late or returned. Drops it if
+     * the queue for the next frame is full. Called on the loop's thread.
      */
     public void lockStep(AgentInput news) {
         port.commands()
@@ -222,7 +225,10 @@ public final class ControlDesk {
         return taken;
     }
 
-    /** Sends the result of a command with its frame or, if no frame is being made, at once. */
+    /**
+     * Sends the result of a command together with the frame that executed it or, for a prompt
+     * command between frames, at once.
+     */
     private void deliver(Requester requester, ClientMessage.Request request, Outcome outcome) {
         if (executesPrompt) {
             publisher.later(() -> answer(requester, request, outcome));
@@ -231,7 +237,10 @@ public final class ControlDesk {
         }
     }
 
-    /** Executes operators' commands before the next frame, which agents in lock-step may delay. */
+    /**
+     * Executes operators' commands between frames, because agents in lock-step may delay the next
+     * frame.
+     */
     private void executePrompt() {
         if (!promptDue.getAndSet(true)) {
             port.loop()
@@ -248,15 +257,15 @@ public final class ControlDesk {
         }
     }
 
-    /** Work between two frames. */
+    /** A command that is executed between two frames. */
     private interface Errand {
         /**
-         * @return the frame in which it takes effect
+         * @return number of the frame in which the command takes effect
          */
         long run() throws ActionRefused;
     }
 
-    /** Runs an errand between frames. Its answer is queued before the next frame is made. */
+    /** Runs an errand between frames, and queues its answer before the next frame is made. */
     private void between(Requester requester, ClientMessage.Request request, Errand errand) {
         port.loop()
                 .betweenFrames(
@@ -274,7 +283,7 @@ public final class ControlDesk {
         }
     }
 
-    /** Answers a question between two frames, also while the world is paused. */
+    /** Answers a question about the world between two frames, even if the world is paused. */
     private void ask(Requester requester, ClientMessage.Ask ask) {
         port.loop()
                 .betweenFrames(
@@ -343,7 +352,8 @@ public final class ControlDesk {
     }
 
     /**
-     * @param isPrompt false if the change depends on the next frame itself
+     * @param isPrompt true if the change may be made before the next frame; false if it needs the
+     *     frame
      */
     private void change(
             Requester requester,
@@ -373,7 +383,7 @@ public final class ControlDesk {
         return new Outcome.Refused(frame, e.code(), e.getMessage(), Optional.empty());
     }
 
-    /** A prepared change in the world's queue. */
+    /** A command for the world's queue that makes a prepared change. */
     private record ChangeCommand(
             String origin,
             long sequence,

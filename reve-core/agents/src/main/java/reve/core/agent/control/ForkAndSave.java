@@ -24,12 +24,12 @@ import java.util.concurrent.TimeoutException;
 import java.util.concurrent.atomic.AtomicReference;
 
 /**
- * Work on a copy of a world while the world continues: saving and forking. One at a time, on the
- * requester's thread.
+ * Commands that work on a copy of a world while the world continues: saving it as a file, and
+ * advancing it (fork). One at a time, on the requester's thread.
  */
 final class ForkAndSave {
 
-    /** Maximum wait for a moment between two frames [s]. */
+    /** Maximum wait for a pause between two frames in which the world can be copied [s]. */
     private static final long PATIENCE_SECONDS = 10;
 
     private final WorldPort port;
@@ -38,7 +38,7 @@ final class ForkAndSave {
     private final Semaphore copies = new Semaphore(1);
 
     /**
-     * @param made bodies that exist for agents only
+     * @param made bodies that were created for agents
      */
     private record Now(WorldControl.Image image, long frame, List<ItemId> made) {}
 
@@ -64,7 +64,7 @@ final class ForkAndSave {
     }
 
     /**
-     * @param first change that is made in the copy
+     * @param first change that is made in the copy before its first frame
      */
     void fork(Requester requester, ClientMessage.Fork fork, WorldControl.Change first) {
         study(

@@ -18,14 +18,14 @@ import java.util.Optional;
 import java.util.TreeMap;
 
 /**
- * States of a world that clients of the role control have saved by name. World's thread, between
- * frames.
+ * The states of a world that clients with the role control have saved in memory, by name. World's
+ * thread, between frames.
  */
 final class Images {
 
     /**
-     * Maximum number of names; less than the maximum of a world, so that `save` and `fork` can make
-     * copies.
+     * Maximum number of saved states; less than the maximum number of images of a world, so that
+     * `save` and `fork` can make further ones.
      */
     private static final int MAX_NAMES = 32;
 
@@ -34,7 +34,7 @@ final class Images {
     private final Map<String, Kept> kept = new TreeMap<>();
 
     /**
-     * @param bodies of the agents that were in the world
+     * @param bodies ids of the bodies, by agent that was in the world
      */
     private record Kept(WorldControl.Image image, Map<String, ItemId> bodies) {}
 
@@ -68,8 +68,8 @@ final class Images {
     /**
      * Rewinds the world.
      *
-     * @param agent name of the requester
-     * @param name of the saved state; if empty, the beginning
+     * @param agent name of the client that requests it
+     * @param name name of the saved state; if empty, the beginning of the world
      */
     Rewound rewind(String agent, Optional<String> name, Optional<WorldControl.Image> beginning)
             throws ActionRefused {

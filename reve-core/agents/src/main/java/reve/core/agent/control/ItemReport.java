@@ -25,10 +25,13 @@ import java.util.Locale;
 import java.util.Map;
 import java.util.Set;
 
-/** The four aspects of an item in one frame, with the unit of each number. */
+/** The report of an item: its four aspects in one frame, with the unit of each number. */
 final class ItemReport {
 
-    /** Columns of the physical aspect, which the table holds beside those of physics. */
+    /**
+     * Names of the columns that belong to the physical aspect; the other columns of the table
+     * belong to physics.
+     */
     private static final Set<String> PHYSICAL =
             Set.of("position", "orientation", "size", "shape", "colour", "boundsMin", "boundsMax");
 

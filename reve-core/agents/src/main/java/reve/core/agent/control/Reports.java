@@ -23,12 +23,13 @@ import java.util.Optional;
 import java.util.function.Supplier;
 
 /**
- * Answers to queries: the state of the loop, the laws, the ledger, and the aspects of an item. They
- * change nothing and are not remembered. Any thread.
+ * Answers to queries about the state of the frame loop, the laws, the ledger of energy and
+ * momentum, and the aspects of an item. Queries change nothing, and answers are not stored. Any
+ * thread.
  */
 final class Reports {
 
-    /** Maximum number of attempts to read an item whose snapshot is overwritten meanwhile. */
+    /** Maximum number of attempts to read an item if its snapshot is overwritten meanwhile. */
     private static final int ATTEMPTS = 8;
 
     private final WorldPort port;
@@ -62,7 +63,9 @@ final class Reports {
                         () -> System.nanoTime() - startNanos);
     }
 
-    /** Answers waiting queries whose time has come. Called periodically. */
+    /**
+     * Answers waiting queries when the time that reports may take permits it. Called periodically.
+     */
     void proceed() {
         shared.proceed();
     }
@@ -89,7 +92,9 @@ final class Reports {
         between(requester, query, () -> port.control().ledger(query.open()));
     }
 
-    /** Reads the newest snapshot on the requester's thread. */
+    /**
+     * Answers with the aspects of an item, read from the newest snapshot on the requester's thread.
+     */
     void item(Requester requester, ClientMessage.Inspect query) {
         try {
             for (int attempt = 0; attempt < ATTEMPTS; attempt++) {

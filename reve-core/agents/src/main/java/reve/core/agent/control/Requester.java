@@ -5,7 +5,9 @@ import reve.core.agent.protocol.ClientMessage;
 import reve.core.agent.protocol.Encoding;
 import reve.core.agent.protocol.ServerMessage;
 
-/** The requester of commands, which receives their results. Any thread. */
+/**
+ * The sender of commands, as seen by the code that executes them and returns results. Any thread.
+ */
 public interface Requester {
 
     /** Returns the name that the client declared. */
@@ -17,10 +19,10 @@ public interface Requester {
     /** Returns the encoding of messages to the client. */
     Encoding encoding();
 
-    /** Ends the round of an agent in lock-step. */
+    /** Ends the current round of an agent in lock-step. */
     void endRound(ClientMessage.Ready ready);
 
-    /** Sends the result of a command that took effect in a frame. */
+    /** Sends the result of a command, and the frame in which it took effect. */
     void finish(ClientMessage.Request request, ServerMessage result, long frame);
 
     /** Refuses a command that cannot be executed now; the client may send it again. */

@@ -24,26 +24,33 @@ import java.util.function.LongSupplier;
 import java.util.function.UnaryOperator;
 
 /**
- * Queries that any number of clients may ask at a time. The world's thread reads each kind once for
- * all that wait, and the event loop encodes it once. Answers take a slice of the loop's time, in
- * which clients take turns; the rest waits. Reports take a tenth of the time in the long run.
+ * Answers to queries that many clients may send at the same time. For each kind of report, the
+ * world's thread reads the content once for all waiting queries, and the event loop encodes it
+ * once. Answers are sent in a slice of the event loop's time, in which clients take turns; further
+ * queries wait for the next slice. On average, reports take at most a tenth of the time.
  */
 final class SharedReports {
 
-    /** The reports that clients share. */
+    /** The kinds of reports that clients share. */
     enum Kind {
         STATE,
         LAWS,
         LAWS_WITH_FAULTS
     }
 
-    /** Maximum time for answers at once, after the first one [ns]. */
+    /**
+     * Time after which no further answer is begun in a slice [ns]; each slice has at least one
+     * answer.
+     */
     private static final long SLICE_NANOS = 1_000_000;
 
-    /** Reports take this part of the time. */
+    /** Reports take one of this many parts of the time. */
     private static final int SHARE = 10;
 
-    /** Time that reports may take in advance, times {@link #SHARE} [ns]. */
+    /**
+     * Time that reports may take beyond their part before they must wait [ns], multiplied by {@link
+     * #SHARE}.
+     */
     private static final long ADVANCE_NANOS = 500_000_000;
 
     private static final Kind[] KINDS = Kind.values();
@@ -52,21 +59,29 @@ final class SharedReports {
     private final Publisher publisher;
     private final RateLimitedLog log;
 
-    /** Completes the content of a report on the event loop's thread. */
+    /** Functions that complete the content of a report on the event loop's thread, by kind. */
     private final Map<Kind, UnaryOperator<Map<String, Object>>> completions;
 
     private record Waiting(Requester requester, ClientMessage.Query query, Kind kind) {}
 
-    /** What the world's thread read: the content or the reason why there is none. */
+    /**
+     * The result of a reading by the world's thread: the content, or the reason why there is none.
+     */
     private record Read(@Nullable Map<String, Object> content, @Nullable Exception failure) {}
 
-    /** In turn. Guarded by this. */
+    /** Queries by client, in order of their turns. Guarded by this. */
     private final Map<Requester, Deque<Waiting>> waiting = new LinkedHashMap<>();
 
-    /** True from the request for a reading until its answers are sent. Guarded by this. */
+    /**
+     * True from the request to the world's thread for a reading until its answers are sent. Guarded
+     * by this.
+     */
     private boolean isReading;
 
-    /** Time by which the reports so far are paid for [ns]. Guarded by this. */
+    /**
+     * Time at which the reports so far will have taken only their part of the elapsed time [ns].
+     * Guarded by this.
+     */
     private long paidNanos;
 
     private final LongSupplier clock;
@@ -74,13 +89,13 @@ final class SharedReports {
     /** Number of waiting queries by kind. */
     private final AtomicIntegerArray wanted = new AtomicIntegerArray(KINDS.length);
 
-    /** The newest reading by kind. */
+    /** The newest function to read the content, by kind. */
     private final AtomicReferenceArray<WorldControl.Reading> readings =
             new AtomicReferenceArray<>(KINDS.length);
 
     /**
-     * @param completions what the event loop adds to a content, by kind
-     * @param clock returns the time since a moment in the past [ns], from 0
+     * @param completions functions that complete a content on the event loop, by kind
+     * @param clock returns the time since a fixed moment [ns], not negative
      */
     SharedReports(
             WorldPort port,
@@ -96,9 +111,9 @@ final class SharedReports {
     }
 
     /**
-     * Answers a query in its client's turn. Any thread.
+     * Queues a query, which is answered when it is its client's turn. Any thread.
      *
-     * @param reading reads what all queries of this kind receive
+     * @param reading reads the content for all queries of this kind
      */
     void ask(
             Requester requester,
@@ -114,7 +129,10 @@ final class SharedReports {
         proceed();
     }
 
-    /** Requests a reading if queries wait and their time has come. Called periodically. */
+    /**
+     * Requests a reading if queries wait and reports have not exceeded their part of the time.
+     * Called periodically.
+     */
     void proceed() {
         synchronized (this) {
             if (isReading || waiting.isEmpty() || paidNanos - clock.getAsLong() > ADVANCE_NANOS) {
@@ -125,7 +143,7 @@ final class SharedReports {
         port.loop().betweenFrames(this::read);
     }
 
-    /** Reads each wanted kind. World's thread, between frames. */
+    /** Reads the content of each kind for which queries wait. World's thread, between frames. */
     private void read() {
         long begin = clock.getAsLong();
         long frame = port.loop().frame();
@@ -167,7 +185,10 @@ final class SharedReports {
         proceed();
     }
 
-    /** Removes and returns the query whose turn it is, if its kind was read; else null. */
+    /**
+     * Removes and returns the query whose turn it is; null if there is none or its kind was not
+     * read.
+     */
     private synchronized @Nullable Waiting next(Map<Kind, Read> read) {
         if (waiting.isEmpty()) {
             return null;
@@ -175,7 +196,7 @@ final class SharedReports {
         Map.Entry<Requester, Deque<Waiting>> first = waiting.entrySet().iterator().next();
         Deque<Waiting> queries = first.getValue();
         if (!read.containsKey(queries.getFirst().kind)) {
-            return null; // it came after the reading
+            return null; // the query came after the reading and waits for the next one
         }
         Waiting next = queries.removeFirst();
         wanted.decrementAndGet(next.kind.ordinal());

@@ -21,7 +21,10 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.stream.Collectors;
 
-/** Changes of items and rules that operators request. Each message happens completely or not. */
+/**
+ * Preparation of the changes of items and rules that operators request. All changes of one message
+ * are made, or none.
+ */
 final class WorldEdits {
     private static final int SHOWN = 3;
 
@@ -35,13 +38,17 @@ final class WorldEdits {
         this.reader = new EditReader(port.snapshots().prototype());
     }
 
-    /** An edit that is read when the kinds of all items before it are known. */
+    /**
+     * The reading of an edit, which needs the kinds of the items that earlier edits of the message
+     * add.
+     */
     private interface Reading {
         WorldEdit read(World world, List<WorldEdit> before) throws ActionRefused;
     }
 
     /**
-     * Prepares a change: reads new items, and the rest when it is made. Any thread.
+     * Prepares a change. Reads new items now; other edits are read when the change is made. Any
+     * thread.
      *
      * @throws ActionRefused if the items are not valid
      */
@@ -72,7 +79,10 @@ final class WorldEdits {
         return (world, frame) -> make(world, frame, readings, rulesChange);
     }
 
-    /** Prepares the changes of a copy of the world, which has the rules of the world itself. */
+    /**
+     * Prepares the changes that a fork makes in its copy of the world, which has the rules of the
+     * world itself.
+     */
     WorldControl.Change prepare(ClientMessage.Fork fork) throws ActionRefused {
         if (fork.changes().isEmpty()) {
             return (world, frame) -> {};
@@ -131,7 +141,7 @@ final class WorldEdits {
         }
     }
 
-    /** Returns a refusal with the first problems. */
+    /** Returns a refusal whose message contains the first problems of an invalid text. */
     static ActionRefused refusal(WorldFileException invalid) {
         List<Problem> problems = invalid.problems();
         return new ActionRefused(

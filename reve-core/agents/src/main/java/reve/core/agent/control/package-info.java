@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/** Commands of clients to the world, and operators' work with worlds: images, saving, forking. */
+/**
+ * Execution of clients' commands to a world, and of operators' commands for saved states:
+ * rewinding, saving, forking.
+ */
 @NullMarked
 package reve.core.agent.control;
 

@@ -7,7 +7,10 @@ import reve.core.world.World;
 
 import java.util.function.Consumer;
 
-/** An input of an agent as a command, executed on the world's thread in ACT. */
+/**
+ * A command of the frame loop that applies an input of an agent, on the world's thread in the phase
+ * ACT.
+ */
 public final class AgentCommand implements Command {
 
     private final Embodiment embodiment;
@@ -36,7 +39,7 @@ public final class AgentCommand implements Command {
         return sequence;
     }
 
-    /** Agents in lock-step do not delay operators' edits. */
+    /** Returns true for operators' edits, which do not wait for agents in lock-step. */
     @Override
     public boolean isPrompt() {
         return input instanceof AgentInput.Edit;

@@ -7,8 +7,9 @@ import reve.core.agent.protocol.ActionRequest;
 import java.util.Optional;
 
 /**
- * An input of a client to the world, as data. Together with the frame and the order it is all that
- * a recording needs, because {@link Embodiment#apply} depends only on the input and the world.
+ * An input of a client to the world, as data. A recording stores only the inputs with their frames
+ * and order, because the result of {@link Embodiment#apply} depends only on the input and the
+ * world.
  */
 public sealed interface AgentInput {
 
@@ -16,16 +17,16 @@ public sealed interface AgentInput {
     String agent();
 
     /**
-     * @param body name of the requested item
-     * @param rights of the client
+     * @param body name of the item that the agent requests as its body
+     * @param rights rights of the client
      */
     record Join(String agent, Optional<String> body, Rights rights) implements AgentInput {}
 
-    /** An act of the agent's body. */
+    /** An action that the agent's body performs. */
     record Act(String agent, ActionRequest requested) implements AgentInput {}
 
     /**
-     * A change by an operator, who may make every change that the world permits.
+     * A change by an operator, possibly any change that the world permits.
      *
      * @param property for example {@code physical.location}, {@code physics.mass} or {@code
      *     semantic.class}
@@ -37,8 +38,8 @@ public sealed interface AgentInput {
      * An agent in lock-step missed its deadline.
      *
      * @param count number of missed deadlines so far
-     * @param fallback the act of its body instead
-     * @param told whether other agents are sent an event
+     * @param fallback the action that its body performs instead
+     * @param told whether an event informs the other agents
      * @param away true if the agent missed so many deadlines in a row that the world no longer
      *     waits for it
      */
@@ -50,7 +51,7 @@ public sealed interface AgentInput {
     record Back(String agent) implements AgentInput {}
 
     /**
-     * @param reason a code for other agents
+     * @param reason code of the reason, which other agents receive
      */
     record Leave(String agent, String reason) implements AgentInput {}
 }

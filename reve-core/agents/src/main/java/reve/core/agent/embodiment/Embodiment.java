@@ -40,12 +40,16 @@ import java.util.TreeSet;
 import java.util.stream.Collectors;
 
 /**
- * The agents in a world; checks and applies their inputs. The same inputs in the same frames and
- * order produce the same world, whether from connections or from a recording. World's thread only.
+ * The agents in a world and their bodies; checks and applies the inputs of agents. The same inputs
+ * in the same frames and order produce the same world, whether from connections or from a
+ * recording. World's thread only.
  */
 public final class Embodiment {
 
-    /** Codes of the world's own refusals whose reasons contain details of the world. */
+    /**
+     * Codes of refusals whose messages contain details of the world, which agents with limited
+     * sensors must not receive.
+     */
     private static final Set<String> TELLING =
             Set.of(
                     "condition-failed",
@@ -65,7 +69,7 @@ public final class Embodiment {
                     "not-a-colour",
                     "not-a-symbol");
 
-    /** Code for an error inside an action, which is written to the log. */
+    /** Code of the refusal after an error inside an action; the log contains the error. */
     private static final String ACTION_FAILED = "action-failed";
 
     private final AgentPolicy policy;
@@ -78,12 +82,13 @@ public final class Embodiment {
 
     /**
      * @param name of the body when the agent joined
-     * @param made true if the item was created for this agent and is removed with it
-     * @param place index of the place where it was created; empty if it has none
-     * @param sensors of the body; if empty, the agent perceives everything
-     * @param ofActions sensors that perceive actions
-     * @param needsSight true if one of these needs a line of sight
-     * @param rights of the agent
+     * @param made true if the item was created for this agent and is removed when the agent leaves
+     * @param place index of the {@link AgentPolicy} place at which the body was created; empty if
+     *     it was not
+     * @param sensors sensors of the body; if empty, the agent perceives everything
+     * @param ofActions those sensors that perceive the actions of items
+     * @param needsSight true if one of {@code ofActions} needs a line of sight
+     * @param rights rights of the agent
      */
     private record Body(
             ItemId id,
@@ -129,7 +134,7 @@ public final class Embodiment {
     }
 
     /**
-     * @param policy of the world for agents
+     * @param policy the bodies and limits that the world grants to agents
      * @param framesPerSecond frames per second of world time
      */
     public Embodiment(AgentPolicy policy, int framesPerSecond) {
@@ -138,7 +143,7 @@ public final class Embodiment {
                 new EventBudget(policy.eventBytes(), policy.worldEventBytes(), framesPerSecond);
     }
 
-    /** Checks and applies an input, outside PHYSICS, completely or not at all. */
+    /** Checks and applies an input completely or not at all. Called outside the phase PHYSICS. */
     public Outcome apply(World world, long frame, AgentInput input) {
         try {
             return switch (input) {
@@ -180,11 +185,11 @@ public final class Embodiment {
     }
 
     /**
-     * Updates the bodies after a rewind. An agent that is in the world now keeps the item granted
-     * to it, or gets the body that was created for it in its former state, or a new one if there
-     * was none. Bodies of agents that have left since are removed.
+     * Assigns bodies after a rewind of the world. An agent that is in the world now keeps the item
+     * that was granted to it. Otherwise it gets the body that was created for it, in the restored
+     * state, or a new body if it had none then. Removes the bodies of agents that have left since.
      *
-     * @param former the result of {@link #bodies} at the restored frame
+     * @param former the bodies by agent, as {@link #bodies} returned them at the restored frame
      * @return Joined for each agent in the world, or Refused for each agent that can no longer have
      *     a body and has left
      */
@@ -240,7 +245,10 @@ public final class Embodiment {
         return world.find(id).filter(item -> !policy.bodies().contains(item.name())).isPresent();
     }
 
-    /** Returns false if the act of the agent must wait for a later frame. */
+    /**
+     * Returns false if the agent has used up its evaluation steps, so that its act must wait for a
+     * later frame.
+     */
     boolean mayAct(World world, String agent, long frame) {
         world.charges().take().forEach((who, cost) -> steps.charge(who, frame, cost));
         return steps.hasLeft(agent, frame);
@@ -352,7 +360,7 @@ public final class Embodiment {
                         forces));
     }
 
-    /** Performs an action. Hides the refusal's details from agents with limited sensors. */
+    /** Performs an action. If it is refused, hides the details from agents with limited sensors. */
     private static void perform(Action action, Body body, ActionCall call) throws ActionRefused {
         try {
             call.perform(action);
@@ -372,7 +380,8 @@ public final class Embodiment {
     }
 
     /**
-     * Finds an item. An item that the agent does not sense is refused like one that does not exist.
+     * Finds the item with an action. An item that the agent does not sense is refused like one that
+     * does not exist.
      */
     private Item find(World world, Body body, String name) throws ActionRefused {
         Optional<Item> item = world.find(name);
@@ -447,7 +456,7 @@ public final class Embodiment {
         return new Outcome.Joined(frame, body.name(), body.id(), body.sensors());
     }
 
-    /** Removes an agent; its body may be gone from the world already. */
+    /** Removes an agent, whose body may have been removed from the world before. */
     private Outcome leave(World world, long frame, AgentInput.Leave leave) {
         Body body = bodies.remove(leave.agent());
         if (body == null) {
@@ -562,7 +571,7 @@ public final class Embodiment {
         return new Body(item.id(), item.name(), false, OptionalInt.empty(), item.sensors(), rights);
     }
 
-    /** Returns the first place that no present agent occupies. */
+    /** Returns the index of the first place for new bodies that no present agent uses. */
     private OptionalInt freePlace(World world) throws CloseReason {
         if (policy.places().isEmpty()) {
             return OptionalInt.empty();

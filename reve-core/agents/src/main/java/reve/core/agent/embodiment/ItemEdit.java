@@ -15,7 +15,7 @@ import java.util.List;
 import java.util.Optional;
 import java.util.regex.Pattern;
 
-/** Sets one property of an item by its name, for operators. World's thread. */
+/** Setter of one property of an item by name, for edits of operators. World's thread. */
 final class ItemEdit {
 
     private static final Pattern SYMBOL = Pattern.compile("[A-Za-z][A-Za-z0-9_-]{0,63}");
@@ -62,7 +62,7 @@ final class ItemEdit {
         if (why.isPresent()) {
             throw outOfRange(item, "physics." + property, values, why.get());
         }
-        item.physics().set(property, values); // refuses all other properties
+        item.physics().set(property, values); // throws for every other name
         world.arrests().suspect(item.id());
     }
 

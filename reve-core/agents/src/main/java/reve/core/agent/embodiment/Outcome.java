@@ -7,30 +7,33 @@ import reve.core.world.Sensor;
 import java.util.List;
 import java.util.Optional;
 
-/** The outcome of an {@link AgentInput}. */
+/** The result of applying an {@link AgentInput}. */
 public sealed interface Outcome {
 
     /** The input took effect in that frame. */
     record Done(long frame) implements Outcome {}
 
     /**
-     * The agent has the body from that frame.
+     * The agent joined the world and has the body from that frame on.
      *
-     * @param sensors of the body; if empty, the agent perceives everything
+     * @param sensors sensors of the body; if empty, the agent perceives everything
      */
     record Joined(long frame, String body, ItemId id, List<Sensor> sensors) implements Outcome {}
 
     /**
      * The input was refused, and nothing changed.
      *
-     * @param hint the remedy
+     * @param hint what the client can do about it
      */
     record Refused(long frame, String code, String reason, Optional<String> hint)
             implements Outcome {}
 
-    /** The action failed because of an error in its code, for its author. */
+    /**
+     * The action failed because of an error in its code, which is logged for the author of the
+     * action.
+     */
     record Failed(long frame, Exception cause) implements Outcome {}
 
-    /** The agent is not in the world because its join was refused, which it knows. */
+    /** The agent is not in the world, because its join was refused; it needs no further answer. */
     record Absent() implements Outcome {}
 }

@@ -6,7 +6,7 @@ import java.util.Map;
 /**
  * The result of a rewind.
  *
- * @param frame that shows the restored state
- * @param bodies outcome for each agent in the world, by agent
+ * @param frame the frame that shows the restored state
+ * @param bodies for each agent in the world, its body or a refusal
  */
 public record Rewound(long frame, Map<String, Outcome> bodies) {}

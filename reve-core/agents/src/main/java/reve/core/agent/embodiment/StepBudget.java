@@ -5,34 +5,34 @@ import java.util.Map;
 import java.util.TreeMap;
 
 /**
- * Limit on evaluation steps of agents' acts, so that no agent delays the frames of others. All
- * agents that acted recently share the steps of a frame equally. Steps beyond its share are a debt
- * of the agent, which its shares of later frames pay; until then its acts wait. Agents that act for
- * the first time also share a separate pool, so that a client gains nothing by using new names.
- * Counts steps and frames, never time: the same acts wait for the same frames on every machine.
- * World's thread.
+ * Limit on the evaluation steps of agents' acts (expressions of actions and rules), so that no
+ * agent delays the frames of others. All agents that acted recently share the steps of a frame
+ * equally. If an act takes more than the agent's share, the agent's shares of later frames pay the
+ * rest; until then its acts wait. Agents that act for the first time also share a separate pool, so
+ * that a client gains nothing by using new names. Counts steps and frames, never time: the same
+ * acts wait for the same frames on every machine. World's thread.
  */
 final class StepBudget {
-    /** Steps of all agents in one frame; about 6 ms. */
+    /** Steps of all agents together in one frame; they take about 6 ms. */
     static final int OF_FRAME = 60_000;
 
-    /** Maximum steps of one agent in one frame: the limit of one evaluation. */
+    /** Maximum share of one agent [steps per frame]; equals the limit of one evaluation. */
     static final int MOST = 20_000;
 
-    /** Minimum steps of one agent in one frame, for any number of agents. */
+    /** Minimum share of one agent [steps per frame], for any number of agents. */
     static final int FEWEST = 500;
 
-    /** Steps of an act in addition to those of its expressions. */
+    /** Steps that each act costs in addition to those of its expressions. */
     static final int OF_ACT = 100;
 
-    /** Frames after its last act during which an agent has a share. */
+    /** Number of frames after its last act during which an agent keeps a share. */
     static final int FRAMES_KEPT = 60;
 
     private final Map<String, Account> accounts = new TreeMap<>();
 
     /**
-     * Remaining steps for agents in the frame of their first act; refilled in each frame with the
-     * limit of one evaluation.
+     * Remaining steps of the pool for agents in the frame of their first act. Each frame adds
+     * {@link #MOST} steps, up to {@link #MOST}.
      */
     private long ofNewcomers = MOST;
 
@@ -59,7 +59,7 @@ final class StepBudget {
         return account.steps > 0 && (account.firstFrame != now || ofNewcomers > 0);
     }
 
-    /** Charges an act to an agent. */
+    /** Charges an agent with the steps of an act. */
     void spend(String agent, long now, long steps) {
         refill(now);
         Account account =
@@ -73,7 +73,10 @@ final class StepBudget {
         }
     }
 
-    /** Charges an agent for the last frame's evaluation of rules whose inputs its acts changed. */
+    /**
+     * Charges an agent with the steps of rules that were evaluated in the last frame because its
+     * acts changed their inputs.
+     */
     void charge(String agent, long now, long steps) {
         refill(now);
         Account account =

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/** The bodies of agents; checks and applies agents' inputs. The world's thread. */
+/**
+ * The agents in a world and their bodies, and the check and execution of their inputs. The world's
+ * thread.
+ */
 @NullMarked
 package reve.core.agent.embodiment;
 

@@ -6,16 +6,20 @@ import java.time.Duration;
 import java.util.Optional;
 
 /**
- * Time by which agents in lock-step may still delay others. Agents with the same token share an
- * allowance; without tokens, all agents do. Waiting consumes it, and it is refilled with the
- * fraction {@value #REFILL} of elapsed time. The frame loop's thread, except where stated.
+ * The time by which agents in lock-step may still delay others. Agents with the same token share
+ * one allowance; without tokens, all agents share one. The waiting time of others is subtracted,
+ * and the fraction {@value #REFILL} of elapsed time is added. The frame loop's thread, except where
+ * stated.
  */
 public final class Allowance {
 
-    /** Refill as a fraction of elapsed time. */
+    /** Time added to the allowance, as a fraction of elapsed time. */
     static final double REFILL = 0.1;
 
-    /** Fraction of the full allowance at which an exhausted one is restored. */
+    /**
+     * Fraction of the full allowance that an exhausted one must regain before its agents may delay
+     * others again.
+     */
     static final double RESTORED = 0.5;
 
     private static final double NO_LIMIT = 1e18;
@@ -68,7 +72,7 @@ public final class Allowance {
     /**
      * Records that an agent is not ready.
      *
-     * @return false if that is recorded already
+     * @return false if this is already recorded for the frame
      */
     boolean note() {
         boolean isNew = !noted;
@@ -80,7 +84,10 @@ public final class Allowance {
         noted = false;
     }
 
-    /** Returns the time when the last of the agents became ready, clamped to the interval [ns]. */
+    /**
+     * Returns the time when an agent of this allowance last became ready, clamped to the interval
+     * [ns].
+     */
     long answeredBetween(long fromNanos, long toNanos) {
         long answered = answeredNanos;
         if (answered - fromNanos < 0) {
@@ -89,7 +96,7 @@ public final class Allowance {
         return answered - toNanos < 0 ? answered : toNanos;
     }
 
-    /** Returns the maximum wait of others in one frame [ns], at least {@code leastNanos}. */
+    /** Returns the maximum time that others wait in one frame [ns], at least {@code leastNanos}. */
     long left(long leastNanos) {
         return spent ? leastNanos : Math.max(leastNanos, (long) leftNanos);
     }
@@ -97,7 +104,7 @@ public final class Allowance {
     /**
      * Charges the time that others have waited [ns].
      *
-     * @return true if the allowance has become exhausted, or restored
+     * @return true if the allowance has become exhausted, or has been restored
      */
     boolean charge(long waitedNanos, long nowNanos) {
         leftNanos = Math.min(fullNanos, leftNanos + REFILL * (nowNanos - countedNanos));

@@ -14,11 +14,11 @@ import java.util.concurrent.atomic.AtomicInteger;
 import java.util.function.Consumer;
 
 /**
- * Limits on the delay that agents in lock-step cause to others. Others are agents in real time, and
- * ready agents in lock-step from another network address. An {@link Allowance} is charged with the
- * time by which a frame is later than the world's rate requires. An agent without allowance delays
- * a frame by at most the duration of a frame, so that the world keeps at least half its rate. The
- * frame loop's thread, except where stated.
+ * Limits on the time by which agents in lock-step delay others: agents in real time, and ready
+ * agents in lock-step from another network address. The time by which a frame is later than the
+ * world's rate requires is charged to the {@link Allowance} of the agents that delay it. An agent
+ * whose allowance is exhausted delays a frame by at most the duration of a frame, so that the world
+ * keeps at least half its rate. The frame loop's thread, except where stated.
  */
 public final class Allowances {
 
@@ -27,7 +27,7 @@ public final class Allowances {
     private final Consumer<Allowance> judged;
     private final AtomicInteger realTime = new AtomicInteger();
 
-    /** By token name; one entry for all agents without a token. Guarded by this. */
+    /** Allowances by token name; one entry for all agents without a token. Guarded by this. */
     private final Map<Optional<String>, Allowance> all = new HashMap<>();
 
     /** Allowances of agents that were not ready when the frame was due, and exhausted ones. */
@@ -36,7 +36,7 @@ public final class Allowances {
     private boolean hasBegun;
     private long begunNanos;
 
-    /** Start of the frame at the world's rate [ns]. */
+    /** Time at which the frame should begin at the world's rate [ns]. */
     private long wantedNanos;
 
     private boolean othersWait;
@@ -55,8 +55,8 @@ public final class Allowances {
     // Methods for any thread.
 
     /**
-     * Returns the allowance for the agents of a token or, without tokens, of all agents. It remains
-     * when its agents leave.
+     * Returns the allowance for the agents of a token or, without tokens, of all agents. The
+     * allowance persists after its agents have left.
      *
      * @param tokenName name of the agent's token, if the server uses tokens
      * @param home network address of the agent
@@ -82,23 +82,26 @@ public final class Allowances {
 
     // Methods for the frame loop's thread.
 
-    /** Records the time from which the frame could begin. */
+    /** Records the time from which the frame could begin if no agent held it. */
     void due(long nowNanos) {
         long early = hasBegun ? begunNanos + frameNanos - nowNanos : 0;
         wantedNanos = nowNanos + Math.max(0, early);
     }
 
-    /** Moves the start of the frame by a time in which the server itself was not running [ns]. */
+    /**
+     * Postpones the planned start of the frame by a time in which the server itself did not run
+     * [ns].
+     */
     void postpone(long pauseNanos) {
         wantedNanos += pauseNanos;
     }
 
-    /** Determines whether any other agent can be delayed in this frame. */
+    /** Determines whether agents can delay others in this frame. */
     void look(Turn[] turns) {
         othersWait = realTime.get() > 0 || haveSeveralHomes(turns);
     }
 
-    /** Returns false if the agent's return would delay others and it has no allowance. */
+    /** Returns false if the agent's allowance is exhausted and its return would delay others. */
     boolean mayReturn(Turn turn, Turn[] turns) {
         return !turn.allowance().isSpent()
                 || realTime.get() == 0 && !hasStranger(turn.allowance(), turns);
@@ -166,8 +169,8 @@ public final class Allowances {
     }
 
     /**
-     * Returns the agent that was ready first, among those with another network address than {@code
-     * another}.
+     * Returns the agent that was ready first; if {@code another} is given, only among agents with
+     * another network address.
      */
     private @Nullable Turn firstReady(Turn[] turns, @Nullable Turn another, long nowNanos) {
         Turn first = null;
@@ -191,7 +194,7 @@ public final class Allowances {
         }
     }
 
-    /** Discards the waiting time of this frame without a charge. */
+    /** Discards the waiting time of this frame without charging it. */
     void forget() {
         for (Allowance allowance : noted) {
             allowance.forgetNote();

@@ -11,9 +11,10 @@ import java.util.function.BooleanSupplier;
 import java.util.function.Consumer;
 
 /**
- * Holds the world until all agents in lock-step whose round is due are ready, or their deadlines
- * have passed. All deadlines begin when the world could make the frame; no agent is late before the
- * world continues without it. {@link Allowances} limit agents that delay others.
+ * The gate of a frame loop that holds each frame until all agents in lock-step whose round ends are
+ * ready, or their deadlines have passed. All deadlines begin when the world could make the frame.
+ * An agent counts as late only when the world continues without it. {@link Allowances} limit agents
+ * that delay others.
  */
 public final class LockStep implements FrameGate {
 
@@ -21,8 +22,8 @@ public final class LockStep implements FrameGate {
     private static final long NO_FRAME = -1;
 
     /**
-     * Maximum time between two checks [ns]. After twice that time, the process was suspended or did
-     * other work, which is not charged to agents.
+     * Maximum time between two checks of the gate [ns]. If twice this time has passed, the process
+     * was suspended or busy; this time does not count for deadlines and allowances.
      */
     private static final long CHECK_NANOS = 250_000_000;
 
@@ -31,22 +32,25 @@ public final class LockStep implements FrameGate {
     private final Consumer<AgentInput> news;
     private final Allowances allowances;
 
-    /** Copy-on-write, under this object's lock. */
+    /** The agents in lock-step (copy-on-write, changed under this object's lock). */
     private volatile Turn[] turns = NOBODY;
 
     /**
-     * Index of an agent that was not ready. It is checked first, so that each agent is checked once
-     * per frame.
+     * Index of an agent that was not ready at the last check. It is checked first, so that each
+     * agent is checked about once per frame.
      */
     private volatile int missing;
 
-    /** Number of agents that wait to join, which takes a frame. */
+    /** Number of agents that wait to join; a join is executed in the next frame. */
     private final AtomicInteger coming = new AtomicInteger();
 
     /** The frame that is held; {@link #NO_FRAME} if none is. */
     private volatile long held = NO_FRAME;
 
-    /** Belongs to the loop's thread: the frame that is due, and the time since when. */
+    /**
+     * The frame that is due; the next field is the time since when. Only the loop's thread uses
+     * both.
+     */
     private long due = NO_FRAME;
 
     private long dueSinceNanos;
@@ -54,7 +58,7 @@ public final class LockStep implements FrameGate {
     /** Time of the last check. */
     private long askedNanos;
 
-    /** The wait of the frame loop's thread for agents. */
+    /** The way in which the frame loop's thread waits for agents. */
     public interface Waiting {
 
         /** Waits without other work. */
@@ -70,7 +74,7 @@ public final class LockStep implements FrameGate {
                 };
 
         /**
-         * @param enough true when the wait is over
+         * @param enough returns true when the wait must end
          */
         void await(long nanoseconds, BooleanSupplier enough, FrameClock clock);
 
@@ -79,9 +83,9 @@ public final class LockStep implements FrameGate {
     }
 
     /**
-     * @param wake makes the loop ask the gate again
-     * @param news receives agents that missed a deadline, and agents that returned after the world
-     *     had stopped waiting for them; on the loop's thread
+     * @param wake makes the frame loop ask the gate again
+     * @param news receives an input for each agent that missed a deadline, and for each that
+     *     returned after the world had stopped waiting for it; called on the loop's thread
      */
     public LockStep(
             Runnable wake, Consumer<AgentInput> news, Allowances allowances, Waiting waiting) {
@@ -94,8 +98,8 @@ public final class LockStep implements FrameGate {
     // Methods for any thread.
 
     /**
-     * Records that an agent waits to join. Agents that have never been ready do not delay the next
-     * frame then.
+     * Records that an agent waits to join. Until it has joined, agents that have never been ready
+     * do not hold the next frame.
      */
     public void comes() {
         coming.incrementAndGet();
@@ -122,7 +126,7 @@ public final class LockStep implements FrameGate {
         return allowances;
     }
 
-    /** Removes an agent that leaves; does nothing if it is absent. */
+    /** Removes an agent that leaves the world; does nothing if it was removed before. */
     public void remove(Turn turn, long nowNanos) {
         synchronized (this) {
             turn.leave(nowNanos);
@@ -132,8 +136,8 @@ public final class LockStep implements FrameGate {
     }
 
     /**
-     * Notifies the gate that an agent may be ready. Wakes the loop only if no other agent is
-     * missing.
+     * Notifies the gate that an agent may have become ready. Wakes the loop only if no other agent
+     * holds the frame.
      */
     public void changed() {
         long frame = held;
@@ -186,7 +190,9 @@ public final class LockStep implements FrameGate {
             }
             if (somebodyComes) {
                 if (turn.holds(frame)) {
-                    turn.allowance().answer(nowNanoseconds); // until now the agent held the frame
+                    turn.allowance()
+                            .answer(nowNanoseconds); // the agent held the frame until now, which is
+                    // charged to it
                 }
                 turn.putOff(frame);
             }
@@ -207,8 +213,8 @@ public final class LockStep implements FrameGate {
     }
 
     /**
-     * Stops waiting for late agents. Called before the check which agents still hold the frame, so
-     * that an agent that becomes ready meanwhile wakes the loop.
+     * Stops waiting for agents whose time is over. Called before the check for agents that still
+     * hold the frame, so that an agent that becomes ready in between wakes the loop.
      */
     private void giveUpLate(Turn[] all, long frame, long nowNanos) {
         allowances.look(all);

@@ -8,9 +8,9 @@ import java.util.concurrent.atomic.AtomicLong;
 import java.util.concurrent.atomic.AtomicReference;
 
 /**
- * The rounds of one agent in lock-step. A round begins every Nth frame, starting with the frame in
- * which the agent joined. The agent perceives that frame, and the next round does not begin before
- * it is ready.
+ * The rounds of one agent in lock-step. A round begins with every Nth frame, the first with the
+ * frame in which the agent joined. The agent receives a perception of this frame, and the world
+ * does not begin the next round before the agent is ready.
  */
 public final class Turn {
 
@@ -18,10 +18,14 @@ public final class Turn {
         /** The world waits for the agent. */
         HERE,
         /**
-         * The agent missed too many deadlines in a row: the world does not wait until it is ready.
+         * The agent missed too many deadlines in a row: the world does not wait for it until it
+         * becomes ready again.
          */
         AWAY,
-        /** The connection is broken: the world does not wait until there is a new one. */
+        /**
+         * The connection is broken: the world does not wait for the agent until it has a new
+         * connection.
+         */
         BROKEN,
         /** The agent is back: its rounds restart with the next frame. */
         RETURNING,
@@ -40,7 +44,7 @@ public final class Turn {
     /** Number of rounds that the agent has finished or missed. */
     private final AtomicLong done = new AtomicLong();
 
-    /** Number of messages that ended a round, counted before they take effect. */
+    /** Number of ready messages received, including those that end no round. */
     private final AtomicLong readyMessages = new AtomicLong();
 
     private final AtomicReference<Presence> presence = new AtomicReference<>(Presence.HERE);
@@ -51,28 +55,30 @@ public final class Turn {
     /** Frame of the first round. Set on the loop's thread. */
     private volatile long origin = Long.MAX_VALUE;
 
-    /** The frame that is no longer held for the agent. Set on the loop's thread. */
+    /**
+     * The frame for which the world has stopped waiting for the agent. Set on the loop's thread.
+     */
     private volatile long givenUp = -1;
 
-    // The fields below belong to the loop's thread.
+    // Only the loop's thread uses the fields below.
     private long missed;
     private boolean missedUnawaited;
     private int lateInRow;
 
     /**
-     * Number of rounds known to be finished or missed, and the value of {@link #readyMessages}
-     * then.
+     * Number of rounds that were counted as finished or missed; the next field is the value of
+     * {@link #readyMessages} at that time.
      */
     private long judged;
 
     private long messagesWhenJudged;
 
-    /** True if other agents were sent the event that it is away. */
+    /** True if an event has informed other agents that this agent is away. */
     private boolean away;
 
     /**
      * @param deadlineNanos maximum wait for the agent [ns]
-     * @param allowance charged with the delays that the agent causes
+     * @param allowance the allowance to which delays by the agent are charged
      */
     public Turn(
             String agent, ClientMessage.LockStep wanted, long deadlineNanos, Allowance allowance) {
@@ -82,7 +88,7 @@ public final class Turn {
         this.allowance = allowance;
     }
 
-    /** Returns the settings of the hello. */
+    /** Returns the lock-step settings that the agent requested in its hello. */
     public ClientMessage.LockStep wanted() {
         return wanted;
     }
@@ -92,12 +98,12 @@ public final class Turn {
         return deadlineNanos;
     }
 
-    /** Returns the allowance that is charged with its delays. */
+    /** Returns the allowance to which delays by the agent are charged. */
     public Allowance allowance() {
         return allowance;
     }
 
-    /** Ends the oldest open round of the agent. */
+    /** Ends the oldest round that the agent has not finished. */
     public void ready(long nowNanos) {
         playing = true;
         allowance.answer(
@@ -107,8 +113,8 @@ public final class Turn {
     }
 
     /**
-     * Ends the round of the perception in {@code frame}, unless it was not the last round that
-     * began.
+     * Ends the rounds up to that of {@code frame}, whose perception the agent has processed. Has no
+     * effect if they ended before or the frame is not published.
      */
     public void ready(long frame, long published, long nowNanos) {
         playing = true;
@@ -124,7 +130,10 @@ public final class Turn {
         presence.compareAndSet(Presence.AWAY, Presence.RETURNING);
     }
 
-    /** Records that the connection broke: the world does not wait until there is a new one. */
+    /**
+     * Records that the connection broke: the world does not wait for the agent until it has a new
+     * connection.
+     */
     public void breakOff(long nowNanos) {
         allowance.answer(nowNanos);
         presence.set(Presence.BROKEN);
@@ -155,18 +164,22 @@ public final class Turn {
     }
 
     /**
-     * Returns whether the agent holds {@code frame}, and the world has not stopped waiting for it.
+     * Returns whether {@code frame} waits for the agent, and the world has not stopped waiting for
+     * it.
      */
     boolean holds(long frame) {
         return isAwaited(frame - 1) && givenUp != frame;
     }
 
-    /** Returns whether the agent takes part, ready or not. */
+    /** Returns whether the world waits for the rounds of the agent, be it ready or not. */
     boolean isHere() {
         return presence.get() == Presence.HERE;
     }
 
-    /** Returns whether the agent perceives a frame, given the frame of its last perception. */
+    /**
+     * Returns whether the agent receives a perception of a frame; {@code told} is the frame of its
+     * last perception.
+     */
     public boolean isDue(long frame, long told) {
         Presence now = presence.get();
         return (now == Presence.HERE || now == Presence.AWAY)
@@ -185,17 +198,17 @@ public final class Turn {
         origin = frame;
     }
 
-    /** Stops holding a frame for this agent; other agents may still hold it. */
+    /** Makes this agent no longer hold a frame; other agents may still hold it. */
     void giveUp(long frame) {
         givenUp = frame;
     }
 
-    /** Lets the agent hold every frame again. */
+    /** Undoes {@link #giveUp}: the agent may hold the frame again. */
     void giveUpNone() {
         givenUp = -1;
     }
 
-    /** Restarts the rounds in that frame. */
+    /** Restarts the rounds: the first one begins with that frame. */
     void restart(long frame) {
         origin = frame;
         done.set(0);
@@ -215,7 +228,7 @@ public final class Turn {
      * Lets a returning agent take part again from that frame, which has not begun.
      *
      * @param granted false if an agent that is away stays away until it is ready again
-     * @return true if other agents were sent the event that it was away
+     * @return true if an event had informed other agents that this agent was away
      */
     boolean takeBack(long frame, boolean granted) {
         if (!isReturning()) {
@@ -234,7 +247,10 @@ public final class Turn {
         return wasAway;
     }
 
-    /** Restarts an agent that has never been ready, because another agent joins in that frame. */
+    /**
+     * Restarts the rounds of an agent that has never been ready with that frame, in which another
+     * agent joins.
+     */
     void putOff(long frame) {
         if (!playing) {
             restart(frame);
@@ -242,7 +258,7 @@ public final class Turn {
     }
 
     /**
-     * Ends the rounds up to a frame.
+     * Ends all rounds up to a frame, because the world continues.
      *
      * @return true if the agent had not finished them
      */
@@ -259,9 +275,9 @@ public final class Turn {
     }
 
     /**
-     * Returns the input that reports a missed round. Other agents are notified of each round that
-     * the world waited for in vain and of the first round after a broken connection, not of later
-     * ones.
+     * Returns the input that reports a missed round. Other agents are notified of each round for
+     * which the world waited in vain. While the world does not wait for the agent, they are
+     * notified of the first missed round only.
      */
     AgentInput.Late late() {
         missed++;
@@ -271,7 +287,10 @@ public final class Turn {
                         && presence.compareAndSet(Presence.HERE, Presence.AWAY);
         away |= goes;
         missedUnawaited = presence.get() != Presence.HERE;
-        if (goes && readyMessages.get() != messagesWhenJudged) { // ready at this moment
+        if (goes
+                && readyMessages.get()
+                        != messagesWhenJudged) { // a ready message came just now: the agent returns
+            // at once
             presence.compareAndSet(Presence.AWAY, Presence.RETURNING);
         }
         return new AgentInput.Late(agent, missed, wanted.fallback(), told, goes);

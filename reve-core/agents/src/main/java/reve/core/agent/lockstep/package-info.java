@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/** The wait of a world for agents in lock-step, and the limits on the delays that they cause. */
+/**
+ * Lock-step: before a frame, the world waits until agents are ready; limits on the delays that such
+ * agents cause.
+ */
 @NullMarked
 package reve.core.agent.lockstep;
 

@@ -7,8 +7,8 @@ import reve.core.agent.protocol.ClientMessage;
 import reve.core.agent.protocol.CloseReason;
 
 /**
- * The session behind a connection after its hello. Called on the event loop's thread, except where
- * stated.
+ * The session of a connection that has sent its hello, as seen by the connection. Called on the
+ * event loop's thread, except where stated.
  */
 public interface Client {
 
@@ -18,13 +18,13 @@ public interface Client {
     /** Counts a received message against the quota. */
     void count();
 
-    /** Records which perceptions the client requests. */
+    /** Records a request of the client for perceptions. */
     void perceive(ClientMessage.Perceive perceive) throws BadMessage;
 
-    /** Requests a picture from a camera of the client's body, and sends it. */
+    /** Requests a picture from a camera of the client's body, which is sent when it is drawn. */
     void look(ClientMessage.Look look) throws BadMessage;
 
-    /** Ends the agent's round. */
+    /** Ends the current round of an agent in lock-step. */
     void ready(ClientMessage.Ready ready) throws BadMessage;
 
     /** Executes a command, unless a command with the same id was received before. Any thread. */
@@ -32,7 +32,7 @@ public interface Client {
 
     /**
      * Handles the end of a connection. If it was this client's current connection, the session
-     * waits for a new one or ends. Any thread.
+     * waits for a new connection or ends. Any thread.
      */
     void disconnected(Outbox outbox, CloseReason why);
 
@@ -40,8 +40,8 @@ public interface Client {
     PerceptionEncoder encoder();
 
     /**
-     * Charges the time for writing a perception [ns]. Called on the thread that writes to the
-     * connection.
+     * Charges the time for writing a perception [ns] to the client's share of the event loop's
+     * time. Called on the thread that writes to the connection.
      */
     void wrotePerception(long nanos);
 

@@ -22,10 +22,10 @@ import java.util.concurrent.atomic.AtomicBoolean;
 import java.util.function.Supplier;
 
 /**
- * One connection, and its session after the hello. A connection ends once, with a reason. The
- * server then writes the waiting messages and discards further input until the client closes too.
- * If it closed at once, unread input would reset the connection, and the client would not receive
- * its {@code bye}.
+ * One connection of a client, and its session after the hello. A connection ends once, with a
+ * reason. The server then writes the waiting messages, and discards further input until the client
+ * closes its side too. If the server closed the socket at once, unread input would reset the
+ * connection, and the client would not receive its {@code bye}.
  */
 public final class Connection implements EventLoop.Handler, Writers.Target {
 
@@ -42,10 +42,10 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
     private final ConnectionReader reader;
     private final ConnectionWriter writer;
 
-    /** True while the connection is in the queue for writing, so that it is queued once. */
+    /** True while the connection is queued for writing, so that it is not queued twice. */
     private final AtomicBoolean queued = new AtomicBoolean();
 
-    /** Set once, under this object's lock. */
+    /** The session; null before the hello. Set once, under this object's lock. */
     private volatile @Nullable Client session;
 
     private volatile Encoding encoding = Encoding.JSON;
@@ -55,8 +55,9 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
     /**
      * Creates the connection. Called on the event loop's thread.
      *
-     * @param relay passes the lines on to the client; null if the client itself is connected
-     * @throws IOException if the peer has closed already
+     * @param relay the server that passes messages on to the client; null if the client itself is
+     *     connected
+     * @throws IOException if the peer has closed the connection already
      */
     Connection(Connections connections, Wire wire, @Nullable Relay relay) throws IOException {
         this.relay = relay;
@@ -91,14 +92,17 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
         return encoding;
     }
 
-    /** Informs the server that relays the connection, before the welcome is queued. */
+    /**
+     * Informs the server that relays the connection, if any, about the admitted client. Called
+     * before the welcome is queued.
+     */
     public void welcomed(Role role, String world, String client) {
         if (relay != null) {
             relay.welcomed(role, world, client);
         }
     }
 
-    /** Queues a message for the client; ends the connection if too much is waiting. */
+    /** Queues a message for the client; ends the connection if too many messages are waiting. */
     public void send(ServerMessage message) {
         if (!outbox.offer(message.in(encoding))) {
             end(
@@ -112,7 +116,10 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
         }
     }
 
-    /** Sends {@code bye} and ends the connection. Only the first reason is sent. */
+    /**
+     * Sends the message {@code bye} with a reason and ends the connection. Further calls have no
+     * effect.
+     */
     public synchronized void end(CloseReason why) {
         if (leave(why)) {
             // The session ends before `bye` is flushed, so a client may reconnect as soon as it
@@ -122,8 +129,8 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
     }
 
     /**
-     * Ends because a new connection replaces this one. Discards waiting messages, and writes {@code
-     * bye} unless a message is partly written. The event loop's thread.
+     * Ends the connection because a new one replaces it. Discards waiting messages, and writes
+     * {@code bye} unless another message is partly written. The event loop's thread.
      */
     public synchronized void replace(CloseReason why) {
         if (leave(why)) {
@@ -135,7 +142,7 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
     }
 
     /**
-     * @return false if the connection has ended before
+     * @return false if the connection had ended before
      */
     private synchronized boolean leave(CloseReason why) {
         if (hasEnded()) {
@@ -190,7 +197,7 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
         }
     }
 
-    /** Checks time limits, and ends a connection that exceeds one. Called periodically. */
+    /** Ends the connection if the client exceeds a time limit. Called periodically. */
     void checkDeadlines(long nowNanos) {
         try {
             if (hasEnded()) {
@@ -214,8 +221,8 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
     }
 
     /**
-     * Ends the connection because the server holds too much unread data, and this client has been
-     * slow the longest.
+     * Ends the connection because too much data waits for slow clients in total, and this client
+     * has been slow the longest.
      */
     void giveUp() {
         end(
@@ -232,11 +239,11 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
         leave(
                 CloseReason.regular(
                         "lost",
-                        "the connection broke")); // the client is gone and cannot receive a reason
+                        "the connection broke")); // the client cannot receive this reason any more
         try {
             wire.close();
         } catch (IOException e) {
-            // Closing frees the descriptor even if it fails.
+            // Ignored: closing frees the descriptor even if it fails.
         }
         connections.forget(this);
     }
@@ -251,8 +258,8 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
     }
 
     /**
-     * Ends the connection after an error in the server, including errors of the virtual machine, so
-     * that the agent does not stay in the world.
+     * Ends the connection after any error in the server, including errors of the Java virtual
+     * machine, so that the agent does not stay in the world.
      */
     void fail(Throwable error) {
         connections.log().error("serving a connection failed", error);
@@ -268,12 +275,12 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
         return session;
     }
 
-    /** Returns whether all messages are written and the writing side is shut. */
+    /** Returns whether all messages are written and the output of the socket is shut down. */
     boolean hasWrittenAll() {
         return writer.isShut();
     }
 
-    /** Takes the first message, which must be a hello. */
+    /** Handles the first message, which must be a hello. */
     synchronized void greet(ClientMessage message) throws BadMessage, CloseReason {
         if (!(message instanceof ClientMessage.Hello hello)) {
             throw new BadMessage(
@@ -335,7 +342,7 @@ public final class Connection implements EventLoop.Handler, Writers.Target {
     }
 
     /**
-     * Replaces all waiting messages by {@code bye}; sends not even that if a message is partly
+     * Replaces all waiting messages by {@code bye}; omits {@code bye} if a message is partly
      * written.
      */
     private void sayBye() {

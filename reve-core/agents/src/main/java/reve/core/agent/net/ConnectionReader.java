@@ -20,8 +20,8 @@ import java.util.regex.Pattern;
 import javax.net.ssl.SSLException;
 
 /**
- * Reads the messages of one connection and hands them to its client, within the client's quota.
- * After the end of the connection it discards what arrives. The event loop's thread.
+ * Reader of the messages of one connection, which passes them to the session within the client's
+ * quota. After the end of the connection, it discards further input. The event loop's thread.
  */
 final class ConnectionReader {
 
@@ -38,7 +38,7 @@ final class ConnectionReader {
     private final MessageFramer messages;
     private final ReadShares.Share share;
 
-    /** A message that waits for its share of the loop's time. */
+    /** A message that waits until the connection has a share of the event loop's time again. */
     private @Nullable ByteBuffer waiting;
 
     private int errors;
@@ -47,8 +47,8 @@ final class ConnectionReader {
     private boolean held;
 
     /**
-     * Time since which the client has sent more than its quota without a pause [ns]; 0 if it does
-     * not.
+     * Time since which the client has sent more than its quota without a pause [ns]; 0 if it is
+     * within its quota.
      */
     private long floodingSinceNanos;
 
@@ -69,9 +69,9 @@ final class ConnectionReader {
     }
 
     /**
-     * Checks how long the client takes for a message.
+     * Checks the time that the client has taken so far to send a message.
      *
-     * @throws CloseReason if it takes too long
+     * @throws CloseReason if the client takes too long
      */
     void checkTime(long nowNanos) throws CloseReason {
         if (!held) {
@@ -79,7 +79,7 @@ final class ConnectionReader {
         }
     }
 
-    /** Reads what has arrived, and handles the complete messages. */
+    /** Reads the data that has arrived, and handles each complete message. */
     void read() {
         guard(
                 () -> {
@@ -88,7 +88,7 @@ final class ConnectionReader {
                         return;
                     }
                     if (held) {
-                        pause(); // the wire has data to write itself
+                        pause(); // TLS must first write data of its own
                         return;
                     }
                     do {
@@ -106,7 +106,7 @@ final class ConnectionReader {
         void read() throws IOException, CloseReason;
     }
 
-    /** Runs a read; ends the connection with a reason if it fails. */
+    /** Runs code that reads messages; ends the connection with a reason if the code fails. */
     private void guard(Reading reading) {
         try {
             reading.read();
@@ -158,8 +158,8 @@ final class ConnectionReader {
     }
 
     /**
-     * Suspends reading because the client has used up its quota. Further data waits in the socket,
-     * then at the client.
+     * Suspends reading because the client has used up its quota. Further data fills the socket's
+     * buffer, then blocks the client.
      */
     private void throttle() throws CloseReason {
         long now = System.nanoTime();
@@ -190,7 +190,7 @@ final class ConnectionReader {
 
     private void drain() throws IOException {
         if (!connection.hasWrittenAll()) {
-            key.interestOpsAnd(~SelectionKey.OP_READ); // until all is written
+            key.interestOpsAnd(~SelectionKey.OP_READ); // reads on when all messages are written
             return;
         }
         int count = wire.read(connections.buffers().buffer());
@@ -214,8 +214,8 @@ final class ConnectionReader {
     }
 
     /**
-     * Recognizes an HTTP request line. A web page can send arbitrary data to a local port, but only
-     * after such a line.
+     * Returns whether a line is the first of an HTTP request. A web page can send arbitrary data to
+     * a local port, but only after such a line.
      */
     private static boolean isHttp(ByteBuffer line) {
         return HTTP.matcher(StandardCharsets.ISO_8859_1.decode(line.duplicate())).find();
@@ -258,8 +258,9 @@ final class ConnectionReader {
     }
 
     /**
-     * Runs a long command on its own thread. Reading from the client is suspended meanwhile. A fork
-     * and a save compute for seconds, which would keep a processor from all virtual threads.
+     * Runs a long command on its own thread. Reading from the client is suspended meanwhile. Uses a
+     * platform thread for commands that compute for seconds, such as fork and save, because they
+     * would block a carrier of virtual threads.
      */
     private void hold(Client client, ClientMessage.Request request) {
         pause();
@@ -296,7 +297,7 @@ final class ConnectionReader {
                     takeAll();
                 });
         if (!held && wire.isOpen()) {
-            read(); // the wire may hold data that the selection key does not report
+            read(); // the TLS layer may have buffered data that the selection key does not report
         }
     }
 }

@@ -17,18 +17,22 @@ import java.util.Objects;
 import java.util.OptionalLong;
 
 /**
- * Encodes and writes the outbox of a connection until its socket accepts no more. Runs on the event
- * loop's thread, or on another thread while the event loop waits for it.
+ * Writer of the messages that wait in the outbox of a connection: encodes and writes them until the
+ * socket accepts no more. Runs on the event loop's thread, or on another thread while the event
+ * loop waits for it.
  */
 final class ConnectionWriter {
 
     /**
-     * Cost of large perceptions in addition to writing time, for the memory that they occupy until
-     * they are read [ns/byte].
+     * Cost of large perceptions for the memory that they occupy until the client reads them,
+     * charged in addition to the writing time [ns/byte].
      */
     private static final long NANOS_PER_LARGE_BYTE = 4;
 
-    /** Minimum progress of a write within the time limit of one write [bytes]. */
+    /**
+     * Number of bytes that the socket must accept within the time limit of a write, unless fewer
+     * are left [bytes].
+     */
     private static final int PROGRESS_BYTES = 64 * 1024;
 
     private final Connections connections;
@@ -37,21 +41,24 @@ final class ConnectionWriter {
     private final SelectionKey key;
     private final Outbox outbox;
 
-    /** The data being written, of which {@link #sent} bytes are sent; null if there is none. */
+    /**
+     * The data being written; the socket has accepted the first {@link #sent} bytes. Null if there
+     * is none.
+     */
     private @Nullable Rope unsent;
 
     private int sent;
 
-    /** Time of the last {@link #PROGRESS_BYTES} of progress [ns]. */
+    /** Time at which the socket had last accepted {@link #PROGRESS_BYTES} more [ns]. */
     private long unsentSinceNanos;
 
-    /** Bytes sent at that time. */
+    /** Value of {@link #sent} at that time. */
     private int progress;
 
     /** True if the data being written contains a perception. */
     private boolean perceives;
 
-    /** True after the socket's send buffer was enlarged. */
+    /** True after the socket's send buffer was enlarged for large messages. */
     private boolean expectsMuch;
 
     private long perceivedBytes;
@@ -73,10 +80,10 @@ final class ConnectionWriter {
     }
 
     /**
-     * Writes waiting messages; after the last one, shuts down the output.
+     * Writes waiting messages; after the last one of an ended connection, shuts down the output.
      *
-     * @param client null before its hello
-     * @throws CloseReason if nothing may be sent to the client
+     * @param client the session; null before the hello
+     * @throws CloseReason if nothing may be sent, because the audit record cannot be written
      */
     void write(WriteBuffers buffers, Encoding encoding, @Nullable Client client)
             throws IOException, CloseReason {
@@ -89,7 +96,10 @@ final class ConnectionWriter {
         }
     }
 
-    /** Writes a message and discards all waiting ones. The connection must not be stuck. */
+    /**
+     * Writes a last message instead of the waiting ones, and shuts down the output. No message must
+     * be partly written.
+     */
     void writeLast(byte[] message) throws IOException {
         wire.write(ByteBuffer.wrap(message));
         shut();
@@ -100,7 +110,10 @@ final class ConnectionWriter {
         return shut;
     }
 
-    /** Returns whether the socket has accepted less than 64 KiB for longer than {@code nanos}. */
+    /**
+     * Returns whether the socket has accepted less than 64 KiB of the waiting data for longer than
+     * {@code nanos}.
+     */
     boolean isStuckFor(long nanos, long nowNanos) {
         return isStuck() && nowNanos - unsentSinceNanos > nanos;
     }
@@ -124,7 +137,7 @@ final class ConnectionWriter {
     }
 
     /**
-     * @return true if nothing is left to write
+     * @return true if no data is left to write
      */
     private boolean writeWaiting(WriteBuffers buffers, Encoding encoding, @Nullable Client client)
             throws IOException, CloseReason {
@@ -216,7 +229,7 @@ final class ConnectionWriter {
     }
 
     /**
-     * @return true if nothing is left of the data that was being written
+     * @return true if all data that was being written is sent
      */
     private boolean writeUnsent(ByteBuffer piece) throws IOException {
         if (isStuck()) {
@@ -239,7 +252,7 @@ final class ConnectionWriter {
     private void writePieces(ByteBuffer piece) throws IOException {
         Rope rest = unsent;
         if (rest == null || sent == rest.size()) {
-            wire.write(piece.clear().limit(0)); // flushes the wire's own buffer
+            wire.write(piece.clear().limit(0)); // flushes the buffer of the TLS layer
         }
         boolean isTaken = true;
         while (rest != null && sent < rest.size() && isTaken) {

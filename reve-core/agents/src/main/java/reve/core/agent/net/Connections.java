@@ -29,14 +29,14 @@ import java.util.function.Supplier;
 import javax.net.ssl.SSLEngine;
 
 /**
- * The connections of a server: accepts them, schedules their reads and writes, and closes them.
- * Runs on the event loop's thread, except where stated.
+ * The connections of a server: accepts them, schedules their reads and writes, and closes them. The
+ * event loop's thread, except where stated.
  */
 public final class Connections {
 
     /**
-     * Maximum number of accepted connections per turn, so that a flood of connections does not
-     * delay other clients.
+     * Maximum number of connections accepted in one turn of the event loop, so that a flood of
+     * connections does not delay other clients.
      */
     private static final int ACCEPTED_PER_TURN = 16;
 
@@ -50,8 +50,8 @@ public final class Connections {
     private final RateLimitedLog log;
 
     /**
-     * Log about connections without hello, separate so that a flood of connections does not
-     * suppress log lines about agents.
+     * Log for connections that have sent no hello. Separate from the log for agents, so that a
+     * flood of connections does not suppress lines about agents.
      */
     private final RateLimitedLog strangersLog =
             new RateLimitedLog(1, "clients that have not said hello");
@@ -65,7 +65,7 @@ public final class Connections {
     /** Maximum number of open connections. */
     private final int most;
 
-    /** True if accepting failed, and the failure was logged. */
+    /** True while accepting fails; the failure was logged. */
     private boolean isAcceptFailing;
 
     private final SelectionKey accepting;
@@ -83,9 +83,9 @@ public final class Connections {
 
     /**
      * @param tls creates the TLS engine of each connection; if empty, connections are plain text
-     * @param log about clients that have sent hello
+     * @param log log for clients that have sent hello
      * @param audit records all messages to clients
-     * @param descriptors limit the number of connections
+     * @param descriptors the file descriptors that connections may take
      * @param listening the server socket
      */
     public Connections(
@@ -151,7 +151,10 @@ public final class Connections {
         open.forEach(connection -> connection.end(why));
     }
 
-    /** Writes waiting messages, and disconnects the slowest clients if too much data is waiting. */
+    /**
+     * Writes the waiting messages of all connections, and disconnects the slowest clients if too
+     * much data is waiting.
+     */
     public void writeAll() {
         writers.writeAll();
         slowReaders.excess().forEach(Connection::giveUp);
@@ -171,8 +174,8 @@ public final class Connections {
     }
 
     /**
-     * Resumes reading from clients that had used up their quota. Not in every turn, because a fast
-     * world makes many frames before the quota grows.
+     * Resumes reading from clients that had used up their quota, at most once per {@link
+     * #THROTTLE_NANOS}, because a fast world makes many frames before the quota grows.
      */
     public void readThrottled() {
         long now = System.nanoTime();
@@ -186,7 +189,8 @@ public final class Connections {
         while (next < due.size() && shares.hasLeft(now)) {
             due.get(next++).readAgain();
         }
-        throttled.addAll(0, due.subList(next, due.size())); // the next window begins with these
+        throttled.addAll(
+                0, due.subList(next, due.size())); // the next window of time begins with these
     }
 
     AgentLimits limits() {
@@ -205,7 +209,7 @@ public final class Connections {
         return log;
     }
 
-    /** Returns the log about connections that have not sent hello. */
+    /** Returns the log for connections that have not sent hello. */
     RateLimitedLog strangersLog() {
         return strangersLog;
     }
@@ -227,7 +231,7 @@ public final class Connections {
         return writers.buffers();
     }
 
-    /** Returns the shares of connections in the loop's time for decoding. */
+    /** Returns the connections' shares of the event loop's time for decoding messages. */
     ReadShares shares() {
         return shares;
     }
@@ -243,12 +247,14 @@ public final class Connections {
         loop.wake();
     }
 
-    /** Schedules a later read: when a frame is published, or when deadlines are checked. */
+    /**
+     * Schedules a later attempt to read: when a frame is published, or when deadlines are checked.
+     */
     void readLater(Connection connection) {
         throttled.add(connection);
     }
 
-    /** Removes the connection from the pending ones, because its hello has arrived. */
+    /** Removes the connection from those without hello, because its hello has arrived. */
     void known(Connection connection) {
         pending.remove(connection.address(), connection);
     }
@@ -271,7 +277,7 @@ public final class Connections {
                 isAcceptFailing = false;
                 admit(accepted);
             }
-        } catch (IOException e) { // no free file descriptors; wait until some are closed
+        } catch (IOException e) { // no file descriptor is free: accepts again when some are closed
             if (!isAcceptFailing) {
                 strangersLog.warn(
                         "no connection can be accepted: "
@@ -292,17 +298,18 @@ public final class Connections {
     }
 
     /**
-     * Admits a client whose connection another server of this process accepted and decrypted.
+     * Adds the connection of a client that another server of this process has accepted and
+     * decrypted.
      *
      * @param channel one end of a connection within this process
      * @param client address of the client
-     * @param relay receives what the session decides
+     * @param relay is notified when the session begins and when the connection ends
      */
     public void admit(SocketChannel channel, InetSocketAddress client, Relay relay) {
         admit(channel, client, Optional.empty(), relay);
     }
 
-    /** Logs that no descriptor is left for a connection. Any thread. */
+    /** Logs that no file descriptor is left; returns an exception for it. Any thread. */
     public IOException noDescriptors() {
         var none =
                 new IOException(
@@ -356,7 +363,7 @@ public final class Connections {
             strangersLog.warn(
                     () -> "a client at " + client + " was turned away: " + why.getMessage());
             channel.configureBlocking(false);
-            if (plain) { // a TLS message would need a handshake
+            if (plain) { // refuses in plain text, because TLS would need a handshake first
                 channel.write(ByteBuffer.wrap(why.bye().in(Encoding.JSON)));
             }
             channel.shutdownOutput();
@@ -369,7 +376,7 @@ public final class Connections {
         try {
             resource.close();
         } catch (IOException e) {
-            // Closing frees the descriptor even if it fails.
+            // Ignored: closing frees the descriptor even if it fails.
         }
     }
 }

@@ -9,22 +9,23 @@ import java.util.concurrent.atomic.AtomicLong;
 import java.util.function.LongSupplier;
 
 /**
- * File descriptors of the process that connections may take. A reserve remains for stores,
- * recordings, the audit record and laws, so that clients cannot stop them. Any thread.
+ * Counter of the file descriptors of this process that connections may still take. A reserve
+ * remains for stores, recordings, the audit record and laws, so that clients cannot stop them. Any
+ * thread.
  */
 public final class Descriptors {
 
-    /** Descriptors that no connection takes. */
+    /** Number of descriptors that connections never take. */
     static final int RESERVE = 64;
 
     private final LongSupplier limit;
     private final LongSupplier open;
 
-    /** Number of further connections, from the last count on. */
+    /** Number of further possible connections: the last count, less those accepted since. */
     private final AtomicLong room = new AtomicLong();
 
     /**
-     * @param limit returns the limit of the process
+     * @param limit returns the maximum number of open descriptors of the process
      * @param open returns the number of its open descriptors
      */
     Descriptors(LongSupplier limit, LongSupplier open) {
@@ -36,7 +37,7 @@ public final class Descriptors {
     /**
      * Returns the descriptors of this process.
      *
-     * @throws IOException if its limit leaves none for connections
+     * @throws IOException if the limit of the process leaves none for connections
      */
     public static Descriptors ofProcess() throws IOException {
         var system = (UnixOperatingSystemMXBean) ManagementFactory.getOperatingSystemMXBean();
@@ -57,12 +58,12 @@ public final class Descriptors {
         return descriptors;
     }
 
-    /** Returns the limit of the process. */
+    /** Returns the maximum number of open descriptors of the process. */
     long limit() {
         return limit.getAsLong();
     }
 
-    /** Returns the number of further connections. */
+    /** Returns the number of further connections that are possible. */
     public long room() {
         return room.get();
     }
@@ -71,7 +72,7 @@ public final class Descriptors {
     void count() {
         try {
             room.set(limit.getAsLong() - open.getAsLong() - RESERVE);
-        } catch (InternalError none) { // counting takes a descriptor
+        } catch (InternalError none) { // counting itself takes a descriptor, and none is left
             room.set(0);
         }
     }
@@ -82,9 +83,10 @@ public final class Descriptors {
     }
 
     /**
-     * Takes descriptors of connections whose end the next count notices.
+     * Takes descriptors for connections whose end {@link #give} does not report; the next {@link
+     * #count} notices it.
      *
-     * @return false, without effect, if fewer are left
+     * @return false, without effect, if fewer than {@code count} are left
      */
     public boolean takeIfLeft(int count) {
         long left = room.get();

@@ -13,9 +13,9 @@ import java.util.concurrent.locks.ReentrantLock;
 import java.util.function.BooleanSupplier;
 
 /**
- * The event loop of a server: reads, writes and processes messages of all agents. One thread at a
- * time runs it: its own, or a world's thread that is waiting. It waits for sockets, other threads
- * and the clock, never for a client.
+ * The event loop of a server: reads, processes and writes the messages of all agents. One thread at
+ * a time runs it: its own thread, or a world's thread while it waits for agents. The loop waits for
+ * sockets, other threads and the clock, but never for a single client.
  */
 public final class EventLoop {
 
@@ -35,7 +35,7 @@ public final class EventLoop {
         void ready(SelectionKey key);
     }
 
-    /** Work in each turn, after channels and tasks. */
+    /** Work that the loop does in each turn, after the channels and the tasks. */
     public interface Work {
         /** Returns whether there is work that can be done now. */
         boolean isWaiting();
@@ -43,7 +43,7 @@ public final class EventLoop {
         /** Does the work. */
         void run();
 
-        /** Called periodically. */
+        /** Checks time limits. Called periodically. */
         void checkDeadlines(long nowNanos);
     }
 
@@ -53,13 +53,16 @@ public final class EventLoop {
     private final long checkNanos;
     private final Thread thread;
 
-    /** Held by the thread that runs the loop. */
+    /** The lock that the thread which runs the loop holds. */
     private final ReentrantLock duty = new ReentrantLock();
 
     private final Queue<Runnable> tasks = new ConcurrentLinkedQueue<>();
     private long checkedNanos = System.nanoTime();
 
-    /** True if the last event arrived within {@link #AWAKE_NANOS}. */
+    /**
+     * True if the last event arrived within {@link #AWAKE_NANOS}, so that a busy-wait is
+     * worthwhile.
+     */
     private boolean quick;
 
     /** True if another thread has added work since this turn began. */
@@ -68,8 +71,8 @@ public final class EventLoop {
     private volatile boolean selecting;
 
     /**
-     * True while another thread runs the loop at times; the loop's own thread then only checks
-     * whether it still does.
+     * True while another thread runs the loop from time to time. The loop's own thread then only
+     * checks whether the other thread still does.
      */
     private volatile boolean taken;
 
@@ -118,7 +121,7 @@ public final class EventLoop {
     /** Wakes the loop, so that it looks for work. */
     public void wake() {
         if (duty.isHeldByCurrentThread()) {
-            return; // the loop looks for work before it blocks
+            return; // the calling thread runs the loop, which looks for work before it blocks
         }
         woken = true;
         if (selecting) {
@@ -137,9 +140,8 @@ public final class EventLoop {
 
     /**
      * Runs the loop on the calling thread instead of the loop's own, until {@code enough} holds or
-     * the time has passed. A request of the last agent then needs no switch between threads before
-     * the world continues. The loop's own thread takes over if this method is not called again for
-     * a while.
+     * the time has passed. Then no switch between threads delays the world after the request of the
+     * last agent. The loop's own thread takes over if this method is not called again for a while.
      */
     public void work(long nanoseconds, BooleanSupplier enough) {
         taken = true;
@@ -159,7 +161,8 @@ public final class EventLoop {
 
     private void run() {
         while (!stopped) {
-            // Another waiting thread has priority, because it may get a processor late.
+            // A world's thread that waits for the lock has priority, because it may get a processor
+            // late.
             if (taken || duty.hasQueuedThreads() || !duty.tryLock()) {
                 taken = false;
                 LockSupport.parkNanos(NAP_NANOS);
@@ -182,8 +185,8 @@ public final class EventLoop {
     }
 
     /**
-     * Does one turn: processes available work first, then waits for more, so that no work is left
-     * when another thread takes over.
+     * Runs one turn of the loop: processes the available work, then waits for more. In this order,
+     * no work is left when another thread takes over.
      */
     private void turn(long mostNanos, long awakeNanos) {
         try {

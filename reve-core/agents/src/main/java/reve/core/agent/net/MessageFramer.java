@@ -15,13 +15,14 @@ import java.util.Arrays;
 
 /**
  * Splits received bytes into messages: lines of JSON, or MessagePack with a length prefix. Enforces
- * limits of length and time. The buffer grows with received data, not with announced lengths. The
- * event loop's thread.
+ * limits of length and time. The buffer grows with the data received, never to a length that a
+ * client only announces. The event loop's thread.
  */
 final class MessageFramer {
 
     /**
-     * Initial buffer before the hello [bytes]; small, because many connections may send nothing.
+     * Initial size of the buffer before the hello [bytes]; small, because many connections may send
+     * nothing.
      */
     private static final int FIRST_BYTES = 128;
 
@@ -59,7 +60,7 @@ final class MessageFramer {
     }
 
     /**
-     * Reads available data. Call {@link #next} until it returns null first.
+     * Reads available data. Before that, the caller must call {@link #next} until it returns null.
      *
      * @return false if the client has closed the connection
      * @throws CloseReason if the client exceeded a limit
@@ -94,8 +95,8 @@ final class MessageFramer {
     /**
      * Returns the next complete message.
      *
-     * @return the message without line end or length, valid until the next call; null if it is
-     *     incomplete
+     * @return the message without line end or length prefix, valid until the next call; null if no
+     *     message is complete
      * @throws CloseReason if the client exceeded a limit
      */
     @Nullable ByteBuffer next() throws CloseReason {

@@ -14,19 +14,22 @@ import java.util.List;
 /**
  * The queue of outgoing messages of one client. Messages keep their order, and their number and
  * size are limited. Events are counted separately, because other clients cause them: events beyond
- * the limit are dropped by whole frames, and one message reports them. Only the newest perception
- * waits, and its difference from the previous one is computed when it is written. Any thread adds;
- * the event loop removes.
+ * the limit are dropped by whole frames, and one message reports them. Of a stream of perceptions,
+ * only the newest waits; its difference from the one written before is computed when it is written.
+ * Any thread adds; the event loop removes.
  */
 public final class Outbox {
 
-    /** An entry of the queue. */
+    /** An entry of the queue, which waits to be written. */
     sealed interface Waiting {}
 
     /** An encoded message. */
     public record Message(byte[] bytes, boolean isEvent) implements Waiting {}
 
-    /** The number of dropped events and their frames; all events of these frames are dropped. */
+    /**
+     * A report of dropped events: their number, and the first and last of the frames whose events
+     * are all dropped.
+     */
     record Missed(long events, long first, long last) implements Waiting {}
 
     /**
@@ -37,7 +40,7 @@ public final class Outbox {
      */
     record Perception(long id, View view, @Nullable View before) implements Waiting {}
 
-    /** Memory of an event in the queue, without shared data [bytes]. */
+    /** Memory of an event in the queue, without its encoded bytes, which clients share [bytes]. */
     private static final int EVENT_BYTES = 64;
 
     /** Memory of a reference to a shared event in a list [bytes]. */
@@ -48,8 +51,8 @@ public final class Outbox {
     private final Runnable filled;
 
     /**
-     * Events during the client's absence. They are shared with other clients and encoded when they
-     * are written; the limit on waiting events does not apply.
+     * Events from the time when the client had no connection. They are shared with other clients
+     * and encoded when they are written; the limit on waiting events does not apply to them.
      */
     private List<HeardEvent.Told> history = List.of();
 
@@ -60,10 +63,10 @@ public final class Outbox {
     private final Load answers = new Load();
     private final Load events = new Load();
 
-    /** The last frame whose events were added. */
+    /** Number of the last frame whose events were added. */
     private long happenedIn = -1;
 
-    /** Number of dropped events since {@link #events} was empty; 0 if none. */
+    /** Number of dropped events that are not reported yet; 0 if none. */
     private long missed;
 
     private long firstMissed;
@@ -91,7 +94,7 @@ public final class Outbox {
     }
 
     /**
-     * @param filled called under this object's lock when data to write is added
+     * @param filled called under this object's lock when there is new data to write
      */
     public Outbox(int maxMessages, int maxBytes, Runnable filled) {
         this.maxMessages = maxMessages;
@@ -100,8 +103,8 @@ public final class Outbox {
     }
 
     /**
-     * Begins with the welcome of a resumed session and the events of the client's absence. Limits
-     * do not apply to these.
+     * Queues the welcome of a session, and the events from the time when the client had no
+     * connection. The limits do not apply to these.
      */
     public synchronized void begin(byte[] line, List<HeardEvent.Told> happened, Encoding encoding) {
         if (!finished) {
@@ -149,8 +152,8 @@ public final class Outbox {
     }
 
     /**
-     * Adds an event of a frame, or counts it as dropped while events are dropped. Only events of
-     * earlier frames count towards the limit, so a frame may have any number of events.
+     * Adds an event of a frame, or drops it if events are being dropped. Only events of earlier
+     * frames count towards the limit, so a frame may have any number of events.
      *
      * @return false if too many events are waiting; the caller must call {@link #miss}
      */
@@ -170,7 +173,10 @@ public final class Outbox {
         return true;
     }
 
-    /** Drops an event of a frame and all further events until the waiting ones are written. */
+    /**
+     * Drops an event of a frame, and makes further events be dropped until the waiting ones are
+     * written.
+     */
     public synchronized void miss(long frame) {
         miss(1, frame, frame);
     }
@@ -200,7 +206,8 @@ public final class Outbox {
     }
 
     /**
-     * Adds the answer to a single request for a perception. The previous answer must be written.
+     * Adds the answer to a single request for a perception. The previous answer must have been
+     * written.
      */
     public synchronized void offerAnswer(long id, View view) {
         if (!finished) {
@@ -209,7 +216,7 @@ public final class Outbox {
         }
     }
 
-    /** Adds the newest perception of the stream; it replaces a waiting one. */
+    /** Adds the newest perception of the stream, which replaces a waiting one. */
     public synchronized void offerLatest(long id, View view) {
         if (!finished) {
             latest = view;
@@ -218,7 +225,7 @@ public final class Outbox {
         }
     }
 
-    /** Begins a new stream of perceptions. */
+    /** Begins a new stream of perceptions, whose first perception is complete. */
     public synchronized void restart() {
         latest = null;
         told = null;
@@ -229,17 +236,15 @@ public final class Outbox {
         return answer != null;
     }
 
-    /**
-     * Accepts no more messages; the waiting ones are written, then {@code lastLine}, then the
-     * writer ends.
-     */
+    /** Accepts no more messages. The waiting ones are still written, then {@code lastLine}. */
     synchronized void finish(byte[] lastLine) {
         if (!finished) {
             finished = true;
             latest = null;
             tellMissed();
             if (answer != null) {
-                messages.addLast(answer); // after the events up to its frame
+                messages.addLast(
+                        answer); // after the events of all frames up to that of the perception
                 answer = null;
             }
             add(lastLine, false);

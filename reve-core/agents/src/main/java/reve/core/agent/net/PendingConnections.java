@@ -11,10 +11,10 @@ import java.util.Map;
 import java.util.Set;
 
 /**
- * Connections that have not sent hello yet, by address, so that one address cannot take all places.
- * The event loop's thread.
+ * The connections that have not sent hello yet, by network address. Their number is limited per
+ * address, so that one address cannot take all places. The event loop's thread.
  *
- * @param <C> a connection
+ * @param <C> type of a connection
  */
 final class PendingConnections<C> {
 

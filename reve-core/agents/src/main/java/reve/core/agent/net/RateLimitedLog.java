@@ -8,7 +8,7 @@ import java.util.concurrent.TimeUnit;
 import java.util.function.Supplier;
 
 /**
- * A log with a limit on lines per second; a further line reports the number of suppressed lines.
+ * A log with a limit on lines per second. One more line reports how many lines were suppressed.
  * Prevents clients from flooding the log. Any thread.
  */
 public final class RateLimitedLog {
@@ -23,7 +23,7 @@ public final class RateLimitedLog {
     private int leftOut;
 
     /**
-     * @param subject the subject of the lines, as in "7 more lines about WHO"
+     * @param subject the subject of the lines, for the report "7 more lines about SUBJECT"
      */
     public RateLimitedLog(int linesPerSecond, String subject) {
         this.linesPerSecond = linesPerSecond;

@@ -2,10 +2,10 @@
 package reve.core.agent.net;
 
 /**
- * Shares of the event loop's time for decoding messages. A message costs its bytes, because the
- * slowest ones take some 25 ns a byte. Each connection has a small allowance, which covers an agent
- * that acts in every frame; longer messages and faster agents share a pool, so that any number of
- * costly messages leaves most of the loop's time to others. The event loop's thread.
+ * Shares of the event loop's time for decoding messages. The cost of a message is its size, because
+ * the slowest messages take about 25 ns per byte. Each connection has a small allowance, which
+ * suffices for an agent that acts in every frame. Longer messages and faster agents share a pool,
+ * so that they leave most of the loop's time to others. The event loop's thread.
  */
 final class ReadShares {
 
@@ -15,20 +15,26 @@ final class ReadShares {
     /** Largest unused allowance of a connection [bytes]. */
     static final int OWN_MOST = 4 * 1024;
 
-    /** What all connections share in a window, besides their allowances [bytes]. */
+    /**
+     * Size of the pool that all connections share in each window, in addition to their allowances
+     * [bytes].
+     */
     static final int POOL = 128 * 1024;
 
-    /** Largest part of the pool for one connection in a window, if it takes several messages. */
+    /**
+     * Largest part of the pool that one connection may take per window with several messages; a
+     * single message may take more [bytes].
+     */
     static final int MOST_OF_POOL = POOL / 2;
 
-    /** Length of a window. */
+    /** Duration of a window, after which the pool is full again [ns]. */
     static final long WINDOW_NANOS = 10_000_000;
 
     private long windowNanos;
     private long window;
     private long pool = POOL;
 
-    /** What one connection may still send. */
+    /** The unused allowance of one connection, and its use of the pool. */
     static final class Share {
         private double own = OWN_MOST;
         private long nanos;
@@ -44,9 +50,9 @@ final class ReadShares {
     }
 
     /**
-     * Takes a message of this size.
+     * Takes the size of a message from the allowance or, if too small, from the pool.
      *
-     * @return false if it must wait for a later window
+     * @return false if the message must wait for a later window
      */
     boolean take(Share share, int bytes, long nowNanos) {
         share.own =
@@ -70,7 +76,7 @@ final class ReadShares {
         return true;
     }
 
-    /** Returns whether the pool of this window has something left. */
+    /** Returns whether the pool of this window is not used up. */
     boolean hasLeft(long nowNanos) {
         begin(nowNanos);
         return pool > 0;

@@ -9,30 +9,33 @@ import java.util.List;
 import java.util.Map;
 
 /**
- * Connections whose sockets do not accept all data, and the memory of their waiting data. Data that
- * several connections share is counted once. Above a limit, the connections that have been slow the
- * longest are disconnected. Any thread.
+ * The connections whose clients read too slowly, and the memory of the data that waits for them.
+ * Data that several connections share is counted once. If the memory exceeds a limit, the
+ * connections that have been slow the longest are disconnected. Any thread.
  *
- * @param <C> a connection
+ * @param <C> type of a connection
  */
 public final class SlowReaders<C> {
 
-    /** Minimum size of counted data [bytes]; 4,096 connections with less are tolerated. */
+    /**
+     * Minimum size of the waiting data of a connection that counts [bytes]; the memory of 4,096
+     * connections with less is tolerable.
+     */
     private static final int LARGE_BYTES = 16 * 1024;
 
     private static final long MOST_BYTES = 256L * 1024 * 1024;
 
-    /** The limit is this fraction of a small heap. */
+    /** With a small heap, the limit is the size of the heap divided by this number. */
     private static final int SHARE = 8;
 
     private final long mostBytes;
 
     private static final Rope NOTHING = new Rope(new byte[0]);
 
-    /** Waiting data of a connection: bytes in its queue, and the rest of the data being written. */
+    /** Waiting data of a connection: number of bytes in its queue, and the data being written. */
     private record Held(int queued, Rope rest) {}
 
-    /** Slowest first. Guarded by this. */
+    /** Waiting data by connection, the slowest first. Guarded by this. */
     private final Map<C, Held> large = new LinkedHashMap<>();
 
     private long bytes;
@@ -45,7 +48,7 @@ public final class SlowReaders<C> {
         this.mostBytes = mostBytes;
     }
 
-    /** Records that the socket has not accepted {@code rest}. */
+    /** Records that the socket of a connection has not accepted {@code rest} completely. */
     synchronized void hold(C connection, Rope rest) {
         if (rest.size() > LARGE_BYTES) {
             release(connection);
@@ -54,7 +57,10 @@ public final class SlowReaders<C> {
         }
     }
 
-    /** Updates the bytes in the queue of a slow connection. Its position is kept. */
+    /**
+     * Updates the number of bytes in the queue of a slow connection, which keeps its position in
+     * the order.
+     */
     synchronized void count(C connection, int queued) {
         Held before = large.get(connection);
         if (before == null && queued > LARGE_BYTES) {
@@ -81,7 +87,10 @@ public final class SlowReaders<C> {
         return bytes;
     }
 
-    /** Removes and returns the connections to disconnect, so that the rest is below the limit. */
+    /**
+     * Removes and returns the connections to disconnect, so that the data of the others is within
+     * the limit.
+     */
     synchronized List<C> excess() {
         var excess = new ArrayList<C>();
         while (bytes > mostBytes) {

@@ -15,7 +15,10 @@ import javax.net.ssl.SSLEngineResult;
 import javax.net.ssl.SSLEngineResult.HandshakeStatus;
 import javax.net.ssl.SSLException;
 
-/** TLS over a TCP connection. Expensive computations of a handshake run on another thread. */
+/**
+ * The byte stream of a client over TLS. The expensive computations of a handshake run on another
+ * thread.
+ */
 final class TlsWire implements Wire {
 
     /** First byte of a TLS connection; no message of the protocol begins with it. */
@@ -23,22 +26,28 @@ final class TlsWire implements Wire {
 
     private static final ByteBuffer NOTHING = ByteBuffer.allocate(0);
 
-    /** Buffers per thread; only few threads write for all connections. */
+    /**
+     * Buffers for use within one call, one set per thread, because only few threads serve all
+     * connections.
+     */
     private static final ThreadLocal<Scratch> SCRATCH = ThreadLocal.withInitial(Scratch::new);
 
-    /** More than the 16 KiB and the header that TLS allows [bytes]. */
+    /** Size of a buffer for one TLS record [bytes]: more than its 16 KiB of data and its header. */
     private static final int RECORD_BYTES = 18 * 1024;
 
     private final SocketChannel channel;
     private final Plain plain;
     private final SSLEngine engine;
 
-    // Set on registration.
+    // Set by {@link #register}.
     private @Nullable EventLoop loop;
     private @Nullable SelectionKey key;
     private @Nullable Runnable readable;
 
-    /** Buffers: received but incomplete; decrypted but not read; encrypted but not sent. */
+    /**
+     * Three buffers for data that is received but incomplete, decrypted but not read, and encrypted
+     * but not sent.
+     */
     private ByteBuffer incoming = NOTHING;
 
     private ByteBuffer received = NOTHING;
@@ -56,7 +65,7 @@ final class TlsWire implements Wire {
         private final ByteBuffer outgoing = ByteBuffer.allocate(RECORD_BYTES);
     }
 
-    /** The client does not speak TLS; further output is plain text. */
+    /** Reports that the client does not use TLS; further output is plain text. */
     static final class PlainTextException extends IOException {
         private static final long serialVersionUID = 1;
     }
@@ -107,7 +116,7 @@ final class TlsWire implements Wire {
     /**
      * Decrypts received data.
      *
-     * @return false after the end of the input
+     * @return false if the client has ended its output
      */
     private boolean decrypt() throws IOException {
         ByteBuffer in = SCRATCH.get().incoming.clear().put(incoming);
@@ -154,7 +163,10 @@ final class TlsWire implements Wire {
         return open;
     }
 
-    /** Runs signatures and checks on another thread. Nothing is read meanwhile. */
+    /**
+     * Runs the signatures and checks of the handshake on another thread; reading is suspended
+     * meanwhile.
+     */
     private void compute() {
         computing = true;
         interest(SelectionKey.OP_READ, false);
@@ -208,9 +220,9 @@ final class TlsWire implements Wire {
     }
 
     /**
-     * Encrypts a record.
+     * Encrypts data into one TLS record and writes it to the socket.
      *
-     * @return false if the socket does not accept all of it now
+     * @return false if the socket does not accept the whole record now
      */
     private boolean wrap(ByteBuffer bytes) throws IOException {
         if (!flush()) {
@@ -234,7 +246,7 @@ final class TlsWire implements Wire {
         return !hasUnsent();
     }
 
-    /** Sends the alert that reports the error, if the socket accepts it now. */
+    /** Sends the TLS alert that reports the error to the client, if the socket accepts it now. */
     private void tellWhy() {
         try {
             wrap(NOTHING);
@@ -248,7 +260,7 @@ final class TlsWire implements Wire {
         if (!bypassed) {
             engine.closeOutbound();
             wrap(NOTHING);
-            bypassed = true; // further input is discarded
+            bypassed = true; // TLS is bypassed: further input is discarded
         }
         plain.shutdownOutput();
     }

@@ -9,7 +9,7 @@ import java.nio.channels.ByteChannel;
 import java.nio.channels.SelectionKey;
 import java.nio.channels.SocketChannel;
 
-/** The byte stream of one client, without blocking. The event loop's thread. */
+/** The non-blocking byte stream of one client, with or without TLS. The event loop's thread. */
 interface Wire extends ByteChannel {
 
     /** Returns the address of the peer. */
@@ -18,7 +18,8 @@ interface Wire extends ByteChannel {
     /**
      * Registers the handler for input, and later for the operations of the key.
      *
-     * @param readable called when buffered input is available that the key does not report
+     * @param readable called when input is available that the stream has buffered, so that the key
+     *     does not report it
      */
     SelectionKey register(EventLoop loop, EventLoop.Handler handler, Runnable readable)
             throws IOException;
@@ -26,7 +27,10 @@ interface Wire extends ByteChannel {
     /** Prepares for large messages: enlarges the send buffer. */
     default void expectMuch() throws IOException {}
 
-    /** Returns whether buffered input is available that the key does not report. */
+    /**
+     * Returns whether input is available that the stream has buffered, so that the key does not
+     * report it.
+     */
     default boolean hasReceived() {
         return false;
     }
@@ -54,8 +58,9 @@ interface Wire extends ByteChannel {
         private static final int SEND_BUFFER_BYTES = 32 * 1024;
 
         /**
-         * Send buffer for clients that receive large messages [bytes]. A loopback segment has 64
-         * KiB; if the buffer holds only one, the system waits 40 ms for each acknowledgement.
+         * Send buffer for clients that receive large messages [bytes]. A TCP segment on loopback
+         * has 64 KiB. If the buffer has room for only one, the operating system waits 40 ms for
+         * each acknowledgement.
          */
         private static final int LARGE_SEND_BUFFER_BYTES = 256 * 1024;
 

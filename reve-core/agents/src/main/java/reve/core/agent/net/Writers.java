@@ -11,17 +11,17 @@ import java.util.concurrent.atomic.AtomicInteger;
 import java.util.concurrent.locks.LockSupport;
 
 /**
- * Writes waiting messages to clients. With many clients, writing is most of the server's work.
- * Therefore a helper thread and the event loop's thread both take clients from a long queue; for a
- * short one the helper sleeps. The event loop then waits for the helper, so that it never uses a
- * connection to which the helper still writes.
+ * Writes waiting messages to clients. With many clients, writing is most of the server's work, so a
+ * helper thread and the event loop's thread both take clients from the queue. The helper sleeps
+ * while the queue is short. Before the event loop continues, it waits for the helper, so that it
+ * never uses a connection to which the helper still writes.
  */
 final class Writers {
 
     /** Minimum number of clients for which the helper thread is woken. */
     private static final int LONG_ROW = 200;
 
-    /** Busy-wait of the event loop for the helper before it blocks. */
+    /** Maximum busy-wait of the event loop for the helper before it blocks [ns]. */
     private static final long PATIENCE_NANOS = 20_000;
 
     /** A connection to write to. */
@@ -36,18 +36,21 @@ final class Writers {
             Thread.ofPlatform().name("agents' writer").daemon().unstarted(this::help);
     private final boolean helped;
 
-    /** Changed by the event loop only while the row is closed for the helper. */
+    /**
+     * The connections to write to. The event loop changes this list only while {@link #open} is
+     * false.
+     */
     private final List<Target> row = new ArrayList<>();
 
-    /** Index in the row of the next target. */
+    /** Index of the next target in {@link #row}. */
     private final AtomicInteger next = new AtomicInteger();
 
     private volatile boolean open;
 
-    /** True while the helper works on the row. Set before it checks whether the row is open. */
+    /** True while the helper may write to targets. Set before the helper checks {@link #open}. */
     private volatile boolean helping;
 
-    /** The thread that sleeps until the helper has finished. */
+    /** The thread that blocks until the helper has finished; null if none. */
     private volatile @Nullable Thread sleeper;
 
     private volatile boolean stopped;
@@ -65,7 +68,7 @@ final class Writers {
         }
     }
 
-    /** Stops the helper. Called on the event loop's thread, which writes no more. */
+    /** Stops the helper. Called on the event loop's thread, which must not write afterwards. */
     void stop() {
         stopped = true;
         LockSupport.unpark(helper);

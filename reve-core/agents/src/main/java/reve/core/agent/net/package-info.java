@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /**
  * Connections: sockets, TLS, framing of messages, outbound queues, and the event loop that serves
- * them. The package knows no world; the session behind a connection is a {@link
+ * them. The package does not depend on worlds; it sees the session of a connection as a {@link
  * reve.core.agent.net.Client}.
  */
 @NullMarked

@@ -6,7 +6,7 @@ import reve.core.agent.protocol.MessageWriter;
 import java.util.ArrayList;
 import java.util.List;
 
-/** The differences between two views. Reusable; for one thread. */
+/** The differences between two views: new, changed and missing items. Reusable; for one thread. */
 public final class Difference {
 
     private final List<String> left = new ArrayList<>();
@@ -15,7 +15,7 @@ public final class Difference {
     /** Pairs of the former and the present version of an item. */
     private final List<PerceivedItem> changed = new ArrayList<>();
 
-    /** Compares two lists that are ordered by id. */
+    /** Compares two lists of items, both ordered by id. */
     void find(List<PerceivedItem> before, List<PerceivedItem> now) {
         left.clear();
         entered.clear();

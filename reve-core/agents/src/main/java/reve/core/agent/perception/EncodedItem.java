@@ -14,7 +14,7 @@ import java.util.Optional;
 import java.util.SortedSet;
 import java.util.concurrent.ConcurrentHashMap;
 
-/** One version of an item's symbolic data, in encoded form. */
+/** The encoded form of one version of an item's symbolic data; each part is encoded once. */
 final class EncodedItem {
 
     private final ItemSymbols source;
@@ -35,21 +35,24 @@ final class EncodedItem {
     }
 
     /**
-     * @param which names of the perceived symbols; empty for all
+     * @param which names of the symbols that a client perceives; empty for all
      */
     Fragment symbols(Optional<SortedSet<String>> which) {
         return symbols.computeIfAbsent(
                 which, names -> new Fragment(writer -> writer.value(symbolValues(names))));
     }
 
-    /** Returns the perceived symbols, by name. */
+    /** Returns the values of the perceived symbols, by name. */
     Map<String, Object> symbolValues(Optional<SortedSet<String>> which) {
         Map<String, Object> perceived = source.symbols();
         which.ifPresent(perceived.keySet()::retainAll);
         return perceived;
     }
 
-    /** Returns the capabilities that actions need, by action; omits actions that need none. */
+    /**
+     * Returns the capabilities that the item's actions need, by name of the action; omits actions
+     * that need none.
+     */
     Map<String, Object> needs() {
         var needs = new LinkedHashMap<String, Object>();
         source.actions().stream()

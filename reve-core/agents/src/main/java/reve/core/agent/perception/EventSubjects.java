@@ -15,8 +15,10 @@ import java.util.function.Function;
 /**
  * The items that an event refers to, looked up once for all clients.
  *
- * @param byField the items that fields name, by field; {@value #AGENT} stands for the agent's body
- * @param items the items that the event is about, without items that only are the body of its agent
+ * @param byField the items that the event's fields name, by field; for the field {@value #AGENT},
+ *     the agent's body
+ * @param items the items that the event is about; the body of its agent only if another field names
+ *     it
  */
 public record EventSubjects(Map<String, Mention> byField, List<Mention> items) {
 
@@ -26,12 +28,12 @@ public record EventSubjects(Map<String, Mention> byField, List<Mention> items) {
     private static final Set<String> ITEM_FIELDS = Set.of("item", "body", "actor", "target");
 
     /**
-     * @param id empty if the item no longer exists
+     * @param id id of the item; empty if the item no longer exists
      */
     public record Mention(String name, Optional<ItemId> id) {}
 
     /**
-     * @param bodyOf returns the name of an agent's body
+     * @param bodyOf returns the name of the body of an agent
      */
     public static EventSubjects in(
             WorldEvent event, Observatory world, Function<String, Optional<String>> bodyOf) {

@@ -16,26 +16,26 @@ import java.util.Map;
 import java.util.function.BooleanSupplier;
 
 /**
- * Relations (near, on, inside, touching) between all items of one frame. They are computed item by
- * item, in slices of time if necessary, from a copy of the boxes, so later frames do not change the
- * result. The event loop's thread.
+ * The spatial relations (near, on, inside, touching) between all items of one frame. They are
+ * computed item by item, in slices of time if necessary, from a copy of the boxes of that frame, so
+ * later frames do not change the result. The event loop's thread.
  */
 final class FrameRelations {
 
     private static final List<String> NAMES = List.of("inside", "near", "on", "touching");
     private static final int NO_BOX = -1;
 
-    /** Items between two checks of the clock. */
+    /** Number of items between two checks of the clock. */
     private static final int BATCH = 16;
 
     private final RelatedBoxes boxes = new RelatedBoxes();
     private View everything = new View(-1, 0, List.of());
 
-    // Indexed by position in the order of ids.
+    // Arrays indexed by position of the item in the order of ids.
     private long[] ids = {};
     private int[] boxOf = {};
 
-    // Indexed by box.
+    // Arrays indexed by box.
     private String[] names = {};
     private int[][] found = {};
     private List<Map<String, List<String>>> told = new ArrayList<>();
@@ -44,14 +44,14 @@ final class FrameRelations {
     /** View of all items with relations; null until it is requested for this frame. */
     private @Nullable View everythingRelated;
 
-    /** Items of the last such view, in the order of ids. */
+    /** Items of the last view of all items with relations, in the order of ids. */
     private List<PerceivedItem> related = List.of();
 
     /**
      * Begins with a new frame. Keeps the results of the previous frame if no box has changed.
      *
-     * @param inOrder ids of the view's items; must not change
-     * @param rows of the items, negative for items that are not bodies
+     * @param inOrder ids of the view's items, in ascending order; must not change
+     * @param rows rows of the items in the table of bodies, negative for items that are not bodies
      */
     void begin(View view, long[] inOrder, int[] rows, SensedWorld bodies) {
         everything = view;
@@ -120,7 +120,10 @@ final class FrameRelations {
         }
     }
 
-    /** Returns the number of found boxes for each relation, followed by these boxes. */
+    /**
+     * Returns the search result in one array: the number of boxes for each relation, then the
+     * boxes.
+     */
     private int[] packed() {
         int size = RelatedBoxes.RELATIONS;
         for (int relation = 0; relation < RelatedBoxes.RELATIONS; relation++) {
@@ -151,7 +154,8 @@ final class FrameRelations {
     }
 
     /**
-     * Returns the view with relations between its items. Requires that all relations are computed.
+     * Returns the view with the relations between its items added. All relations must have been
+     * computed.
      */
     View addTo(View view) {
         if (view == everything && everythingRelated != null) {

@@ -11,8 +11,8 @@ import java.util.LinkedHashMap;
 import java.util.Map;
 
 /**
- * An event as sent to agents, created and encoded once for all clients that receive the same
- * fields. The event loop's thread.
+ * An event in the form that is sent to clients. It is created and encoded once for all clients that
+ * receive the same fields. The event loop's thread.
  */
 public final class HeardEvent {
 
@@ -23,7 +23,7 @@ public final class HeardEvent {
 
     /**
      * @param bytes the encoded message; must not change
-     * @param encoding of the bytes
+     * @param encoding encoding of the bytes
      */
     public record Told(ServerMessage.Event message, byte[] bytes, Encoding encoding) {
 
@@ -32,13 +32,16 @@ public final class HeardEvent {
             return new Told(message, message.in(encoding), encoding);
         }
 
-        /** Returns the encoded message; shares the bytes if the encoding matches. */
+        /**
+         * Returns the message in an encoding: the shared bytes if the encoding is the same, else a
+         * new encoding.
+         */
         public byte[] in(Encoding wanted) {
             return wanted == encoding ? bytes : message.in(wanted);
         }
     }
 
-    /** Creates an event that is encoded when it is first sent. */
+    /** Wraps an event of the world; it is encoded when it is first sent. */
     public HeardEvent(WorldEvent event) {
         this.event = event;
     }
@@ -49,7 +52,7 @@ public final class HeardEvent {
     }
 
     /**
-     * @param fields indices of the event's fields that are sent
+     * @param fields indices of those fields of the event that are sent
      */
     public Told with(BitSet fields, Encoding encoding) {
         return told.computeIfAbsent(new Hearing(fields, encoding), this::make);

@@ -4,8 +4,9 @@ package reve.core.agent.perception;
 import java.util.Arrays;
 
 /**
- * The bodies that last hid others from an eye, the most recent first. They are tested first,
- * because a few bodies near the eye hide most others. For one thread.
+ * The bodies that last hid other bodies from an eye (the origin of an agent's body), the most
+ * recent first. Line-of-sight tests check them first, because a few bodies near the eye hide most
+ * others. For one thread.
  */
 final class Hiders {
 
@@ -21,7 +22,10 @@ final class Hiders {
         return MOST;
     }
 
-    /** Returns a row, or {@link SensedWorld#NOTHING}; rows may contain other bodies by now. */
+    /**
+     * Returns the row of a body, or {@link SensedWorld#NOTHING} in an empty place. The row may
+     * contain another body by now.
+     */
     int get(int place) {
         return rows[place];
     }

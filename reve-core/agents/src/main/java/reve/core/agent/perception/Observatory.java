@@ -23,43 +23,59 @@ import java.util.IdentityHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
+import java.util.function.BooleanSupplier;
 
 /**
- * The newest frame as read by the publisher, and the perceptions of sensors in it. Data that has
- * not changed since the previous frame is the same object. The event loop's thread.
+ * The newest frame that the publisher has read, and the computation of what sensors perceive in it.
+ * Data that has not changed since the previous frame is represented by the same object. The event
+ * loop's thread.
  */
 public final class Observatory {
 
-    /** Factor on a sensor's range in searches; the sensor's own test decides. */
+    /**
+     * Factor by which searches extend a sensor's range, for rounding errors; an exact test of the
+     * sensor follows.
+     */
     private static final double WIDER = 1 + 1e-9;
 
     private static final int NO_ROW = -1;
 
-    /** Maximum sum of distances [m]; a larger sum would lose small summands. */
+    /** Tested items between two looks at the clock, with and without line of sight. */
+    private static final int LOOKS = 4;
+
+    private static final int TESTS = 64;
+
+    /**
+     * Maximum sum of distances that bodies have moved [m]; in a larger sum, rounding would lose
+     * small summands.
+     */
     private static final double LONGEST_PATH = 1000;
 
     private final SensedWorld bodies = new SensedWorld();
     private final Found found = new Found();
 
-    /** Hiders for any eye, used if no body has sensors that look. */
+    /** Bodies that last hid others from the eye of any body, for tests of single items. */
     private final Hiders hiders = new Hiders();
 
     private PMap<ItemId, ItemSymbols> symbols = TreePMap.empty();
     private Map<String, ItemId> idByName = Map.of();
     private View everything = new View(0, 0, List.of());
 
-    // Indexed by position in the order of ids.
+    // Arrays indexed by position of the item in the order of ids.
     private long[] inOrder = {};
     private EncodedItem[] items = {};
     private int[] rows = {};
     private PerceivedItem[] seen = {};
 
-    /** Perceived items per visibility, as far as an agent has sensed them. */
+    /**
+     * Perceived items by {@link Visibility}; null for items that no agent with this visibility has
+     * sensed.
+     */
     private final Map<Visibility, PerceivedItem[]> sensed = new HashMap<>();
 
     private final Map<Sensor, PerceivedItem[]> shownBy = new IdentityHashMap<>();
 
-    // Indexed by row.
+    // Arrays indexed by row in the table of bodies.
     private long[] ids = {};
     private int[] places = {};
     private PerceivedItem[] gathered = {};
@@ -68,7 +84,10 @@ public final class Observatory {
     /** Incremented when items are added or removed, or change their rows. */
     private long arrangement;
 
-    /** Upper bounds on the distance that any body has moved [m]: in this frame, and in total. */
+    /**
+     * Upper bound on the distance that any body has moved in this frame [m]; the next field is the
+     * sum over frames.
+     */
     private double moved;
 
     private double path;
@@ -76,7 +95,8 @@ public final class Observatory {
     /**
      * Reads a frame.
      *
-     * @return false if the snapshot was lost meanwhile; the content is then invalid
+     * @return false if the snapshot was overwritten meanwhile; the content of this object is then
+     *     invalid
      */
     public boolean read(WorldSnapshot snapshot) {
         try {
@@ -107,7 +127,7 @@ public final class Observatory {
         return true;
     }
 
-    /** Discards the rows, which may be invalid. */
+    /** Discards data that may be invalid; the next frame is read completely. */
     private void forget() {
         ids = new long[0];
         symbols = TreePMap.empty();
@@ -187,7 +207,7 @@ public final class Observatory {
                                         || bodies.isAt(row, place)));
     }
 
-    /** Returns the view of all items. */
+    /** Returns the view of all items, which clients without sensors receive. */
     public View everything() {
         return everything;
     }
@@ -205,14 +225,23 @@ public final class Observatory {
      * Returns the items that one sensor of a body senses now, and the body itself, in the order of
      * ids.
      *
-     * @param around surroundings of the body within the sensor's range; updated
+     * @param around items around the body that the sensor may reach, kept from frame to frame;
+     *     updated
      * @param before the previous result; returned again if nothing has changed
+     * @param isTimeLeft false if the caller must do other work first
+     * @return empty if the time was too short; the next call in this frame continues
      */
-    List<PerceivedItem> sense(
-            Sensor sensor, ItemId body, Surroundings around, List<PerceivedItem> before) {
-        int eye = place(body);
-        gather(sensor, eye, around);
-        return isGathered(before) ? before : List.of(Arrays.copyOf(gathered, gatheredCount));
+    Optional<List<PerceivedItem>> sense(
+            Sensor sensor,
+            ItemId body,
+            Surroundings around,
+            List<PerceivedItem> before,
+            BooleanSupplier isTimeLeft) {
+        if (!gather(sensor, place(body), around, isTimeLeft)) {
+            return Optional.empty();
+        }
+        return Optional.of(
+                isGathered(before) ? before : List.of(Arrays.copyOf(gathered, gatheredCount)));
     }
 
     private boolean isGathered(List<PerceivedItem> items) {
@@ -227,7 +256,11 @@ public final class Observatory {
         return true;
     }
 
-    private void gather(Sensor sensor, int eye, Surroundings around) {
+    /**
+     * @return false if the time was too short
+     */
+    private boolean gather(
+            Sensor sensor, int eye, Surroundings around, BooleanSupplier isTimeLeft) {
         PerceivedItem[] shown =
                 shownBy.computeIfAbsent(
                         sensor,
@@ -240,22 +273,21 @@ public final class Observatory {
             if (eye >= 0) {
                 gather(seen[eye]);
             }
-            return;
+            return true;
         }
-        if (eye < 0
-                || rows[eye] == NO_ROW
-                || sensor.isUnlimited()
-                || Double.isInfinite(sensor.range())) {
+        if (eye < 0 || rows[eye] == NO_ROW || sensor.isUnlimited()) {
             for (int i = 0; i < items.length; i++) {
                 gather(sensed(sensor, eye, i, shown, around.hiders));
             }
-            return;
+            return true;
         }
-        lookAround(sensor, rows[eye], around);
-        boolean anew =
-                sensor.lineOfSight()
-                        ? bodies.haveAnyMoved(around.sensedIn)
-                        : bodies.hasMoved(rows[eye], around.sensedIn);
+        if (!around.isBegun(bodies.moment())) {
+            lookAround(sensor, rows[eye], around);
+            around.begin(bodies.moment());
+        }
+        if (!testAll(sensor, eye, around, shown, isTimeLeft)) {
+            return false;
+        }
         boolean itself = false;
         for (int k = 0; k < around.count; k++) {
             int i = around.items[k];
@@ -264,15 +296,43 @@ public final class Observatory {
                 itself = true;
             }
             itself |= i == eye;
-            if (anew || bodies.hasMoved(rows[i], around.sensedIn)) {
-                around.sensed[k] = sensed(sensor, eye, i, shown, around.hiders);
-            }
             gather(around.sensed[k]);
         }
         if (!itself) {
             gather(seen[eye]);
         }
         around.sensedIn = bodies.moment();
+        return true;
+    }
+
+    /**
+     * Tests which of the surrounding items the sensor senses, as far as they or the body have moved
+     * since its last perception.
+     *
+     * @return false if the time was too short
+     */
+    private boolean testAll(
+            Sensor sensor,
+            int eye,
+            Surroundings around,
+            PerceivedItem[] shown,
+            BooleanSupplier isTimeLeft) {
+        boolean anew =
+                sensor.lineOfSight()
+                        ? bodies.haveAnyMoved(around.sensedIn)
+                        : bodies.hasMoved(rows[eye], around.sensedIn);
+        int interval = sensor.lineOfSight() ? LOOKS : TESTS;
+        for (; around.tested < around.count; around.tested++) {
+            int k = around.tested;
+            int i = around.items[k];
+            if (anew || bodies.hasMoved(rows[i], around.sensedIn)) {
+                if (k % interval == interval - 1 && !isTimeLeft.getAsBoolean()) {
+                    return false;
+                }
+                around.sensed[k] = sensed(sensor, eye, i, shown, around.hiders);
+            }
+        }
+        return true;
     }
 
     private void gather(@Nullable PerceivedItem item) {
@@ -304,10 +364,17 @@ public final class Observatory {
     }
 
     /**
-     * Finds a superset of the items that a sensor of limited range can sense, in the order of ids.
+     * Updates the items that a sensor of limited range may sense, in the order of ids; the list may
+     * contain items out of reach.
      */
     private void lookAround(Sensor sensor, int eye, Surroundings around) {
         double range = sensor.range();
+        if (Double.isInfinite(range)) {
+            around.foundOnce();
+            around.reserve(items.length);
+            Arrays.setAll(around.items, i -> i);
+            return;
+        }
         if (around.holds(range, arrangement, path)) {
             return;
         }
@@ -344,10 +411,10 @@ public final class Observatory {
     }
 
     /**
-     * Computes a box that contains the body and the reach of its sensors.
+     * Computes a box that contains the body and everything that its sensors can reach.
      *
-     * @param at index of the box's three numbers in both arrays
-     * @return false if the reach is unlimited
+     * @param at index in both arrays at which the three numbers of the box are written
+     * @return false if the reach of a sensor is unlimited
      */
     boolean reach(List<Sensor> sensors, ItemId body, double[] lows, double[] highs, int at) {
         int row = row(body);
@@ -366,7 +433,7 @@ public final class Observatory {
         return true;
     }
 
-    /** Returns the box around an item; empty for an item without place. */
+    /** Returns the bounding box of an item; empty for an item without a place, such as a spring. */
     public Optional<Box> box(ItemId item) {
         int row = row(item);
         return row == NO_ROW ? Optional.empty() : Optional.of(bodies.box(row));
@@ -382,7 +449,7 @@ public final class Observatory {
         return place < 0 ? NO_ROW : rows[place];
     }
 
-    /** Returns the item's position in the order of ids; negative if it does not exist. */
+    /** Returns the position of an item in the order of ids; negative if the item does not exist. */
     private int place(ItemId id) {
         return Arrays.binarySearch(inOrder, id.value());
     }

@@ -14,9 +14,9 @@ import java.util.List;
 import java.util.Map;
 
 /**
- * The perceived data of one item in one frame. Data that has not changed since the previous frame
- * is the same object, and is encoded once for all agents with equal perceptions. Several threads
- * may encode it at the same time, with equal results.
+ * The perceived data of one item in one frame. An item that has not changed since the previous
+ * frame is represented by the same object, which is encoded once for all agents with equal
+ * perceptions. Several threads may encode it at the same time, with equal results.
  */
 public final class PerceivedItem {
 
@@ -29,7 +29,10 @@ public final class PerceivedItem {
     private @Nullable Fragment whole;
     private @Nullable Change change;
 
-    /** Cached delta from the state last sent. Immutable, so that threads see it whole. */
+    /**
+     * The cached difference from the state last sent. Immutable, so that other threads see it
+     * completely.
+     */
     private record Change(PerceivedItem from, Fragment told) {}
 
     /**
@@ -78,7 +81,7 @@ public final class PerceivedItem {
         return item.source().name();
     }
 
-    /** Returns whether both encode to the same data. */
+    /** Returns whether both objects encode to the same data. */
     boolean isSame(PerceivedItem other) {
         return item == other.item
                 && place == other.place
@@ -87,8 +90,8 @@ public final class PerceivedItem {
     }
 
     /**
-     * Returns whether the item must be sent completely: it is another item, or other aspects of it
-     * are perceived.
+     * Returns whether the item must be sent completely: {@code before} is another item or shows
+     * other aspects.
      */
     boolean isNewTo(PerceivedItem before) {
         return !name().equals(before.name())
@@ -116,8 +119,7 @@ public final class PerceivedItem {
         if (known == null || known.from != before) {
             known = new Change(before, new Fragment(writer -> writeChange(writer, before)));
             change = known;
-            before.change =
-                    null; // otherwise each version would keep all versions before it in memory
+            before.change = null; // a reference to it would keep all earlier versions in memory
         }
         return known.told;
     }

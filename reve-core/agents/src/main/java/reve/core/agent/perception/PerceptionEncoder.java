@@ -13,21 +13,24 @@ import java.util.IdentityHashMap;
 import java.util.List;
 import java.util.Map;
 
-/** Encoder of perceptions. Data that several agents receive of a frame is encoded once. */
+/** Encoder of perceptions. Data of a frame that several agents receive is encoded once. */
 public final class PerceptionEncoder {
 
-    /** Guarded by this. */
+    /** Encoded fields by view and encoding. Guarded by this. */
     private final Map<View, Map<Encoding, Fields>> told = new IdentityHashMap<>();
 
     private @Nullable View shared;
 
-    /** The fields of a perception after {@code t} and {@code id}. */
+    /**
+     * The encoded fields of a perception, without {@code t} (the type) and {@code id}, which come
+     * first.
+     */
     private record Fields(int count, Rope encoded) {}
 
     /**
-     * Begins a frame, or more data of it, while no thread is writing.
+     * Begins a new frame, or continues with the same one. No other thread may be writing.
      *
-     * @param everything the view of all agents without sensors
+     * @param everything the view that all clients without sensors receive
      */
     public synchronized void begin(View everything) {
         if (everything != shared) {
@@ -39,8 +42,8 @@ public final class PerceptionEncoder {
     /**
      * Appends an encoded perception. Several threads may call it at the same time.
      *
-     * @param difference reusable comparison
-     * @param id of the message that the perception answers
+     * @param difference memory for the comparison of views, reusable
+     * @param id id of the message that the perception answers
      * @param before the client's previous view; null for a full perception
      */
     public void write(
@@ -69,8 +72,8 @@ public final class PerceptionEncoder {
     }
 
     /**
-     * Returns the cached fields: of the full view with the view as key, of a difference with the
-     * previous view as key.
+     * Returns the cached fields. The key of a full perception is its view, the key of a difference
+     * is the previous view.
      */
     private synchronized Fields sharedFields(
             Difference difference, Encoding encoding, View view, @Nullable View before) {

@@ -10,32 +10,39 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * Divides the event loop's time among sessions that perceive in real time, so that costly
- * perceptions of some do not delay the others. Each token has an account, and so has each session
- * without a token. The time to compute and to write perceptions is charged to the account; equal
- * shares of elapsed time reduce it. A session without debt and with cheap perceptions is served at
- * once. The other sessions wait and are served in slices of time, the lowest debt first; between
- * two slices the event loop does its other work. Sessions in lock-step are charged but served at
- * once, because the world waits for them. See docs/decisions/0006. The event loop's thread, except
- * {@link Cost#wrote}.
+ * Divides the event loop's time among the sessions that receive perceptions in real time, so that
+ * costly perceptions of some do not delay the others. Each token has an account of debt, and so has
+ * each session without a token. The time to compute and to write perceptions is added to the debt;
+ * equal shares of elapsed time reduce it. A session without debt whose perceptions are cheap is
+ * served at once. The other sessions wait, and are served in slices of time, those with the lowest
+ * debt first. Between two slices the event loop does its other work. Sessions in lock-step are
+ * charged but served at once, because the world waits for them. See docs/decisions/0006. The event
+ * loop's thread, except {@link Cost#wrote}.
  *
- * @param <C> a client
+ * @param <C> type of a client
  */
 public final class PerceptionShares<C extends PerceptionShares.Client> {
 
     /** Duration of a slice for waiting sessions [ns]. */
     private static final double SLICE_NANOS = 10e6;
 
-    /** Estimated cost of a session's first perception before one was measured [ns]. */
+    /** Estimated cost of a session's first perception until one is measured [ns]. */
     private static final double FIRST_NANOS = 1e6;
 
-    /** Weight of the former estimate in the average of first perceptions. */
+    /**
+     * Factor by which the estimate for first perceptions decreases, if the measured cost is not
+     * higher.
+     */
     private static final double MEMORY = 0.9;
 
-    /** A perception is cheap if it costs at most an equal share of this time [ns]. */
+    /**
+     * A perception is cheap if it costs at most this time divided by the number of accounts [ns].
+     */
     private static final double CHEAP_NANOS = 50e6;
 
-    /** A perception is also cheap if it costs at most this, for any number of sessions [ns]. */
+    /**
+     * A perception is also cheap if it costs at most this time, for any number of accounts [ns].
+     */
     private static final double CHEAP_FOR_ALL_NANOS = 30e3;
 
     private final Map<String, Account> byToken = new HashMap<>();
@@ -44,27 +51,27 @@ public final class PerceptionShares<C extends PerceptionShares.Client> {
     private long round;
     private long paidNanos;
 
-    /** Time left in this slice. */
+    /** Time left in this slice [ns]. */
     private double sliceNanos;
 
-    /** Sessions with a higher cost wait. */
+    /** Maximum cost of a cheap perception in this slice [ns]. */
     private double cheapNanos;
 
     private double firstNanos = FIRST_NANOS;
 
-    /** A client with perceptions. */
+    /** A client that receives perceptions. */
     public interface Client {
         /** Returns the cost of the client's perceptions. */
         Cost perceptionCost();
 
-        /** Returns whether the world waits for the client. */
+        /** Returns whether the client is in lock-step, so that the world waits for it. */
         boolean isInLockStep();
 
-        /** Returns whether the client perceives a frame. */
+        /** Returns whether the client is to receive a perception of a frame. */
         boolean perceives(long frame);
     }
 
-    /** Cost of a token's sessions that is not paid yet. */
+    /** The debt of a token's sessions: cost that their shares of time have not paid yet. */
     private static final class Account {
         private double owedNanos;
         private long round;
@@ -74,23 +81,26 @@ public final class PerceptionShares<C extends PerceptionShares.Client> {
     public static final class Cost {
         private final Account account;
 
-        /** Time spent since the session was served last. */
+        /** Time spent since the session was last served [ns]. */
         private double spentNanos;
 
-        /** Cost of its last perception. */
+        /** Cost of the last perception [ns]. */
         private double expectedNanos;
 
-        /** True if a perception was measured. */
+        /** True after the cost of a perception was measured. */
         private boolean known;
 
-        /** Written by the thread that writes to the session while the event loop waits for it. */
+        /**
+         * Writing time not charged yet [ns]. Set by the writing thread, while the event loop waits
+         * for it.
+         */
         private long writtenNanos;
 
         private Cost(Account account) {
             this.account = account;
         }
 
-        /** Adds the time for writing a perception. */
+        /** Adds the time for writing a perception [ns]. */
         public void wrote(long nanos) {
             writtenNanos += nanos;
         }
@@ -112,9 +122,10 @@ public final class PerceptionShares<C extends PerceptionShares.Client> {
     }
 
     /**
-     * Begins a slice. Reduces all accounts by their shares of the time since the previous slice.
+     * Begins a slice. Reduces the debt of each account by its share of the time since the previous
+     * slice.
      *
-     * @param frame the frame to perceive
+     * @param frame number of the frame whose perceptions are sent
      */
     public void begin(Collection<? extends C> members, long frame, long nowNanos) {
         round++;
@@ -137,7 +148,7 @@ public final class PerceptionShares<C extends PerceptionShares.Client> {
         sliceNanos = SLICE_NANOS;
     }
 
-    /** Charges the writing time since the last call. */
+    /** Charges the writing time since the last call to the account. */
     private void settle(Cost cost) {
         if (cost.writtenNanos == 0) {
             return;
@@ -163,8 +174,9 @@ public final class PerceptionShares<C extends PerceptionShares.Client> {
     }
 
     /**
-     * Returns the waiting sessions: the lowest debt first, and without debt those that have
-     * perceived before. Serve them while {@link #isTimeLeft} is true.
+     * Returns the waiting sessions, those with the lowest debt first; at equal debt, those that
+     * have received a perception before come first. The caller serves them while {@link
+     * #isTimeLeft} is true.
      */
     public List<C> waiting() {
         waiting.sort(
@@ -178,13 +190,16 @@ public final class PerceptionShares<C extends PerceptionShares.Client> {
         return sliceNanos > 0;
     }
 
-    /** Charges the time for a session that could not be served yet. */
+    /** Charges the time spent on a session that could not be served completely yet [ns]. */
     public void spend(Cost cost, long nanos) {
         sliceNanos -= nanos;
         charge(cost, nanos);
     }
 
-    /** Charges the time for a session that was served; its writing time is added later. */
+    /**
+     * Charges the time for a session that was served [ns]; the time to write its perception is
+     * charged later.
+     */
     public void serve(Cost cost, long nanos) {
         sliceNanos -= Math.max(nanos, cost.known ? cost.expectedNanos : firstNanos);
         cost.spentNanos = 0;

@@ -12,46 +12,47 @@ import java.util.function.Predicate;
 import java.util.function.Supplier;
 
 /**
- * Views with relations. The relations of a frame are computed in slices of time; between slices the
- * event loop serves other sessions and newer frames. A session in real time whose relations need
- * more than one slice receives the view of the requested frame later, with the relations of that
- * frame. A session in lock-step receives its view at once, because the world waits for it. See
- * docs/decisions/0006. The event loop's thread.
+ * Views that contain spatial relations. The relations of all items of a frame are computed in
+ * slices of time; between slices the event loop serves other sessions and newer frames. A session
+ * in real time whose relations need more than one slice receives the view of the requested frame
+ * later, with the relations of that frame. A session in lock-step receives its view at once,
+ * because the world waits for it. See docs/decisions/0006. The event loop's thread.
  *
- * @param <C> a client
+ * @param <C> type of a client
  */
 public final class RelatedViews<C extends RelatedViews.Client> {
 
-    /** Maximum time for relations before other sessions are served [ns]. */
+    /** Duration of a slice: maximum time for relations before other sessions are served [ns]. */
     private static final long SLICE_NANOS = 10_000_000;
 
     private final LongSupplier clock;
     private final FrameRelations relations = new FrameRelations();
 
-    /** Requested views of the frame whose relations are being computed. */
+    /** Views that sessions wait for, of the frame whose relations are being computed. */
     private final Map<C, Wanted> waiting = new IdentityHashMap<>();
 
     private long until;
 
-    /** A client with perceptions. */
+    /** A client that receives perceptions. */
     public interface Client {
-        /** Returns whether the world waits for the client. */
+        /** Returns whether the client is in lock-step, so that the world waits for it. */
         boolean isInLockStep();
 
-        /** Returns whether the client's perception of a frame has relations. */
+        /** Returns whether the client has requested relations for its perception of a frame. */
         boolean wantsRelations(long frame);
 
         /** See {@link Senses#sensedIn}. */
         Optional<Set<ItemId>> sensedIn(long frame);
 
         /**
-         * Keeps the older relations of items that were not sensed again, see {@link Senses#relate}.
+         * Returns a view in which items that were not sensed again keep older relations, see {@link
+         * Senses#relate}.
          */
         View relate(View view, Optional<Set<ItemId>> fresh);
     }
 
     /**
-     * @param fresh items that were sensed in the frame of the view; empty if all were
+     * @param fresh ids of the items that were sensed in the frame of the view; empty if all were
      */
     private record Wanted(View view, Optional<Set<ItemId>> fresh) {}
 
@@ -65,7 +66,7 @@ public final class RelatedViews<C extends RelatedViews.Client> {
     /**
      * Begins a slice.
      *
-     * @param isThere false for sessions that have left
+     * @param isThere returns false for sessions that have left
      */
     public void begin(Predicate<C> isThere) {
         until = clock.getAsLong() + SLICE_NANOS;
@@ -80,27 +81,33 @@ public final class RelatedViews<C extends RelatedViews.Client> {
     /**
      * Returns a session's view with relations.
      *
-     * @param look returns the session's view of the newest frame
-     * @return empty if the slice was too short; a later call continues
+     * @param look returns the session's view of the newest frame; empty if the slice was too short
+     * @return empty if the slice was too short; a call in a later slice continues the computation
      */
-    public Optional<View> of(C member, Supplier<View> look, Observatory world) {
+    public Optional<View> of(C member, Supplier<Optional<View>> look, Observatory world) {
         if (member.isInLockStep()) {
             if (!relations.isOf(world.everything())) {
                 waiting.clear();
                 world.begin(relations);
             }
             relations.complete();
-            return Optional.of(relate(member, wanted(member, look.get())));
+            return look.get().map(view -> relate(member, wanted(member, view)));
         }
         Wanted wanted = waiting.get(member);
         if (wanted == null) {
             if (!relations.isOf(world.everything())) {
                 if (!waiting.isEmpty()) {
-                    return Optional.empty(); // sessions that wait for the previous frame come first
+                    return Optional
+                            .empty(); // other sessions wait for relations of an earlier frame,
+                    // which are completed first
                 }
                 world.begin(relations);
             }
-            wanted = wanted(member, look.get());
+            Optional<View> view = look.get();
+            if (view.isEmpty()) {
+                return Optional.empty();
+            }
+            wanted = wanted(member, view.get());
             waiting.put(member, wanted);
         }
         if (!relations.advance(() -> clock.getAsLong() - until < 0)) {

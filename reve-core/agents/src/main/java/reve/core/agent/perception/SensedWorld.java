@@ -17,8 +17,9 @@ import java.util.function.LongPredicate;
 import java.util.stream.LongStream;
 
 /**
- * Positions of all bodies, and the test which of them a sensor reaches. Contains a copy of the
- * columns in plain arrays, reused between frames. For one thread.
+ * The positions and boxes of all bodies in one frame, and the test whether a sensor reaches a body.
+ * Contains copies of the columns in plain arrays, which are reused for the next frame. For one
+ * thread.
  *
  * <p>A sensor that looks senses an item if at least one of ten points is in its range, in its field
  * of view and not hidden: the point of the item's bounding box that is nearest to the eye, the
@@ -27,15 +28,15 @@ import java.util.stream.LongStream;
  */
 public final class SensedWorld {
 
-    /** A moment before all moves. */
+    /** A moment before any body has moved, see {@link #moment}. */
     static final long BEFORE_ALL = -1;
 
-    /** No row. */
+    /** Stands for no row. */
     static final int NOTHING = -1;
 
     private static final int CORNERS = 8;
 
-    /** Fraction at both ends of a line of sight that may touch a box. */
+    /** Fraction of a line of sight, at each end, in which a box does not hide the point. */
     private static final double END = 1e-9;
 
     private int rows;
@@ -45,7 +46,7 @@ public final class SensedWorld {
     private double[] high = {};
     private int[] shape = {};
 
-    // Values at the last call of {@link #follow}.
+    // Values of the previous frame, for {@link #follow}.
     private double[] positionBefore = {};
     private double[] orientationBefore = {};
     private double[] lowBefore = {};
@@ -54,7 +55,7 @@ public final class SensedWorld {
     /** Number of calls of {@link #follow}. */
     private long moment;
 
-    /** By row: the moment of the last change of its place or box. */
+    /** Moment at which the place or box of the body in each row last changed. */
     private long[] movedIn = {};
 
     private long lastMoved;
@@ -65,7 +66,7 @@ public final class SensedWorld {
     private boolean indexed;
     private long[] keys = {};
 
-    // The current eye, point and line of sight.
+    // Eye, point and line of sight of the current test.
     private final double[] eye = new double[3];
     private final double[] point = new double[3];
     private final double[] ahead = new double[3];
@@ -77,7 +78,7 @@ public final class SensedWorld {
     private Hiders hiders = new Hiders();
     private final Hiders ofAnybody = hiders;
 
-    /** Loads the bodies. */
+    /** Loads all bodies of a frame. */
     public void load(TableView bodies) {
         reserve(bodies.rowCount());
         read(bodies.column("position"), position, 0, 3 * rows);
@@ -89,7 +90,7 @@ public final class SensedWorld {
     }
 
     /**
-     * Loads the bodies and compares them with the former ones.
+     * Loads all bodies of a frame, and compares them with those of the frame loaded before.
      *
      * @param rearranged true if rows may contain other bodies, or their number has changed: then
      *     all bodies count as moved
@@ -136,17 +137,17 @@ public final class SensedWorld {
         return most;
     }
 
-    /** Returns the number of calls of {@link #follow}. */
+    /** Returns the current moment: the number of calls of {@link #follow} so far. */
     long moment() {
         return moment;
     }
 
-    /** Returns whether any body has moved since a {@link #moment}. */
+    /** Returns whether any body has moved after a {@link #moment}. */
     boolean haveAnyMoved(long since) {
         return lastMoved > since;
     }
 
-    /** Returns whether a body's place or box has changed since a {@link #moment}. */
+    /** Returns whether the place or box of a body has changed after a {@link #moment}. */
     boolean hasMoved(int row, long since) {
         return movedIn[row] > since;
     }
@@ -207,7 +208,7 @@ public final class SensedWorld {
         }
     }
 
-    /** Returns location (3) [m] and orientation (4) of a row. */
+    /** Returns location (3) [m] and orientation (4) of the body in a row. */
     double[] place(int row) {
         double[] place = new double[7];
         System.arraycopy(position, 3 * row, place, 0, 3);
@@ -215,7 +216,7 @@ public final class SensedWorld {
         return place;
     }
 
-    /** Returns whether the row has exactly this place. */
+    /** Returns whether the body in a row has exactly this location and orientation. */
     boolean isAt(int row, double[] place) {
         for (int i = 0; i < 7; i++) {
             double now = i < 3 ? position[3 * row + i] : orientation[4 * row + i - 3];
@@ -226,12 +227,12 @@ public final class SensedWorld {
         return true;
     }
 
-    /** Returns the code of the shape, see {@link Shape}. */
+    /** Returns the shape of the body in a row as its code, see {@link Shape}. */
     int shape(int row) {
         return shape[row];
     }
 
-    /** Copies the corners of a row's box [m]. */
+    /** Copies the corners of the box of the body in a row [m]. */
     void copyBox(int row, double[] lows, double[] highs, int at) {
         System.arraycopy(low, 3 * row, lows, at, 3);
         System.arraycopy(high, 3 * row, highs, at, 3);
@@ -242,13 +243,13 @@ public final class SensedWorld {
         return new Box(low[at], low[at + 1], low[at + 2], high[at], high[at + 1], high[at + 2]);
     }
 
-    /** Initializes the box of a body's reach with the body's own box. */
+    /** Sets the box of a body's reach to the body's own box; {@link #extendReach} extends it. */
     void reach(int body, double[] lows, double[] highs, int at) {
         System.arraycopy(low, 3 * body, lows, at, 3);
         System.arraycopy(high, 3 * body, highs, at, 3);
     }
 
-    /** Extends the box by the reach of a sensor with that range. */
+    /** Extends the box of a body's reach by that of a sensor with this range. */
     void extendReach(Sensor sensor, double range, int body, double[] lows, double[] highs, int at) {
         double[] from = sensor.touch() ? low : position;
         double[] to = sensor.touch() ? high : position;
@@ -283,7 +284,7 @@ public final class SensedWorld {
     }
 
     /**
-     * @param known hiders seen from that body; updated
+     * @param known the bodies that last hid others from this body; updated
      */
     public boolean senses(Sensor sensor, int body, int row, Hiders known) {
         hiders = known;
@@ -338,7 +339,8 @@ public final class SensedWorld {
     }
 
     /**
-     * @param distance of the point from the eye [m]; boxes that contain the eye do not hide
+     * @param distance distance of the point from the eye [m]; boxes that contain the eye hide
+     *     nothing
      */
     private boolean isSeen(Sensor sensor, int body, int row, double distance) {
         return distance <= sensor.range()
@@ -364,7 +366,10 @@ public final class SensedWorld {
         return ahead >= distance * cosHalfView;
     }
 
-    /** Computes the direction of the body's +Z axis: the third column of its rotation matrix. */
+    /**
+     * Computes the direction in which the sensor looks, the body's +Z axis: the third column of its
+     * rotation matrix.
+     */
     private void lookAhead(Sensor sensor, int body) {
         double x = orientation[4 * body];
         double y = orientation[4 * body + 1];
@@ -407,8 +412,8 @@ public final class SensedWorld {
     }
 
     /**
-     * Returns whether the line from the eye to the point crosses a box that does not contain the
-     * eye (slab method).
+     * Returns whether a box lies between the eye and the point: the line crosses it, and it does
+     * not contain the eye (slab method).
      */
     private boolean isBetween(int body, int box) {
         double enter = 0;

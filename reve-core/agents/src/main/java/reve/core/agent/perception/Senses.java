@@ -17,7 +17,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
-import java.util.TreeMap;
+import java.util.function.BooleanSupplier;
 import java.util.stream.Collectors;
 import java.util.stream.Stream;
 
@@ -27,22 +27,22 @@ import java.util.stream.Stream;
  */
 public final class Senses {
 
-    /** Type of the event of a failed law. */
+    /** Type of the event that reports a failed law, listener or command. */
     public static final String FAULT = "fault";
 
     private final ItemId body;
     private final List<Sensor> sensors;
 
-    /** Indexed by sensor; complete after the agent's first view. */
+    /** The last perception of each sensor; complete after the agent's first view. */
     private final Sample[] samples;
 
     private final Surroundings[] surroundings;
     private View view = new View(0, 0, List.of());
 
-    /** Relations of items that were not sensed since. */
+    /** Relations last sent, by item; kept for items that no sensor senses in the current frame. */
     private Map<ItemId, Map<String, List<String>>> related = Map.of();
 
-    /** The last perception of a sensor. */
+    /** The items that a sensor perceived, and the frame. */
     private record Sample(long frame, List<PerceivedItem> items) {}
 
     /**
@@ -70,14 +70,22 @@ public final class Senses {
                 .findFirst();
     }
 
+    /** Returns the present view, however long it takes. */
+    View look(Observatory world) {
+        return look(world, () -> true).orElseThrow();
+    }
+
     /**
-     * Returns the present view: the latest perception of each sensor, renewed for the sensors whose
-     * turn it is.
+     * Returns the view of the newest frame: it merges the last perception of each sensor. Sensors
+     * whose interval has passed perceive again before.
+     *
+     * @param isTimeLeft false if the caller must do other work first
+     * @return empty if the time was too short; the next call in this frame continues
      */
-    public View look(Observatory world) {
+    public Optional<View> look(Observatory world, BooleanSupplier isTimeLeft) {
         View all = world.everything();
         if (all.frame() == view.frame()) {
-            return view;
+            return Optional.of(view);
         }
         for (int i = 0; i < samples.length; i++) {
             Sample before = samples[i];
@@ -85,26 +93,29 @@ public final class Senses {
             if (before == null
                     || all.frame() < before.frame
                     || all.frame() - before.frame >= sensor.every()) {
-                samples[i] =
-                        new Sample(
-                                all.frame(),
-                                world.sense(
-                                        sensor,
-                                        body,
-                                        surroundings[i],
-                                        before == null ? List.of() : before.items));
+                Optional<List<PerceivedItem>> sensed =
+                        world.sense(
+                                sensor,
+                                body,
+                                surroundings[i],
+                                before == null ? List.of() : before.items,
+                                isTimeLeft);
+                if (sensed.isEmpty()) {
+                    return Optional.empty();
+                }
+                samples[i] = new Sample(all.frame(), sensed.get());
             }
         }
         view = new View(all.frame(), all.time(), merge(samples));
-        return view;
+        return Optional.of(view);
     }
 
     /**
-     * Adds relations to the view of {@link #look}. Each item keeps the relations of the time when a
-     * sensor of symbols last sensed it.
+     * Adds relations to the view of {@link #look}. Each item has the relations from the time when a
+     * sensor for symbols last sensed it.
      *
-     * @param all the view with present relations
-     * @param fresh items whose relations are renewed
+     * @param all the view with the relations of its frame
+     * @param fresh ids of the items that get these relations; the others keep older ones
      */
     public View relate(View all, Set<ItemId> fresh) {
         var names = all.items().stream().map(PerceivedItem::name).collect(Collectors.toSet());
@@ -121,9 +132,9 @@ public final class Senses {
     }
 
     /**
-     * Returns the items whose symbols were sensed in the frame of the last {@link #look}.
+     * Returns the items whose symbols were sensed in a frame, that of the last {@link #look}.
      *
-     * @return empty if every sensor senses in every frame
+     * @return ids; an empty Optional if every sensor senses in every frame
      */
     public Optional<Set<ItemId>> sensedIn(long frame) {
         if (sensors.stream().allMatch(sensor -> sensor.every() == 1)) {
@@ -160,18 +171,31 @@ public final class Senses {
         }
         Sample[] newestFirst = samples.clone();
         Arrays.sort(newestFirst, Comparator.comparingLong(Sample::frame).reversed());
-        var merged = new TreeMap<ItemId, PerceivedItem>();
-        for (Sample sample : newestFirst) {
-            for (PerceivedItem seen : sample.items) {
-                merged.merge(seen.id(), seen, Senses::merge);
-            }
+        List<PerceivedItem> merged = newestFirst[0].items;
+        for (int i = 1; i < newestFirst.length; i++) {
+            merged = merge(merged, newestFirst[i].items);
         }
-        return List.copyOf(merged.values());
+        return List.copyOf(merged);
+    }
+
+    /** Merges two lists in the order of ids. */
+    private static List<PerceivedItem> merge(List<PerceivedItem> newer, List<PerceivedItem> older) {
+        var merged = new ArrayList<PerceivedItem>(Math.max(newer.size(), older.size()));
+        int i = 0;
+        for (PerceivedItem seen : older) {
+            while (i < newer.size() && newer.get(i).id().compareTo(seen.id()) < 0) {
+                merged.add(newer.get(i++));
+            }
+            boolean isInBoth = i < newer.size() && newer.get(i).id().equals(seen.id());
+            merged.add(isInBoth ? merge(newer.get(i++), seen) : seen);
+        }
+        merged.addAll(newer.subList(i, newer.size()));
+        return merged;
     }
 
     /**
-     * Merges two sensors' perceptions of an item. Data that only the older one contains stays as it
-     * was then, because no sensor has sensed a newer value. All symbols come from one moment.
+     * Merges two sensors' perceptions of an item. Data that only the older perception contains is
+     * kept, because no sensor has sensed a newer value. All symbols come from one of the two.
      */
     private static PerceivedItem merge(PerceivedItem newer, PerceivedItem older) {
         Visibility both = newer.shown().and(older.shown());
@@ -187,9 +211,9 @@ public final class Senses {
     }
 
     /**
-     * Returns the indices of the event's fields that the agent is sent: all except names of items
-     * that it does not perceive. Empty if the event is not sent: the agent perceives none of its
-     * items, or the event is for operators.
+     * Returns the indices of the event's fields that are sent to the agent: all except names of
+     * items that it does not perceive. Empty if the event is not sent, because the agent perceives
+     * none of its items, or because the event is for operators.
      */
     public Optional<BitSet> hear(WorldEvent event, EventSubjects subjects, Observatory world) {
         if (event.type().equals(FAULT)) {
@@ -213,9 +237,7 @@ public final class Senses {
         return world.reach(sensors, body, lows, highs, at);
     }
 
-    /**
-     * Returns whether the agent senses the item now, or was sent the item and not yet its removal.
-     */
+    /** Returns whether the agent senses the item now, or its last view contains the item. */
     private boolean perceives(Observatory world, Mention mention) {
         if (mention.id().isEmpty()) {
             return view.holds(mention.name());

@@ -4,8 +4,8 @@ package reve.core.agent.perception;
 import org.jspecify.annotations.Nullable;
 
 /**
- * The items around a body within a sensor's range and a margin. They are found once, and stay valid
- * for many frames if bodies move slowly. For one thread.
+ * The items around a body within a sensor's range plus a margin. One search finds them, and its
+ * result stays valid for many frames if bodies move slowly. For one thread.
  */
 final class Surroundings {
 
@@ -24,17 +24,24 @@ final class Surroundings {
     /** Bodies that hid others from this sensor. */
     final Hiders hiders = new Hiders();
 
-    /** Moment of the last perception; before all moments if there is none. */
+    /**
+     * Moment ({@link SensedWorld#moment}) of the last perception; {@link SensedWorld#BEFORE_ALL} if
+     * there is none.
+     */
     long sensedIn;
 
+    /** Number of items that were tested in the moment {@link #begun}. */
+    int tested;
+
+    private long begun = SensedWorld.BEFORE_ALL;
     private long arrangement = -1;
     private double path;
 
     /**
-     * Returns whether the items still include all that the sensor can reach.
+     * Returns whether the items found still include all items that the sensor can reach.
      *
-     * @param nowArrangement version of the world's lists of items
-     * @param nowPath upper bound on the distance that any body has moved in total [m]
+     * @param nowArrangement current version of the assignment of items to rows
+     * @param nowPath upper bound on the total distance that any body has moved so far [m]
      */
     boolean holds(double range, long nowArrangement, double nowPath) {
         return arrangement == nowArrangement && isWithinMargin(range, nowPath - path);
@@ -46,11 +53,22 @@ final class Surroundings {
     }
 
     /**
-     * Records a search like {@link #foundIn} without a margin, so that it is valid in this frame
+     * Records, instead of {@link #foundIn}, a search without a margin, which is valid in this frame
      * only.
      */
     void foundOnce() {
         arrangement = -1;
+    }
+
+    /** Begins to test the items in a moment. */
+    void begin(long moment) {
+        begun = moment;
+        tested = 0;
+    }
+
+    /** Returns whether the test of the items has begun in this moment, and may be continued. */
+    boolean isBegun(long moment) {
+        return begun == moment;
     }
 
     /** Allocates space for that number of items, without perceptions. */
@@ -63,7 +81,10 @@ final class Surroundings {
         sensedIn = SensedWorld.BEFORE_ALL;
     }
 
-    /** Returns whether an item and the body together can have moved by at most the margin. */
+    /**
+     * Returns whether an item and the body, each moved by at most {@code way} [m], approached by at
+     * most the margin.
+     */
     static boolean isWithinMargin(double range, double way) {
         return 2 * way <= SAFE * MARGIN * range;
     }

@@ -6,13 +6,14 @@ import reve.core.world.ItemId;
 import java.util.List;
 
 /**
- * The perception of an agent in one frame, in the order of the items' ids. Immutable.
+ * The perception of a client in one frame: the perceived items in the order of their ids.
+ * Immutable.
  *
- * @param time of the world [s]
+ * @param time simulated time of the world [s]
  */
 public record View(long frame, double time, List<PerceivedItem> items) {
 
-    /** Returns the index of an item; negative if it is not perceived. */
+    /** Returns the index of an item in the list; negative if the view does not contain the item. */
     int indexOf(ItemId id) {
         int low = 0;
         int high = items.size() - 1;

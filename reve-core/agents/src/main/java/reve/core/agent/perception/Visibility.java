@@ -11,9 +11,9 @@ import java.util.SortedSet;
 import java.util.TreeSet;
 
 /**
- * The perceived data of one item.
+ * The kinds of data of an item that a sensor perceives.
  *
- * @param symbols names of the symbols; empty for all
+ * @param symbols names of the perceived symbols; empty for all
  */
 record Visibility(Set<Aspect> aspects, Optional<SortedSet<String>> symbols) {
 
@@ -28,7 +28,7 @@ record Visibility(Set<Aspect> aspects, Optional<SortedSet<String>> symbols) {
         return aspects.contains(aspect);
     }
 
-    /** Returns whether this contains all symbols and actions that the other contains. */
+    /** Returns whether this includes all symbols and actions that the other includes. */
     boolean isAllThatIsSymbolicOf(Visibility other) {
         return has(Aspect.SEMANTIC) == other.has(Aspect.SEMANTIC)
                 && has(Aspect.ACCESS) == other.has(Aspect.ACCESS)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /**
- * Perceptions of frames: the reach of sensors, the reuse of unchanged items, and the encoding. The
- * event loop's thread and, for encoding, the threads that write.
+ * What agents perceive of a frame: the reach of sensors, the reuse of unchanged items, and the
+ * encoding. The event loop's thread and, for the encoding, the threads that write.
  */
 @NullMarked
 package reve.core.agent.perception;

@@ -7,13 +7,13 @@ import reve.core.world.Sensor;
 import java.util.List;
 import java.util.Optional;
 
-/** Pictures from the cameras of bodies. */
+/** Source of pictures from the cameras of agents' bodies. */
 public interface Cameras {
 
     /**
-     * A picture, in rows from the top; numbers are little-endian.
+     * A picture; its layers contain the rows from the top, and numbers are little-endian.
      *
-     * @param time of the world [s]
+     * @param time simulated time of the world [s]
      * @param width [px]
      * @param height [px]
      * @param colour red, green and blue in sRGB, one byte each
@@ -31,7 +31,7 @@ public interface Cameras {
             Optional<byte[]> items,
             List<String> names) {}
 
-    /** Receives the result once, on any thread. */
+    /** Receiver of the result of a request. One of its methods is called once, on any thread. */
     interface Answer {
         /** Receives the picture. */
         void taken(Photo photo);
@@ -39,14 +39,14 @@ public interface Cameras {
         /**
          * Receives a refusal.
          *
-         * @param reason for the agent
+         * @param reason why no picture was taken, for the agent
          */
         void refused(String reason);
 
         /**
          * Receives a failure.
          *
-         * @param cause for the log only; the agent is not sent internal errors
+         * @param cause the error, for the log only; internal errors are not sent to the agent
          */
         void failed(RuntimeException cause);
     }

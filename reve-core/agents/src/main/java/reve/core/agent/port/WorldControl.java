@@ -12,9 +12,10 @@ import java.util.Optional;
 import java.util.function.Consumer;
 
 /**
- * What the program that runs a world permits clients of the role control to do, besides the
- * commands of every frame loop. Unless stated otherwise, methods are called on a connection's
- * thread and may block; the returned change is made on the world's thread, in ACT.
+ * The commands of clients with the role control that the program which runs a world executes, in
+ * addition to those that every frame loop executes. Unless stated otherwise, methods are called on
+ * a connection's thread and may block; the returned change is made on the world's thread, in the
+ * phase ACT of a frame.
  */
 public interface WorldControl {
 
@@ -22,7 +23,7 @@ public interface WorldControl {
     @FunctionalInterface
     interface Change {
         /**
-         * Makes the change.
+         * Makes the change in the world.
          *
          * @throws ActionRefused with a code and a reason if it is not possible; the world is then
          *     unchanged
@@ -55,9 +56,11 @@ public interface WorldControl {
     Change unloadLaw(String library) throws ActionRefused;
 
     /**
-     * Prepares other parameters of a loaded library, which keeps its place among the laws.
+     * Prepares a change of the parameters of a loaded library, which keeps its place in the order
+     * of laws.
      *
-     * @param parameters as in {@link #loadLaw}; the others keep their values
+     * @param parameters new values, named like in {@link #loadLaw}; other parameters keep their
+     *     values
      */
     Change setLaw(String library, Map<String, Double> parameters) throws ActionRefused;
 
@@ -76,25 +79,25 @@ public interface WorldControl {
     Reading laws(boolean faults) throws ActionRefused;
 
     /**
-     * Returns the ledger of energy and momentum for a report, after opening or closing it. World's
-     * thread, between frames.
+     * Returns a report of the ledger, which shows the energy and momentum that each law adds. Opens
+     * or closes the ledger before. World's thread, between frames.
      *
-     * @param open true opens or restarts the ledger, false closes it
+     * @param open true opens or restarts the ledger, false closes it, empty leaves it
      */
     Map<String, Object> ledger(Optional<Boolean> open) throws ActionRefused;
 
-    /** Prepares a picture of the frame. */
+    /** Prepares a picture of the frame that is being made. */
     Change picture() throws ActionRefused;
 
     /**
-     * Prepares new rules, all of them or none.
+     * Prepares changes of rules, all of them or none.
      *
-     * @param rules by the symbol that each computes: the rule as in a world file, in JSON; empty
-     *     removes the rule
+     * @param rules by the symbol that each computes: the rule in the form of a world file, in JSON;
+     *     empty removes the rule
      */
     Change changeRules(Map<String, Optional<String>> rules) throws ActionRefused;
 
-    /** Prepares the end of a library's quarantine. */
+    /** Prepares the end of the quarantine of a library that failed. */
     Change release(String library) throws ActionRefused;
 
     /**
@@ -102,16 +105,16 @@ public interface WorldControl {
      *
      * @param what the type of the message in the protocol, such as {@code near}
      * @param arguments Double, List of Double, String or Boolean by name
-     * @return a List or Map by text of String, Boolean, Number, or lists and maps of these
+     * @return a List or Map of String, Boolean, Number, or lists and maps of these; keys are texts
      */
     Object answer(String what, Map<String, Object> arguments) throws ActionRefused;
 
     /** A saved state of the world, to which it can be rewound. */
     interface Image extends AutoCloseable {
         /**
-         * Restores the world to this state. World's thread, between frames.
+         * Rewinds the world to this state. World's thread, between frames.
          *
-         * @return the next frame, which shows the restored state
+         * @return number of the next frame, which shows the restored state
          */
         long rewind();
 
@@ -119,7 +122,7 @@ public interface WorldControl {
          * Writes the state as a world file into the program's folder. Any thread.
          *
          * @param file name without a folder
-         * @param without items to omit, with all items attached to them
+         * @param without ids of items that the file omits, with all items attached to them
          */
         void save(String file, Collection<ItemId> without) throws ActionRefused;
 
@@ -127,9 +130,9 @@ public interface WorldControl {
          * Advances a copy of the world, which receives no commands; the world itself is not
          * affected. Any thread.
          *
-         * @param frames to make
+         * @param frames number of frames to make in the copy
          * @param first change that is made in the copy before its first frame
-         * @param look receives the last frame
+         * @param look receives a snapshot of the last frame of the copy
          */
         void foresee(int frames, Change first, Consumer<WorldSnapshot> look) throws ActionRefused;
 
@@ -150,7 +153,7 @@ public interface WorldControl {
         return NoControl.INSTANCE;
     }
 
-    /** Refuses everything. */
+    /** An implementation that refuses every command. */
     enum NoControl implements WorldControl {
         /** The only instance. */
         INSTANCE;

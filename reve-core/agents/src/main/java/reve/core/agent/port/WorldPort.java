@@ -8,18 +8,19 @@ import reve.core.frame.FrameLoop;
 import reve.core.world.SnapshotRing;
 
 /**
- * The parts of a running world that the server uses.
+ * The parts of a running world that the agent server uses.
  *
  * @param world the world's name
  * @param framesPerSecond its frame rate, which the server sends to agents
- * @param agents the world's policy for agents
- * @param bus reports published frames. The publisher of snapshots must subscribe to PUBLISH before
- *     the server starts, so that the server finds the snapshot of the frame
+ * @param agents the bodies and limits that the world grants to agents
+ * @param bus notifies the server of published frames. The listener that publishes snapshots must
+ *     subscribe to the phase PUBLISH before the server does, so that the server finds the snapshot
+ *     of the frame
  * @param commands queue of commands for the next frame
- * @param snapshots source of perceptions
+ * @param snapshots ring of snapshots, from which perceptions are computed
  * @param loop makes the frames
  * @param control further commands for clients of the role control
- * @param cameras cameras of bodies
+ * @param cameras source of pictures from the cameras of bodies
  */
 public record WorldPort(
         String world,

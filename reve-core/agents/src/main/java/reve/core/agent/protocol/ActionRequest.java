@@ -7,7 +7,7 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * The action of an item that an agent requests. The same object goes from the message to the body.
+ * A request of an agent to perform an action of an item, as the message contains it.
  *
  * @param item the item with the action; empty for the agent's own body
  * @param arguments Double, List of Double, String or Boolean by parameter name, not checked yet

@@ -9,12 +9,12 @@ import reve.core.agent.session.Resumes;
  * #PROTOCOL} has the limits that PROTOCOL.md states; tests use smaller ones.
  *
  * @param maxConnections maximum number of open connections, and of clients, connected or not
- * @param helloBytes maximum size until the hello is complete
- * @param lineBytes maximum length of a message from a client
+ * @param helloBytes maximum number of bytes until the hello is complete
+ * @param lineBytes maximum length of a message from a client [bytes]
  * @param messagesPerSecond maximum rate of messages from one client, see {@link Quota}
- * @param actsInFlight maximum number of commands of one client without a result yet
+ * @param actsInFlight maximum number of commands of one client that have no result yet
  * @param outboxMessages maximum number of messages of one agent that wait to be written
- * @param outboxBytes maximum size of these messages
+ * @param outboxBytes maximum total size of these messages [bytes]
  * @param maxErrors number of refused messages after which a connection ends
  * @param kept maximum number of sessions without a token that wait for a new connection
  * @param resumes maximum burst of resumes of one session; then {@value Resumes#PER_SECOND} per
@@ -36,7 +36,7 @@ public record AgentLimits(
             new AgentLimits(4096, 8 * 1024, 64 * 1024, 4096, 64, 1024, 1024 * 1024, 8, 16, 8);
 
     /**
-     * @throws IllegalArgumentException if one is not positive
+     * @throws IllegalArgumentException if a limit is not positive
      */
     public AgentLimits {
         requirePositive("maxConnections", maxConnections);

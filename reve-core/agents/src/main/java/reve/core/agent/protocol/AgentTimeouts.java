@@ -12,15 +12,15 @@ import java.util.Optional;
  *
  * @param hello maximum time until the hello
  * @param line maximum time from the first byte of a message to the last
- * @param idle silence after which a client is sent a ping, and after the same time again is
- *     disconnected
- * @param flood time after which a client is disconnected that always exceeds its quota
+ * @param idle silence of a client after which the server sends a ping, and after the same time
+ *     again disconnects it
+ * @param flood time after which a client that exceeds its quota without a pause is disconnected
  * @param write maximum time of one write
- * @param grace maximum time that the body of a disconnected agent waits for it
+ * @param grace maximum time that the body of a disconnected agent stays for a new connection
  * @param deadline maximum time that the world waits for an agent in lock-step
- * @param waiting time that agents in lock-step may delay others, in addition to a tenth of the time
- *     (see {@link Allowance}); if empty, there is no limit
- * @param linger maximum time for a finished connection to close
+ * @param waiting time by which agents in lock-step may delay others, in addition to a tenth of the
+ *     elapsed time (see {@link Allowance}); if empty, there is no limit
+ * @param linger maximum time until a finished connection is closed
  */
 public record AgentTimeouts(
         Duration hello,
@@ -46,7 +46,7 @@ public record AgentTimeouts(
                     Duration.ofSeconds(1));
 
     /**
-     * @throws IllegalArgumentException if one is shorter than a millisecond
+     * @throws IllegalArgumentException if a time is shorter than a millisecond
      */
     public AgentTimeouts {
         requirePositive("hello", hello);

@@ -2,8 +2,8 @@
 package reve.core.agent.protocol;
 
 /**
- * A message was refused; the connection continues. Has no stack trace, because a hostile client can
- * cause many.
+ * Reports that a message of a client was refused; the connection continues. Has no stack trace,
+ * because a hostile client can cause many.
  */
 public final class BadMessage extends Exception {
 

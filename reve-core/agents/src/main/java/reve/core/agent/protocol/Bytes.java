@@ -6,14 +6,17 @@ import java.nio.charset.StandardCharsets;
 import java.util.Arrays;
 
 /**
- * A reusable, growing byte buffer for encoding. It holds large {@link Rope}s by reference. For one
- * thread.
+ * A reusable, growing byte buffer for encoding. It contains large {@link Rope}s by reference,
+ * without copying them. For one thread.
  */
 public final class Bytes {
 
     private ByteBuffer bytes = ByteBuffer.allocate(64);
 
-    /** The ropes held by reference, and the number of own bytes in {@link #bytes} before each. */
+    /**
+     * The ropes contained by reference; the next field is the number of own bytes in {@link #bytes}
+     * before each.
+     */
     private Rope[] strands = new Rope[8];
 
     private int[] bytesBefore = new int[8];
@@ -27,12 +30,12 @@ public final class Bytes {
         return this;
     }
 
-    /** Returns the number of bytes, including ropes. */
+    /** Returns the number of bytes, including those of ropes. */
     public int size() {
         return bytes.position() + strandBytes;
     }
 
-    /** Returns whether the buffer holds ropes by reference. */
+    /** Returns whether the buffer contains ropes by reference. */
     public boolean hasStrands() {
         return strandCount > 0;
     }
@@ -65,8 +68,8 @@ public final class Bytes {
     }
 
     /**
-     * Copies bytes from position {@code start} into a buffer until it is full. Requires that there
-     * are no ropes.
+     * Copies bytes from position {@code start} into a buffer until it is full. The buffer must not
+     * contain ropes.
      */
     public void get(int start, ByteBuffer into) {
         into.put(bytes.array(), start, Math.min(into.remaining(), size() - start));
@@ -79,7 +82,7 @@ public final class Bytes {
         dropStrands(first);
     }
 
-    /** Overwrites 4 bytes that lie between ropes. */
+    /** Overwrites 4 own bytes, which must not overlap a rope, with a big-endian number. */
     void setInt(int at, int number) {
         bytes.putInt(ownPlace(at, firstStrand(at)), number);
     }
@@ -113,7 +116,10 @@ public final class Bytes {
         return first;
     }
 
-    /** Converts a position into one among the own bytes, given the first rope after it. */
+    /**
+     * Converts a position in the buffer into one in {@link #bytes}, given the index of the first
+     * rope after it.
+     */
     private int ownPlace(int place, int firstStrand) {
         int before = strandBytes;
         for (int i = firstStrand; i < strandCount; i++) {

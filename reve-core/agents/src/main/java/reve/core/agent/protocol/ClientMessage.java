@@ -15,13 +15,13 @@ public sealed interface ClientMessage {
     /** Version of the protocol. */
     int PROTOCOL = 1;
 
-    /** Id of a message without id. */
+    /** Value of {@link #id} for a message without an id. */
     long NO_ID = -1;
 
     /** Returns the id that the client gave, or {@link #NO_ID}. */
     long id();
 
-    /** Returns the type of the message as in the protocol. */
+    /** Returns the name of the message's type in the protocol. */
     default String type() {
         return switch (this) {
             case Hello hello -> "hello";
@@ -61,14 +61,14 @@ public sealed interface ClientMessage {
     }
 
     /**
-     * @param role as received
+     * @param role name of the role, as received
      * @param world name of the world to join; needed only if the server has several
-     * @param body name of the requested item as a body
-     * @param encoding of all later messages, as received
-     * @param graceSeconds requested time that the body stays after the connection breaks
+     * @param body name of the item that the client requests as its body
+     * @param encoding name of the encoding of all later messages, as received
+     * @param graceSeconds requested time that the body stays after the connection breaks [s]
      * @param lockStep empty unless the client runs in lock-step
      * @param resume the session to resume
-     * @param token the client's secret
+     * @param token secret of the client's token
      */
     record Hello(
             long id,
@@ -91,7 +91,7 @@ public sealed interface ClientMessage {
             return NAME.matcher(name).matches();
         }
 
-        /** Omits secrets. */
+        /** Returns the message as text, without secrets. */
         @Override
         public String toString() {
             return "hello of " + role + " " + name;
@@ -101,10 +101,11 @@ public sealed interface ClientMessage {
     /**
      * Settings of an agent in lock-step: the world waits for the agent.
      *
-     * @param every frames between perceptions; after each perception the agent sends ready
-     * @param relations whether perceptions contain relations
-     * @param deadlineSeconds maximum wait
-     * @param fallback the act of the agent's body if the agent is late
+     * @param every number of frames between perceptions; after each perception the agent sends
+     *     ready
+     * @param relations whether perceptions contain spatial relations
+     * @param deadlineSeconds maximum time that the world waits for the agent [s]
+     * @param fallback the action that the agent's body performs if the agent is late
      */
     record LockStep(
             int every,
@@ -113,14 +114,14 @@ public sealed interface ClientMessage {
             Optional<ActionRequest> fallback) {}
 
     /**
-     * @param session token from the welcome of the broken connection
+     * @param session session token that the welcome of the broken connection contained
      * @param frame the last frame of which the client received all events
      */
     record Resume(String session, long frame) {}
 
     /**
-     * @param every frames between perceptions; 0 ends the stream, {@link #ONCE} requests one
-     *     perception now
+     * @param every number of frames between perceptions; 0 ends the stream, {@link #ONCE} requests
+     *     one perception now
      * @param relations whether symbols contain relations (near, on, inside, touching)
      */
     record Perceive(long id, int every, boolean relations) implements ClientMessage {
@@ -134,9 +135,9 @@ public sealed interface ClientMessage {
     record Look(long id, String sensor) implements ClientMessage {}
 
     /**
-     * Ends the agent's round.
+     * Ends the current round of an agent in lock-step.
      *
-     * @param frame of the perception that the agent has processed
+     * @param frame frame of the perception that the agent has processed
      */
     record Ready(long id, OptionalLong frame) implements ClientMessage {}
 
@@ -149,11 +150,13 @@ public sealed interface ClientMessage {
     /** Ends the session. */
     record Bye(long id) implements ClientMessage {}
 
-    /** A command that has a result and is executed at most once. */
+    /**
+     * A command, which has a result and is executed at most once even if the client sends it again.
+     */
     sealed interface Request extends ClientMessage {}
 
     /**
-     * @param requested names its item
+     * @param requested the requested action, which must name its item
      * @param ready if present, the act also ends the agent's round
      */
     record Act(long id, ActionRequest requested, Optional<Ready> ready) implements Request {}
@@ -171,14 +174,15 @@ public sealed interface ClientMessage {
     record Step(long id, int frames) implements Control {}
 
     /**
-     * @param library that the server knows; with a text, the name of the text in messages
-     * @param text a law as text
+     * @param library name of a library in the law folders of the server; for a text, its name in
+     *     messages
+     * @param text a law as text, which replaces the library
      * @param parameters of its laws, in SI units
      */
     record LoadLaw(long id, String library, Optional<String> text, Map<String, Double> parameters)
             implements Control {}
 
-    /** Removes the laws of a library. */
+    /** Unloads a library of laws. */
     record UnloadLaw(long id, String library) implements Control {}
 
     /**
@@ -190,27 +194,30 @@ public sealed interface ClientMessage {
     sealed interface WorldChange extends Control {}
 
     /**
-     * @param items a mapping with {@code items} and {@code prefabs} as in a world file, in JSON
+     * @param items a mapping with {@code items} and {@code prefabs} in the form of a world file, as
+     *     JSON
      */
     record Add(long id, String items) implements WorldChange {}
 
     /**
-     * @param to the values of the item that change, as in a world file, in JSON; null removes one
+     * @param to the values of the item that change, in the form of a world file, as JSON; null
+     *     removes a value
      */
     record Change(long id, String item, String to) implements WorldChange {}
 
     /**
-     * @param cascade whether items that refer to it or are attached to it are removed, too
+     * @param cascade whether the items that refer to the item or are attached to it are removed,
+     *     too
      */
     record Remove(long id, String item, boolean cascade) implements WorldChange {}
 
     /**
      * @param name the symbol that the rule computes
-     * @param rule the rule as in a world file, in JSON; empty removes it
+     * @param rule the rule in the form of a world file, as JSON; empty removes the rule
      */
     record SetRule(long id, String name, Optional<String> rule) implements WorldChange {}
 
-    /** Several changes, of which all happen or none. None of them is a batch. */
+    /** Several changes, of which all are made or none. A batch contains no batch. */
     record Batch(long id, List<WorldChange> changes) implements WorldChange {
         /** Maximum number of changes. */
         public static final int MAX = 1000;
@@ -222,13 +229,15 @@ public sealed interface ClientMessage {
     }
 
     /**
-     * A question about the world, whose result has a value.
+     * A question about the world; its result contains the answer as a value.
      *
      * @param what one of {@link #QUESTIONS}
      * @param arguments Double, List of Double, String or Boolean by name
      */
     record Ask(long id, String what, Map<String, Object> arguments) implements Control {
-        /** The questions, and the names of their arguments; a * marks those that are optional. */
+        /**
+         * The possible questions, with the names of their arguments; a * marks optional arguments.
+         */
         public static final Map<String, List<String>> QUESTIONS =
                 Map.of(
                         "profile", List.of(),
@@ -242,14 +251,14 @@ public sealed interface ClientMessage {
         }
     }
 
-    /** Permits a quarantined library of laws again. */
+    /** Ends the quarantine of a library of laws, which did not act after a failure. */
     record Release(long id, String library) implements Control {}
 
     /** Requests a picture of the world. */
     record Picture(long id) implements Control {}
 
     /**
-     * @param image name for the saved state of the world
+     * @param image name under which the state of the world is saved in memory
      */
     record Snapshot(long id, String image) implements Control {}
 
@@ -259,13 +268,13 @@ public sealed interface ClientMessage {
     record Rewind(long id, Optional<String> image) implements Control {}
 
     /**
-     * @param file name of the world file
+     * @param file name of the world file to write
      */
     record Save(long id, String file) implements Control {}
 
     /**
-     * @param frames number of frames for which a copy of the world advances
-     * @param changes of items that are made in the copy first
+     * @param frames number of frames by which a copy of the world advances
+     * @param changes changes that are made in the copy before it advances
      */
     record Fork(long id, int frames, Optional<Batch> changes) implements Control {}
 
@@ -273,25 +282,29 @@ public sealed interface ClientMessage {
     record ShutDown(long id) implements Control {}
 
     /**
-     * @param factor world time per time of the clock
+     * @param factor simulated time per time of the clock
      */
     record Speed(long id, double factor) implements Control {}
 
     /**
-     * @param parameters of a loaded library, in SI units; the others keep their values
+     * @param parameters new values of parameters of a loaded library, in SI units; other parameters
+     *     keep their values
      */
     record SetLaw(long id, String library, Map<String, Double> parameters) implements Control {}
 
-    /** Requests the ledger of energy and momentum. */
+    /** Requests the ledger of energy and momentum; {@code open} opens or closes it. */
     record Ledger(long id, Optional<Boolean> open) implements Control {}
 
-    /** A question about the world for clients that perceive everything. Changes nothing. */
+    /**
+     * A request for a report about the world, which only clients that perceive everything may send.
+     * Changes nothing.
+     */
     sealed interface Query extends Request {}
 
-    /** Requests the state of the world's loop and its clients. */
+    /** Requests the state of the world's frame loop and of its clients. */
     record State(long id) implements Query {}
 
-    /** Requests the four aspects of an item. */
+    /** Requests a report of the aspects of an item. */
     record Inspect(long id, String item) implements Query {}
 
     /** Requests the loaded, quarantined and available laws. */

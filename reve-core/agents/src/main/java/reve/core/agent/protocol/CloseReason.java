@@ -4,14 +4,14 @@ package reve.core.agent.protocol;
 import java.util.Optional;
 
 /**
- * The reason for the end of a connection. Has no stack trace, because a hostile client can cause
- * many.
+ * The reason why the server ends a connection, thrown as an exception. Has no stack trace, because
+ * a hostile client can cause many.
  */
 public final class CloseReason extends Exception {
 
     private static final long serialVersionUID = 1L;
 
-    /** Code as in the protocol. */
+    /** Code of the reason in the protocol. */
     private final String code;
 
     private final transient Optional<String> hint;
@@ -26,19 +26,19 @@ public final class CloseReason extends Exception {
         this.cut = cut;
     }
 
-    /** Returns a reason that is no fault of the client. */
+    /** Returns a reason that is not an error of the client. */
     public static CloseReason regular(String code, String message) {
         return new CloseReason(code, message, Optional.empty(), false);
     }
 
-    /** Returns the refusal of a hello; the hint says what to change. */
+    /** Returns the reason for refusing a hello; the hint says what the client must change. */
     public static CloseReason refused(String code, String message, String hint) {
         return new CloseReason(code, message, Optional.of(hint), false);
     }
 
     /**
-     * Returns the refusal of a name. The message does not say whether a client or an item has the
-     * name, because not every client may know the items.
+     * Returns the reason for refusing a client's name that is in use. The message does not say
+     * whether a client or an item has the name, because not every client may know the items.
      */
     public static CloseReason nameTaken(String name) {
         return refused(
@@ -52,14 +52,20 @@ public final class CloseReason extends Exception {
         return new CloseReason(code, message, Optional.empty(), true);
     }
 
-    /** Returns the refusal of a server that has its maximum number of clients. */
+    /**
+     * Returns the reason for refusing a client because the server has its maximum number of
+     * clients.
+     */
     public static CloseReason serverFull(int mostClients) {
         return cut(
                 "too-many-connections",
                 "the server has " + mostClients + " clients, which is all it takes");
     }
 
-    /** Returns the reason of a server that must not send without an audit record. */
+    /**
+     * Returns the reason for ending a connection because its messages cannot be written to the
+     * required audit record.
+     */
     public static CloseReason notRecorded() {
         return refused(
                 "not-recorded",
@@ -67,12 +73,12 @@ public final class CloseReason extends Exception {
                 "try again later");
     }
 
-    /** Returns what the client can do about it. */
+    /** Returns what the client can do about the reason, if anything. */
     public Optional<String> hint() {
         return hint;
     }
 
-    /** Returns the code as in the protocol. */
+    /** Returns the code of the reason in the protocol. */
     public String code() {
         return code;
     }
@@ -82,7 +88,7 @@ public final class CloseReason extends Exception {
         return cut;
     }
 
-    /** Returns the last message to the client. */
+    /** Returns the message {@code bye} with this reason, the last one to the client. */
     public ServerMessage.Bye bye() {
         return new ServerMessage.Bye(code, getMessage(), hint);
     }

@@ -5,7 +5,7 @@ import java.util.Arrays;
 import java.util.Optional;
 import java.util.function.Consumer;
 
-/** Encoding of messages; all encodings have the same fields. */
+/** The encoding of messages; messages have the same fields in all encodings. */
 public enum Encoding {
     /** One JSON object per line. */
     JSON("json") {
@@ -33,7 +33,7 @@ public enum Encoding {
             out.put("}\n");
         }
     },
-    /** A MessagePack map after its length in 4 bytes, big-endian. */
+    /** One MessagePack map per message, after its length as a big-endian number of 4 bytes. */
     MESSAGEPACK("msgpack") {
         @Override
         MessageWriter writer(Bytes out) {
@@ -74,7 +74,7 @@ public enum Encoding {
         this.wireName = wireName;
     }
 
-    /** Returns the name in the protocol. */
+    /** Returns the name of the encoding in the protocol. */
     public String wireName() {
         return wireName;
     }
@@ -95,7 +95,7 @@ public enum Encoding {
 
     abstract MessageWriter writer(Bytes out);
 
-    /** Returns a writer of fields that follow other fields of a message. */
+    /** Returns a writer of fields that are appended to other fields of a message. */
     public abstract MessageWriter fields(Bytes out);
 
     /**

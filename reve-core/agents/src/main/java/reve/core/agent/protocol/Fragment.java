@@ -6,8 +6,8 @@ import org.jspecify.annotations.Nullable;
 import java.util.function.Consumer;
 
 /**
- * A value that is encoded once, when it is first needed, for all messages that contain it. If
- * several threads need it at the same time, each may encode it, with the same result.
+ * A value that is encoded once, when it is first needed, and shared by all messages that contain
+ * it. If several threads need it at the same time, each may encode it, with the same result.
  */
 public final class Fragment {
 
@@ -33,7 +33,7 @@ public final class Fragment {
     /**
      * Writes the value at the writer's position.
      *
-     * @param out the buffer of the writer
+     * @param out the buffer to which the writer writes
      */
     void write(MessageWriter writer, Bytes out) {
         Encoding encoding = writer.encoding();

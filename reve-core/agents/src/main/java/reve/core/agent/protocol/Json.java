@@ -6,7 +6,10 @@ import tools.jackson.core.StreamReadFeature;
 import tools.jackson.core.json.JsonFactory;
 import tools.jackson.databind.json.JsonMapper;
 
-/** The JSON configuration of the server: strict, with limits, and finite numbers only. */
+/**
+ * The JSON library as configured for the server: strict syntax, size limits, and only finite
+ * numbers.
+ */
 public final class Json {
 
     static final int MAX_DEPTH = 32;

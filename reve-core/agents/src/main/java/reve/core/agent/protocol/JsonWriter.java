@@ -10,14 +10,14 @@ final class JsonWriter implements MessageWriter {
 
     private final Bytes out;
 
-    /** True after a value: the next value needs a comma first. */
+    /** True after a value, so that a comma must precede the next value. */
     private boolean behindValue;
 
     JsonWriter(Bytes out) {
         this.out = out;
     }
 
-    /** Returns a writer that continues an object after a field. */
+    /** Returns a writer that appends fields to an object whose last field is complete. */
     static JsonWriter behindField(Bytes out) {
         var writer = new JsonWriter(out);
         writer.behindValue = true;

@@ -17,7 +17,7 @@ import java.math.BigInteger;
 import java.nio.ByteBuffer;
 
 /**
- * Reader of MessagePack into the tree model of JSON, with the same limits. Refuses values that JSON
+ * Decoder of MessagePack into JSON trees, with the limits of {@link Json}. Refuses values that JSON
  * cannot represent.
  */
 public final class MessagePackReader {
@@ -29,7 +29,7 @@ public final class MessagePackReader {
     private final int bytes;
     private final Binary binary;
 
-    /** Converts binary values into texts. */
+    /** A conversion of binary values, which JSON does not have, into texts. */
     public interface Binary {
         /**
          * @throws IllegalArgumentException if binary values are not allowed

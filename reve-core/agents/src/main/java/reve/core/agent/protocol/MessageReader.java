@@ -37,7 +37,7 @@ public final class MessageReader {
     private MessageReader() {}
 
     /**
-     * @param bytes backed by an array
+     * @param bytes the message; the buffer must be backed by an array
      * @throws BadMessage with the reason, and with the id of the message if it is valid
      */
     public static ClientMessage read(ByteBuffer bytes, Encoding encoding) throws BadMessage {
@@ -87,7 +87,10 @@ public final class MessageReader {
         }
     }
 
-    /** Refuses values that the JSON grammar allows but no text or number can represent. */
+    /**
+     * Refuses values that JSON permits but the server does not: numbers beyond the range of
+     * doubles, and unpaired surrogates.
+     */
     private static void requireSound(JsonNode node) throws BadMessage {
         if (node.isString()) {
             requireSound(node.stringValue());
@@ -232,7 +235,7 @@ public final class MessageReader {
         };
     }
 
-    /** The fields of one message; a null field counts as absent. */
+    /** The fields of one message; a field with the value null counts as absent. */
     private static final class Fields {
 
         private final JsonNode message;
@@ -243,7 +246,7 @@ public final class MessageReader {
             this.id = find("id") == null ? NO_ID : integer(NO_ID, "id", 0, MAX_ID);
         }
 
-        /** Reads a part of a message, whose problems are those of the message. */
+        /** Reads an object inside a message; errors in it refer to the id of the message. */
         Fields(JsonNode part, long id) {
             this.message = part;
             this.id = id;
@@ -253,7 +256,7 @@ public final class MessageReader {
             return find(name) != null;
         }
 
-        /** Returns the version of the protocol that a client wants to speak. */
+        /** Returns the version of the protocol that the client requests. */
         int protocol() throws BadMessage {
             if (!has("protocol")) {
                 throw bad(
@@ -265,7 +268,7 @@ public final class MessageReader {
             return (int) integer("protocol", 0, Integer.MAX_VALUE);
         }
 
-        /** Returns the id of a message that requires one. */
+        /** Returns the id of a message whose type requires one. */
         long required() throws BadMessage {
             return integer("id", 0, MAX_ID);
         }
@@ -449,7 +452,10 @@ public final class MessageReader {
             return new ClientMessage.Ask(required(), what, arguments);
         }
 
-        /** Returns the items and prefabs to add, as JSON. */
+        /**
+         * Returns the fields {@code items} and {@code prefabs} of a message that adds items, as
+         * JSON.
+         */
         private String items() throws BadMessage {
             JsonNode items = find("items");
             if (items == null || !items.isArray() || items.isEmpty()) {
@@ -466,7 +472,10 @@ public final class MessageReader {
                     + "}";
         }
 
-        /** Returns a rule as JSON; empty if the message has none, and so removes the rule. */
+        /**
+         * Returns the rule in the message as JSON; empty if there is none, so that the rule is
+         * removed.
+         */
         private Optional<String> rule() throws BadMessage {
             JsonNode rule = find("rule");
             if (rule != null && !rule.isString() && !rule.isObject()) {
@@ -518,7 +527,7 @@ public final class MessageReader {
             return name;
         }
 
-        /** Returns false if the field is absent. */
+        /** Returns the value of a boolean field; false if the field is absent. */
         boolean isTrue(String name) throws BadMessage {
             return has(name) && truth(name);
         }

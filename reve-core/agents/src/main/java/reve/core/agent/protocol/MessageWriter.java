@@ -36,7 +36,7 @@ public interface MessageWriter {
      */
     void number(double number);
 
-    /** Writes a value that several messages share. */
+    /** Writes a value whose encoding several messages share. */
     void fragment(Fragment fragment);
 
     /** Returns the encoding. */
@@ -45,7 +45,7 @@ public interface MessageWriter {
     /** Writes bytes; in JSON, a base64 text (RFC 4648). */
     void bytes(byte[] bytes);
 
-    /** Writes a list of {@code count} numbers, starting with index {@code first}. */
+    /** Writes {@code count} elements of an array as a list, starting at index {@code first}. */
     default void numbers(double[] numbers, int first, int count) {
         beginList(count);
         for (int i = first; i < first + count; i++) {
@@ -55,8 +55,8 @@ public interface MessageWriter {
     }
 
     /**
-     * Writes a String, Boolean, Number, byte[], Fragment, or a List or Map by text of these.
-     * Numbers that are not finite are written as text.
+     * Writes a String, Boolean, Number, byte[], Fragment, or a List or Map of these (with texts as
+     * keys). Numbers that are not finite are written as text.
      */
     default void value(Object value) {
         switch (value) {

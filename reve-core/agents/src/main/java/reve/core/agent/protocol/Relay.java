@@ -2,14 +2,17 @@
 package reve.core.agent.protocol;
 
 /**
- * A server of this process that passes the lines of a connection on to its client, such as a page.
- * Any thread; the methods return without waiting.
+ * Another server of this process, such as the web server, that passes the messages of a connection
+ * on to its client. Any thread; the methods return without waiting.
  */
 public interface Relay {
 
-    /** Takes what the session decided about the client. Called before its welcome is sent. */
+    /**
+     * Notifies the relay that the client was admitted, with its role, world and name. Called before
+     * the welcome is sent.
+     */
     void welcomed(Role role, String world, String client);
 
-    /** Takes the end of the connection, after which only waiting messages follow. */
+    /** Notifies the relay that the connection ends; only the waiting messages follow. */
     void ended();
 }

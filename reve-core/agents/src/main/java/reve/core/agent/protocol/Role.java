@@ -5,7 +5,7 @@ import java.util.Arrays;
 import java.util.Locale;
 import java.util.Optional;
 
-/** The role of a client. */
+/** The role of a client, which determines what it may do. */
 public enum Role {
     /** Perceives and acts through a body. */
     AGENT,
@@ -14,7 +14,7 @@ public enum Role {
     /** Perceives everything and cannot act. */
     OBSERVER;
 
-    /** Returns the name in the protocol. */
+    /** Returns the name of the role in the protocol. */
     public String wireName() {
         return name().toLowerCase(Locale.ROOT);
     }

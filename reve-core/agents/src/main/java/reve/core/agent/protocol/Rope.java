@@ -7,15 +7,16 @@ import java.nio.ByteBuffer;
 import java.util.Arrays;
 
 /**
- * Encoded bytes: own bytes and references to other ropes, which several ropes may share. Data for
- * many clients is thus in memory once. Immutable except for the number of holders.
+ * A sequence of encoded bytes that consists of own bytes and of references to other ropes
+ * (strands), which several ropes may share. Thus data for many clients is in memory only once.
+ * Immutable except for the number of holders.
  */
 public final class Rope {
 
     /** Minimum size of a rope that is held by reference [bytes]; smaller ropes are copied. */
     static final int LEAST_BYTES = 512;
 
-    /** Memory of a reference to a strand, with its positions [bytes]. */
+    /** Memory that a reference to a strand takes, including its positions [bytes]. */
     private static final int STRAND_BYTES = 12;
 
     private static final int[] NO_PLACES = {};
@@ -24,22 +25,24 @@ public final class Rope {
     private final byte[] own;
     private final Rope[] strands;
 
-    /** Start of each strand in the rope, and number of own bytes before it. */
+    /**
+     * Position of each strand in the rope; the next field is the number of own bytes before each.
+     */
     private final int[] starts;
 
     private final int[] ownBefore;
     private final int size;
 
-    /** Guarded by the {@link SlowReaders}. */
+    /** Number of holders. Guarded by the {@link SlowReaders}. */
     private int holders;
 
-    /** Takes ownership of the bytes, which must not change any more. */
+    /** Creates a rope that owns the bytes, which must not change any more. */
     public Rope(byte[] own) {
         this(own, NO_STRANDS, NO_PLACES);
     }
 
     /**
-     * Takes ownership of all three arrays.
+     * Creates a rope that owns all three arrays, which must not change any more.
      *
      * @param ownBefore number of own bytes before each strand, in ascending order
      */
@@ -98,9 +101,9 @@ public final class Rope {
     }
 
     /**
-     * Adds a holder that keeps the rope in memory.
+     * Adds a holder, a slow connection that keeps the rope in memory.
      *
-     * @return additional memory that is now held [bytes]
+     * @return memory that had no holder before [bytes]
      */
     public long hold() {
         if (holders++ > 0) {
@@ -114,9 +117,9 @@ public final class Rope {
     }
 
     /**
-     * Removes a holder.
+     * Removes a holder of the rope.
      *
-     * @return memory that is no longer held [bytes]
+     * @return memory that has no holder any more [bytes]
      */
     public long release() {
         if (--holders > 0) {

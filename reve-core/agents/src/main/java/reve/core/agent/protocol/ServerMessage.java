@@ -19,7 +19,7 @@ public sealed interface ServerMessage {
         return ClientMessage.NO_ID;
     }
 
-    /** Limits in the welcome. */
+    /** The limits that the welcome states to the client. */
     record Limits(
             int lineBytes,
             int messagesPerSecond,
@@ -32,12 +32,15 @@ public sealed interface ServerMessage {
             int worldEventBytes) {}
 
     /**
-     * A token with which another connection can resume the session within the given time after the
-     * connection breaks.
+     * The session token, with which another connection can resume the session within the given time
+     * after the connection breaks.
      */
     record Ticket(String token, double graceSeconds) {}
 
-    /** Lock-step settings: the world waits after every Nth frame, at most for the deadline. */
+    /**
+     * The lock-step settings in the welcome: the world waits for the agent after every Nth frame,
+     * at most until the deadline.
+     */
     record Rhythm(int every, double deadlineSeconds) {}
 
     /**
@@ -66,8 +69,9 @@ public sealed interface ServerMessage {
     /**
      * The answer to a question.
      *
-     * @param frame of the state that it describes
-     * @param value a List or Map by text of String, Boolean, Number, or lists and maps of these
+     * @param frame number of the frame whose state the answer describes
+     * @param value a List or Map of String, Boolean, Number, or lists and maps of these; keys are
+     *     texts
      */
     record Answer(long id, long frame, Object value) implements ServerMessage {}
 
@@ -77,7 +81,7 @@ public sealed interface ServerMessage {
     /**
      * The answer to a query.
      *
-     * @param of type of the query
+     * @param of type of the answered query in the protocol
      * @param content a Map by name of String, Number, Boolean, or a List or Map of these; or a
      *     Fragment with such a Map
      */
@@ -92,7 +96,7 @@ public sealed interface ServerMessage {
     record Event(long frame, String type, Map<String, Object> fields) implements ServerMessage {
 
         /**
-         * Returns the event that reports the dropped events of these frames.
+         * Returns the event {@code missed}, which reports that events of these frames were dropped.
          *
          * @param events number of dropped events; empty if unknown
          */

@@ -7,7 +7,10 @@ import java.nio.ByteBuffer;
 import java.nio.charset.CharacterCodingException;
 import java.nio.charset.StandardCharsets;
 
-/** Makes text from clients safe to show in messages and logs. */
+/**
+ * Decoder of text from clients, and its conversion into a form that is safe to show in messages and
+ * logs.
+ */
 public final class Text {
 
     private static final int SHOWN = 64;
@@ -21,7 +24,7 @@ public final class Text {
      */
     static String decode(byte[] utf8, int start, int length) throws CharacterCodingException {
         String text = new String(utf8, start, length, StandardCharsets.UTF_8);
-        // either the sender wrote this character, or the decoder replaced invalid UTF-8
+        // either the client sent this character, or the decoder inserted it for invalid UTF-8
         if (text.indexOf(REPLACEMENT) >= 0) {
             StandardCharsets.UTF_8.newDecoder().decode(ByteBuffer.wrap(utf8, start, length));
         }
@@ -48,7 +51,7 @@ public final class Text {
 
     /**
      * Returns at most 64 characters of a value that is not a text, such as a number or a list, with
-     * the same escapes.
+     * the same escapes as {@link #quote}.
      */
     static String show(String value) {
         var out = new StringBuilder(value.length());

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /**
  * Messages of the agent protocol, version 1 (agents/protocol/PROTOCOL.md): parsing, encoding and
- * limits. Knows no socket and no world.
+ * limits. Depends on no socket and no world.
  */
 @NullMarked
 package reve.core.agent.protocol;

@@ -16,8 +16,8 @@ import java.util.OptionalLong;
 import java.util.function.Consumer;
 
 /**
- * The requests of one client for pictures from its body's cameras: one at a time, at the interval
- * of the camera. The event loop's thread.
+ * The requests of one client for pictures from its body's cameras: one at a time, and not more
+ * often than the interval of the camera permits. The event loop's thread.
  */
 public final class CameraRequests {
 
@@ -32,8 +32,8 @@ public final class CameraRequests {
     private OptionalLong pending = OptionalLong.empty();
 
     /**
-     * @param client name for the log
-     * @param told receives the answers
+     * @param client name of the client for the log
+     * @param told receives the answers to the client
      */
     public CameraRequests(
             Cameras cameras,
@@ -53,7 +53,8 @@ public final class CameraRequests {
      */
     public void take(ClientMessage.Look look, ItemId body, Sensor camera) throws BadMessage {
         if (pending.equals(OptionalLong.of(look.id()))) {
-            return; // repeated over a new connection; the answer is pending
+            return; // the client repeated its request over a new connection; the answer to the
+            // first one follows
         }
         if (pending.isPresent()) {
             throw new BadMessage(
@@ -94,8 +95,8 @@ public final class CameraRequests {
     }
 
     /**
-     * Requires that the camera's interval has passed since its last picture, or that the frame is
-     * the same.
+     * Throws unless the camera's interval has passed since its last picture, or the frame is that
+     * of the last picture.
      */
     private void requireTurn(ClientMessage.Look look, Sensor camera, long frame) throws BadMessage {
         long last = lastFrames.getOrDefault(camera.name(), Long.MIN_VALUE / 2);
@@ -118,7 +119,7 @@ public final class CameraRequests {
             requireTurn(look, camera, photo.frame());
             lastFrames.put(camera.name(), photo.frame());
             tell(new ServerMessage.Image(look.id(), camera.name(), photo));
-        } catch (BadMessage tooEarly) { // frames were made while the picture was drawn
+        } catch (BadMessage tooEarly) { // the world made frames while the picture was drawn
             tell(tooEarly.error());
         }
     }

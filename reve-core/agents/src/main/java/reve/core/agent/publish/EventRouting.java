@@ -25,29 +25,32 @@ import java.util.Set;
 import java.util.stream.LongStream;
 
 /**
- * Preselection of the clients for an event, so that the cost depends on the perceptions of its
- * items and not on the number of agents. It selects clients that were sent one of the items or have
- * a sensor that may reach one now. The selection may be too large; {@link Senses} decides. The
- * event loop's thread.
+ * Preselection of the clients that may receive an event, so that its cost depends on the number of
+ * clients that perceive its items and not on the number of agents. It selects the clients whose
+ * last view contains one of the items or that have a sensor which may reach one now. The selection
+ * may be too large; {@link Senses} makes the exact decision. The event loop's thread.
  */
 final class EventRouting {
 
     private static final int AXES = 3;
 
-    // Items that were sent to agents with sensors.
+    // The items in the last view of each agent with sensors.
     private final Map<Perceiver, Showing> showings = new IdentityHashMap<>();
 
-    /** Updated when there are events. */
+    /** Clients whose last view contains an item. Updated when there are events. */
     private final Map<ItemId, Set<Perceiver>> viewers = new HashMap<>();
 
-    // Places of agents with sensors in this frame.
+    // The clients of this frame: with sensors, without sensors, and those with unlimited and with
+    // limited reach.
     private final List<Perceiver> withSensors = new ArrayList<>();
     private final List<Perceiver> withoutSensors = new ArrayList<>();
     private final List<Perceiver> reachingAll = new ArrayList<>();
     private final List<Perceiver> within = new ArrayList<>();
     private boolean hasLockStep;
 
-    /** Boxes of sensors' reaches, by index in the list above. */
+    /**
+     * Boxes that contain the reach of each client's sensors; keys are indices in {@link #within}.
+     */
     private final BoxIndex reaches = new BoxIndex();
 
     private double[] lows = {};
@@ -58,11 +61,11 @@ final class EventRouting {
     private static final class Showing {
         private List<PerceivedItem> newest = List.of();
 
-        /** Items for which the member is registered as a viewer. */
+        /** Items for which {@link #viewers} contains the client. */
         private List<PerceivedItem> counted = List.of();
     }
 
-    /** Records the view that a member was sent. */
+    /** Records the view that was sent to a member. */
     void shows(Perceiver member, View view) {
         showings.computeIfAbsent(member, unknown -> new Showing()).newest = view.items();
     }
@@ -85,7 +88,9 @@ final class EventRouting {
                 });
     }
 
-    /** Updates the viewers by merging two lists that are ordered by id. */
+    /**
+     * Updates {@link #viewers} for a change of the view of a member; both lists are ordered by id.
+     */
     private void update(Perceiver member, List<PerceivedItem> before, List<PerceivedItem> now) {
         int old = 0;
         for (PerceivedItem seen : now) {
@@ -115,7 +120,7 @@ final class EventRouting {
                 });
     }
 
-    /** Loads the members' places in the observatory's frame. */
+    /** Loads the reach of the members' sensors in the frame that the observatory has read. */
     void locate(Collection<Perceiver> members, Observatory world) {
         countViewers();
         withSensors.clear();

@@ -13,8 +13,9 @@ import reve.core.world.WorldEvent;
 
 import java.util.BitSet;
 import java.util.Optional;
+import java.util.function.BooleanSupplier;
 
-/** A client of its world's publisher. The event loop's thread. */
+/** A client, as the publisher of its world sees it. The event loop's thread. */
 public interface Perceiver extends PerceptionShares.Client, RelatedViews.Client {
 
     /** Returns the name that the client declared. */
@@ -26,17 +27,25 @@ public interface Perceiver extends PerceptionShares.Client, RelatedViews.Client 
     /** Returns the encoding of messages to the client. */
     Encoding encoding();
 
-    /** Returns the client's requests over its newest connection. */
+    /** Returns the requests for perceptions that the client has made over its newest connection. */
     PerceptionRequests perceptions();
 
     /** Returns whether the client perceives only through sensors of its body. */
     boolean hasSensors();
 
-    /** Assigns a body, possibly another one than before, or ends the session if it gets none. */
+    /**
+     * Assigns a body to the client, possibly another one than before, or ends its session if the
+     * outcome is a refusal.
+     */
     void embodied(Outcome outcome);
 
-    /** Returns the client's view of the newest frame. */
-    View look(Observatory world);
+    /**
+     * Returns the client's view of the frame that was read.
+     *
+     * @param isTimeLeft false if other clients must be served first
+     * @return empty if the time was too short; the next call in this frame continues
+     */
+    Optional<View> look(Observatory world, BooleanSupplier isTimeLeft);
 
     /**
      * Returns the indices of the event's fields that are sent to the client; empty if the event is
@@ -44,7 +53,10 @@ public interface Perceiver extends PerceptionShares.Client, RelatedViews.Client 
      */
     Optional<BitSet> hear(WorldEvent event, EventSubjects subjects, Observatory world);
 
-    /** Computes the box of its sensors' reach, see {@link Observatory#reach}. */
+    /**
+     * Computes a box that contains the reach of the client's sensors, see {@link
+     * Observatory#reach}.
+     */
     boolean reach(Observatory world, double[] lows, double[] highs, int at);
 
     /** Sends an event to the client. */

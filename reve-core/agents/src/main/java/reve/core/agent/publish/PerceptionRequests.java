@@ -13,8 +13,8 @@ import java.util.Optional;
 import java.util.concurrent.atomic.LongAdder;
 
 /**
- * The perceptions that one agent has requested. The thread that reads its messages adds requests;
- * the publisher serves them.
+ * The requests of one client for single perceptions or a stream. The thread that reads its messages
+ * adds requests; the publisher serves them.
  */
 public final class PerceptionRequests {
 
@@ -41,8 +41,8 @@ public final class PerceptionRequests {
     }
 
     /**
-     * Makes an agent in lock-step perceive the first frame of each of its rounds, until it requests
-     * something else.
+     * Requests a perception of the first frame of each round of an agent in lock-step, until the
+     * agent requests other perceptions.
      */
     public synchronized void follow(Turn followed, long answerTo) {
         turn = followed;
@@ -51,7 +51,7 @@ public final class PerceptionRequests {
     }
 
     /**
-     * @param published the last published frame; requests are served with later ones
+     * @param published number of the last published frame; the request is served with a later frame
      * @throws BadMessage if the client requests a single perception while another one is pending
      */
     public synchronized void ask(ClientMessage.Perceive perceive, long published)
@@ -84,31 +84,37 @@ public final class PerceptionRequests {
         outbox.restart();
     }
 
-    /** Requires that perceptions are not older than a result that was sent to the agent. */
+    /**
+     * Requires that later perceptions are not older than {@code frame}, the frame of a result that
+     * was sent to the agent.
+     */
     public synchronized void notBefore(long frame) {
         notBefore = Math.max(notBefore, frame);
     }
 
-    /** Returns whether the client perceives a frame. */
+    /** Returns whether a perception of a frame must be sent. */
     public synchronized boolean isDue(long frame) {
         return frame >= notBefore && (isOnceDue(frame) || isEveryDue(frame));
     }
 
-    /** The agent's perceptions of a frame. */
+    /** Source of the client's views of a frame. */
     interface Views {
         /**
-         * @return empty if it is not computed yet; it may be of an earlier frame
+         * @return the view, possibly of an earlier frame; empty if it is not computed yet
          */
         Optional<View> of(boolean relations);
     }
 
-    /** Returns whether the perception that is due in a frame has relations. */
+    /** Returns whether a perception that must be sent of a frame contains relations. */
     public synchronized boolean wantsRelations(long frame) {
         return frame >= notBefore
                 && (onceRelations && isOnceDue(frame) || everyRelations && isEveryDue(frame));
     }
 
-    /** Queues the perceptions that are due in a frame; returns false if one is not computed yet. */
+    /**
+     * Queues the perceptions that must be sent of a frame; returns false if one of them is not
+     * computed yet.
+     */
     synchronized boolean serve(long frame, Views views) {
         boolean all = true;
         if (frame >= notBefore && isOnceDue(frame)) {

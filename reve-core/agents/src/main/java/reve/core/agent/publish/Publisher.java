@@ -31,34 +31,43 @@ import java.util.concurrent.atomic.AtomicInteger;
 import java.util.concurrent.atomic.AtomicReference;
 
 /**
- * Sends the results, events and perceptions of frames to agents. The world's thread only records
- * data here, without a lock; the event loop does the work for all agents.
+ * Sender of the results, events and perceptions of a world's frames to its clients. The world's
+ * thread only records data here, without a lock; the event loop does the work for all clients.
  */
 public final class Publisher {
 
-    /** Maximum number of frames with unsent events; 17 s at 60 frames per second. */
+    /**
+     * Maximum number of frames whose events wait to be sent; events of further frames are lost. 17
+     * s at 60 frames per second.
+     */
     private static final int MAX_EVENT_FRAMES = 1024;
 
     /**
-     * Time per frame for sending events of acts to clients in real time [ns]; further ones are
-     * dropped.
+     * Time for sending events about acts to clients in real time, per frame [ns]; further events
+     * about acts are dropped.
      */
     private static final long ACTS_NANOS = 5_000_000;
 
     /**
-     * Number of events that are sent per frame whatever time it takes, so that a busy machine does
-     * not drop events of a few clients.
+     * Time for one session's view before the event loop serves other worlds [ns]; a later slice
+     * continues.
+     */
+    private static final long LOOK_NANOS = 10_000_000;
+
+    /**
+     * Number of events that are sent per frame even if that takes longer, so that no event is
+     * dropped for a few clients on a busy machine.
      */
     private static final long FEWEST_SENT = 1000;
 
     private static final String ACTED = "acted";
 
-    /** Events that agents in lock-step cause by inactivity. */
+    /** Types of the events which report that an agent in lock-step is late, away or back. */
     private static final Set<String> ABSENCES = Set.of("late", "away", "back");
 
     /**
-     * Maximum number of {@link #ABSENCES} events about other agents in one frame that a client is
-     * sent.
+     * Maximum number of events per frame which report to a client that other agents in lock-step
+     * are late, away or back.
      */
     public static final int MAX_ABSENCES = 8;
 
@@ -78,8 +87,14 @@ public final class Publisher {
     private final EventRouting routing = new EventRouting();
     private final Runnable wake;
 
-    /** True if sessions still wait for their perception of the frame that was served. */
+    /** True if sessions still wait for their perception of the frame that was served last. */
     private boolean owesPerceptions;
+
+    /**
+     * The session whose view of the frame that was read is not complete yet. Until it is, the
+     * publisher reads no newer frame, and the event loop serves other worlds between the slices.
+     */
+    private @Nullable Perceiver looking;
 
     private volatile long published;
     private volatile boolean news;
@@ -89,7 +104,7 @@ public final class Publisher {
     private record Happened(long frame, List<WorldEvent> events) {}
 
     /**
-     * @param afterFrame run on the event loop after each frame
+     * @param afterFrame run on the event loop after the data of each frame was sent
      * @param wake wakes the event loop
      */
     public Publisher(WorldPort port, RateLimitedLog log, Runnable afterFrame, Runnable wake) {
@@ -101,7 +116,7 @@ public final class Publisher {
 
     // Methods for the world's thread.
 
-    /** Listens to PUBLISH. */
+    /** Records the events of a frame for the event loop, in the phase PUBLISH. */
     public void onFrame(FrameEvent event) {
         List<WorldEvent> happened = event.world().events();
         if (!happened.isEmpty()) {
@@ -118,7 +133,7 @@ public final class Publisher {
 
     // Methods for any thread.
 
-    /** Runs a report on the event loop, before the next perceptions. */
+    /** Runs code that sends a result on the event loop, before the next perceptions. */
     public void later(Runnable report) {
         reports.add(report);
         bring();
@@ -136,17 +151,17 @@ public final class Publisher {
         return news || owesPerceptions;
     }
 
-    /** Removes a session, to which nothing more is sent. */
+    /** Removes a session; nothing more is sent to it. */
     public void dismiss(Perceiver session) {
         leavers.add(session);
     }
 
-    /** Runs a report with the frame that is being made; called in ACT. */
+    /** Runs code that sends a result with the frame that is being made; called in the phase ACT. */
     public void withFrame(Runnable report) {
         reports.add(report);
     }
 
-    /** Returns the last published frame. */
+    /** Returns the number of the last published frame. */
     public long published() {
         return published;
     }
@@ -158,7 +173,7 @@ public final class Publisher {
         return encoder;
     }
 
-    /** Returns the accounts of sessions' perceptions. */
+    /** Returns the shares of the sessions in the event loop's time for perceptions. */
     public PerceptionShares<Perceiver> shares() {
         return shares;
     }
@@ -168,7 +183,10 @@ public final class Publisher {
         members.put(session.name(), session);
     }
 
-    /** Handles a rewind: bodies may have changed, and all streams of perceptions begin again. */
+    /**
+     * Handles a rewind of the world: assigns the bodies, which may have changed, and restarts all
+     * streams of perceptions.
+     */
     public void tellRewound(Rewound rewound) {
         for (Perceiver member : members.values()) {
             Optional.ofNullable(rewound.bodies().get(member.name())).ifPresent(member::embodied);
@@ -176,22 +194,26 @@ public final class Publisher {
         }
     }
 
-    /** Sends all available data. */
+    /** Sends all available results, events and perceptions. */
     public void tell() {
         news = false;
         try {
             publish();
-        } catch (Throwable e) { // otherwise no agent would receive data any more, without a report
+        } catch (Throwable e) { // caught and logged: otherwise no agent would receive data any more
             log.error("telling agents about frame " + published + " failed", e);
         }
     }
 
     private void publish() {
         dropWhoHasLeft();
+        if (isLooking()) {
+            continueToLook();
+            return;
+        }
         // The order is snapshot, events, commands: a client receives the events of a frame before
         // its perception of that frame, and a client that joins in a frame receives the events of
-        // that frame. Events wait for the snapshot of their frame, which decides who perceives
-        // their items.
+        // that frame. Events wait for the snapshot of their frame, which determines the clients
+        // that perceive their items.
         Optional<WorldSnapshot> snapshot = unservedSnapshot();
         try {
             for (Runnable report = reports.poll(); report != null; report = reports.poll()) {
@@ -204,7 +226,8 @@ public final class Publisher {
                             && snapshot.filter(frame -> frame.frame() == served).isPresent();
             owesPerceptions = false;
             if (wanted && !isRead && !observatory.read(snapshot.get())) {
-                return; // overwritten while it was read: the next frame is available already
+                return; // the snapshot was overwritten while it was read, so the next frame is
+                // available already
             }
             served = snapshot.map(WorldSnapshot::frame).orElse(served);
             tellEvents();
@@ -217,9 +240,30 @@ public final class Publisher {
         afterFrame.run();
     }
 
+    /** Returns whether a session still needs the frame that was read. */
+    private boolean isLooking() {
+        Perceiver member = looking;
+        if (member != null
+                && (members.get(member.name()) != member
+                        || !member.perceptions().isDue(observatory.everything().frame()))) {
+            looking = null;
+        }
+        return looking != null;
+    }
+
+    private void continueToLook() {
+        Perceiver member = looking;
+        beginSlice();
+        looking = null;
+        if (member != null) {
+            serve(member);
+        }
+        owesPerceptions = true; // the others may wait for this frame
+    }
+
     private void dropWhoHasLeft() {
         for (Perceiver gone = leavers.poll(); gone != null; gone = leavers.poll()) {
-            members.remove(gone.name(), gone); // keeps a newer client of the same name
+            members.remove(gone.name(), gone); // does not remove a newer client of the same name
             routing.forget(gone);
         }
     }
@@ -230,16 +274,16 @@ public final class Publisher {
         }
         Optional<WorldSnapshot> latest = port.snapshots().acquireLatest();
         if (latest.isPresent() && latest.get().frame() > published) {
-            latest.get()
-                    .close(); // its events are not available yet; the loop is woken when they are
+            latest.get().close(); // the events of this frame are not recorded yet; then the loop is
+            // woken again
             return Optional.empty();
         }
         return latest;
     }
 
     /**
-     * Sends all events of frames up to the one that is served; they were recorded before its
-     * snapshot.
+     * Sends the events of all frames up to the one that is being served; the world recorded them
+     * before its snapshot.
      */
     private void tellEvents() {
         int lost = lostEventFrames.getAndSet(0);
@@ -289,7 +333,7 @@ public final class Publisher {
         }
     }
 
-    /** Number and frames of the events that clients miss. */
+    /** Events that were not sent to clients: their number, and the first and last frame. */
     private static final class Gap {
         private long count;
         private long first = Long.MAX_VALUE;
@@ -310,7 +354,10 @@ public final class Publisher {
         }
     }
 
-    /** Returns whether a client perceives the frame, or needs it to decide about events. */
+    /**
+     * Returns whether the frame must be read: for the perception of a client, or to decide which
+     * clients receive new events.
+     */
     private boolean isWanted(WorldSnapshot snapshot, boolean news) {
         long frame = snapshot.frame();
         for (Perceiver member : members.values()) {
@@ -322,7 +369,7 @@ public final class Publisher {
     }
 
     /**
-     * @param all whether clients in real time also receive the event
+     * @param all true if all clients may receive the event, false if only clients in lock-step
      */
     private void tell(WorldEvent event, boolean all) {
         if (!all && !routing.hasLockStep()) {
@@ -335,8 +382,8 @@ public final class Publisher {
     }
 
     /**
-     * Recognizes {@link #ABSENCES} events; world files may raise events of these types with other
-     * fields.
+     * Returns whether the server raised the event for an absent agent; actions may raise events of
+     * these types with other fields.
      */
     private static boolean isAbsence(WorldEvent event) {
         return ABSENCES.contains(event.type())
@@ -369,7 +416,7 @@ public final class Publisher {
     }
 
     /**
-     * @return false if the member does not sense the event's items
+     * @return false if the event is not sent, because the member does not perceive its items
      */
     private boolean tell(Perceiver member, EventSubjects subjects, HeardEvent heard) {
         Optional<BitSet> fields = member.hear(heard.event(), subjects, observatory);
@@ -381,27 +428,38 @@ public final class Publisher {
         return Optional.ofNullable(members.get(agent)).flatMap(Perceiver::body);
     }
 
-    private View look(Perceiver member) {
-        View view = member.look(observatory);
-        if (member.hasSensors()) {
-            routing.shows(member, view);
+    private Optional<View> look(Perceiver member) {
+        long end = System.nanoTime() + LOOK_NANOS;
+        Optional<View> view = member.look(observatory, () -> System.nanoTime() - end < 0);
+        if (view.isEmpty()) {
+            looking = member;
+        } else if (member.hasSensors()) {
+            routing.shows(member, view.get());
         }
         return view;
     }
 
-    private void serve() {
+    private View beginSlice() {
         View everything = observatory.everything();
-        long now = System.nanoTime();
         encoder.begin(everything);
         relatedViews.begin(member -> members.get(member.name()) == member);
-        shares.begin(members.values(), everything.frame(), now);
+        shares.begin(members.values(), everything.frame(), System.nanoTime());
+        return everything;
+    }
+
+    private void serve() {
+        View everything = beginSlice();
         for (Perceiver member : members.values()) {
             if (member.perceptions().isDue(everything.frame()) && shares.isServedNow(member)) {
-                serve(member);
+                if (looking != null && member.isInLockStep() && member.hasSensors()) {
+                    owesPerceptions = true; // one after the other
+                } else {
+                    serve(member);
+                }
             }
         }
         for (Perceiver member : shares.waiting()) {
-            if (!shares.isTimeLeft()) {
+            if (!shares.isTimeLeft() || looking != null) {
                 owesPerceptions = true;
                 return;
             }
@@ -416,10 +474,7 @@ public final class Publisher {
                 member.perceptions()
                         .serve(
                                 observatory.everything().frame(),
-                                relations ->
-                                        relations
-                                                ? relate(member, related)
-                                                : Optional.of(look(member)));
+                                relations -> relations ? relate(member, related) : look(member));
         long nanos = System.nanoTime() - begin;
         if (served) {
             shares.serve(member.perceptionCost(), nanos);
@@ -430,7 +485,8 @@ public final class Publisher {
     }
 
     /**
-     * @param known the view with relations, once it is computed: two requests share it
+     * @param known receives the view with relations when it is computed; two requests of the client
+     *     share it
      */
     private Optional<View> relate(Perceiver member, AtomicReference<@Nullable View> known) {
         View view = known.get();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /**
- * Sends the perceptions, events and pictures of frames to the clients of a world. The event loop's
+ * Sending of perceptions, events and pictures of frames to the clients of a world. The event loop's
  * thread.
  */
 @NullMarked

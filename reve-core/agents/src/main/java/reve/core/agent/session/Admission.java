@@ -18,8 +18,8 @@ import java.util.Optional;
 import java.util.stream.Collectors;
 
 /**
- * Decides whether a client is admitted, and to which world, from its hello. The event loop's
- * thread.
+ * Admission of clients: decides by the hello whether a client is admitted, and to which world. The
+ * event loop's thread.
  */
 public final class Admission implements Door {
 
@@ -32,7 +32,7 @@ public final class Admission implements Door {
     /**
      * @param maxClients maximum number of clients of all worlds, including disconnected ones
      * @param tokens valid tokens; if empty, clients need none
-     * @param audit the audit record, if required
+     * @param audit the audit record, if messages must not be sent without it
      */
     public Admission(
             List<ServedWorld> worlds,
@@ -57,7 +57,7 @@ public final class Admission implements Door {
         ServedWorld world = requireWorld(hello.world(), rights);
         requireOpen(hello, role, token, world);
         int clients = worlds.stream().mapToInt(ServedWorld::clients).sum();
-        if (clients >= maxClients) { // includes sessions that wait for a new connection
+        if (clients >= maxClients) { // the number includes sessions that wait for a new connection
             throw CloseReason.serverFull(maxClients);
         }
         return world.greet(connection, role, hello, token);
@@ -91,7 +91,10 @@ public final class Admission implements Door {
         return found.get();
     }
 
-    /** Returns the named world, or the only world that is open to the client. */
+    /**
+     * Returns the world that the hello names or, without a name, the only world that the client may
+     * join.
+     */
     private ServedWorld requireWorld(Optional<String> name, Rights rights) throws CloseReason {
         List<ServedWorld> open =
                 meant(Optional.empty()).stream()
@@ -111,7 +114,9 @@ public final class Admission implements Door {
         throw CloseReason.refused("no-such-world", problem, "say hello with \"world\": " + names);
     }
 
-    /** Returns the worlds of that name, or all; without worlds that have ended. */
+    /**
+     * Returns the world of that name, or all worlds if none is named; omits worlds that have ended.
+     */
     private List<ServedWorld> meant(Optional<String> name) {
         return worlds.stream()
                 .filter(world -> !world.hasEnded())
@@ -136,7 +141,10 @@ public final class Admission implements Door {
         return token;
     }
 
-    /** Counts a wrong secret. Right secrets are not counted and work from any address. */
+    /**
+     * Counts a wrong secret for the network address; throws if there are too many. Right secrets
+     * are not counted.
+     */
     private void countWrong(Connection connection) throws CloseReason {
         if (!attempts.take(connection.address(), System.nanoTime())) {
             throw CloseReason.cut(

@@ -8,12 +8,12 @@ import reve.core.agent.protocol.ServerMessage;
 import java.util.Arrays;
 
 /**
- * The ids of a client's commands, so that a repeated command is executed once. Stores the results
- * of the last {@value #REMEMBERED} commands and refuses ids that may be older. Guarded by its
- * session.
+ * The ids and results of a client's commands, so that a command which the client repeats is
+ * executed once. Stores the results of the last {@value #REMEMBERED} commands; an unknown id that
+ * may belong to an older command is {@link Known.Forgotten}. Guarded by its session.
  *
- * <p>Results are stored as numbers, because they are kept long and most are equal: that takes
- * little memory, and the garbage collector need not visit each.
+ * <p>Most results only contain a frame. They are stored as numbers, which takes little memory and
+ * no work of the garbage collector.
  */
 final class CommandLog {
 
@@ -28,7 +28,7 @@ final class CommandLog {
     private long[] ids = new long[FEW];
     private long[] frames = new long[FEW];
 
-    /** Results other than accepted. */
+    /** Results other than {@link ServerMessage.Accepted}; null for these. */
     private @Nullable ServerMessage[] others = new ServerMessage[FEW];
 
     private int count;
@@ -37,13 +37,13 @@ final class CommandLog {
     private long highest = -1;
     private long highestForgotten = -1;
 
-    /** The state of a command with an id. */
+    /** The state of the command with an id. */
     sealed interface Known {
 
-        /** The id is new. */
+        /** No command had this id before. */
         record Fresh() implements Known {}
 
-        /** The command has no result yet. */
+        /** The command is being executed and has no result yet. */
         record Pending() implements Known {}
 
         record Done(ServerMessage result) implements Known {}

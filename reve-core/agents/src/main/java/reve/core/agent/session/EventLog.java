@@ -13,11 +13,11 @@ import java.util.OptionalLong;
 
 /**
  * The last events sent to a client, so that a resumed session receives the events that it missed.
- * Limited in time and size. Guarded by its session.
+ * Events that are too old or exceed a total size are discarded. Guarded by its session.
  */
 final class EventLog {
 
-    /** Maximum size of missed events [bytes]. */
+    /** Maximum total size of the stored events [bytes]. */
     static final int MAX_BYTES = 4 * 1024 * 1024;
 
     private final long maxNanos;
@@ -38,7 +38,7 @@ final class EventLog {
         this.maxBytes = maxBytes;
     }
 
-    /** Adds an event that was sent; clients share its bytes. */
+    /** Adds an event that was sent, whose bytes are shared with other clients. */
     void add(HeardEvent.Told event, long nowNanos) {
         kept.addLast(new Kept(event, nowNanos));
         bytes += event.bytes().length;
@@ -49,17 +49,17 @@ final class EventLog {
         }
     }
 
-    /** Records that events of this frame and earlier ones are incomplete. */
+    /** Records that not all events of this frame and of earlier ones are stored. */
     void forget(long frame) {
         lastForgotten = Math.max(lastForgotten, frame);
     }
 
     /**
-     * Returns the events after a frame, in order, without encoding or copying. If some are missing,
-     * an event {@code missed} is the first, and further events of the incomplete frames are
-     * omitted.
+     * Returns the events after a frame, in order, without encoding or copying. If some events are
+     * no longer stored, the first event is {@code missed}, which reports it, and the remaining
+     * events of incomplete frames are omitted.
      *
-     * @param encoding of that event
+     * @param encoding encoding of the event {@code missed}
      */
     List<HeardEvent.Told> after(long frame, Encoding encoding) {
         var events = new ArrayList<HeardEvent.Told>();

@@ -7,14 +7,17 @@ import reve.core.agent.net.RateLimitedLog;
 import java.util.HashSet;
 import java.util.Set;
 
-/** Sessions without a token that wait for a new connection. Any thread. */
+/**
+ * The sessions of clients without a token that wait for a new connection, in a limited number. Any
+ * thread.
+ */
 public final class KeptSessions {
 
     private final int most;
     private final RateLimitedLog log;
     private final Set<Client> kept = new HashSet<>();
 
-    /** Creates an empty collection. */
+    /** Creates an empty collection for at most {@code most} sessions. */
     public KeptSessions(int most, RateLimitedLog log) {
         this.most = most;
         this.log = log;

@@ -2,9 +2,10 @@
 package reve.core.agent.session;
 
 /**
- * The number of messages that a client may still send: at most the rate of one second, refilled
- * over time. A second is a second of the clock, or of world time if that is faster. Begins with few
- * messages, so that a client gains nothing by reconnecting. The event loop's thread.
+ * The number of messages that a client may still send: at most those of one second, refilled over
+ * time. A second is a second of the clock, or of world time if the world is faster. A new quota
+ * begins with few messages, so that a client gains nothing by reconnecting. The event loop's
+ * thread.
  */
 public final class Quota {
 

@@ -56,7 +56,7 @@ public final class ServedWorld implements AutoCloseable {
     private volatile boolean ended;
 
     /**
-     * @param waiting the wait of its frame loop for agents in lock-step
+     * @param waiting the way in which the world's thread waits for agents in lock-step
      */
     public ServedWorld(SessionServices services, WorldPort port, LockStep.Waiting waiting) {
         this.services = services;
@@ -87,7 +87,7 @@ public final class ServedWorld implements AutoCloseable {
         return services;
     }
 
-    /** Returns the publisher of its frames. */
+    /** Returns the publisher, which sends the frames of the world to its clients. */
     public Publisher publisher() {
         return publisher;
     }
@@ -121,7 +121,7 @@ public final class ServedWorld implements AutoCloseable {
                                                 "the world " + Text.quote(name()) + " ends")));
     }
 
-    /** Unsubscribes from frames. */
+    /** Unsubscribes from the frames of the world. */
     @Override
     public void close() {
         port.loop().setGate(FrameGate.OPEN);
@@ -134,7 +134,7 @@ public final class ServedWorld implements AutoCloseable {
     }
 
     /**
-     * Ends sessions whose clients did not reconnect in time, and answers waiting queries. Called
+     * Ends sessions whose clients did not reconnect in time, and answers queries that wait. Called
      * periodically.
      */
     public void checkGrace(long nowNanos) {
@@ -143,7 +143,7 @@ public final class ServedWorld implements AutoCloseable {
     }
 
     /**
-     * @param current the tokens that are valid now
+     * @param current the tokens that are valid now; sessions with other tokens end
      */
     public void checkTokens(Set<AgentToken> current) {
         sessions.values().forEach(session -> session.checkToken(current));
@@ -162,7 +162,10 @@ public final class ServedWorld implements AutoCloseable {
                 .toList();
     }
 
-    /** Sends events after an allowance has become exhausted, or restored. Loop's thread; rare. */
+    /**
+     * Informs agents that their allowance has become exhausted or was restored. Loop's thread;
+     * rare.
+     */
     private void tellWaiting(Allowance allowance) {
         boolean spent = allowance.isSpent();
         publisher.later(
@@ -199,8 +202,8 @@ public final class ServedWorld implements AutoCloseable {
     }
 
     /**
-     * Returns the event that informs an agent in lock-step with an exhausted allowance how long the
-     * world waits for it.
+     * Returns the event that informs an agent in lock-step how long the world waits for it, if its
+     * allowance is exhausted.
      */
     Optional<ServerMessage.Event> hurry(@Nullable Turn turn, long frame) {
         return Optional.ofNullable(turn)
@@ -218,8 +221,8 @@ public final class ServedWorld implements AutoCloseable {
     /**
      * Admits a client.
      *
-     * @param token of the client, if the server uses tokens
-     * @return its session; its welcome is sent after the world has executed the join
+     * @param token token of the client, if the server uses tokens
+     * @return the session of the client; the welcome is sent after the world has executed the join
      * @throws CloseReason if the client is refused
      */
     public Session greet(
@@ -285,7 +288,10 @@ public final class ServedWorld implements AutoCloseable {
         return duration.toMillis() / 1000.0;
     }
 
-    /** Queues the leave of a client, for the next frame with room for the command. */
+    /**
+     * Queues the command by which a client leaves the world, for the next frame whose queue has
+     * room.
+     */
     synchronized void leave(Session session, String reason) {
         if (session.role() == Role.AGENT) {
             leaving.add(desk.command(new AgentInput.Leave(session.name(), reason), outcome -> {}));
@@ -296,8 +302,8 @@ public final class ServedWorld implements AutoCloseable {
     }
 
     /**
-     * Queues waiting leaves. A name is free again once its leave is queued, because commands of one
-     * name keep their order.
+     * Queues the leave commands that wait for room. A name is free again once its leave is queued,
+     * because commands of one name are executed in order.
      */
     private synchronized void queueLeaving() {
         while (!leaving.isEmpty() && port.commands().offer(leaving.getFirst())) {

@@ -40,15 +40,19 @@ import java.util.LinkedHashMap;
 import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
+import java.util.function.BooleanSupplier;
 
 /**
- * One client from its hello until it leaves: its identity, its requests and its commands. The
- * session outlives a broken connection for as long as the client requested; another connection that
- * knows its token continues it. Any thread, unless stated otherwise.
+ * One client from its hello until it leaves: its identity, its requests and its commands. After a
+ * broken connection, the session continues for the time that the client requested; a new connection
+ * that presents the session token resumes it. Any thread, unless stated otherwise.
  */
 public final class Session implements Client, Perceiver {
 
-    /** Reasons for the end of a connection after which the session may be resumed. */
+    /**
+     * Codes of the reasons for the end of a connection after which a new connection may resume the
+     * session.
+     */
     private static final Set<String> RESUMABLE = Set.of("lost", "idle", "too-slow");
 
     private final ServedWorld world;
@@ -66,7 +70,7 @@ public final class Session implements Client, Perceiver {
     private final SessionPace pace;
     private final SessionOutput output;
 
-    /** Belongs to the event loop's thread. */
+    /** Only the event loop's thread uses the quota. */
     private final Quota quota;
 
     private final CameraRequests cameraRequests;
@@ -81,7 +85,7 @@ public final class Session implements Client, Perceiver {
     private long brokenNanos;
 
     /**
-     * @param token of the client, if the server uses tokens
+     * @param token token of the client, if the server uses tokens
      */
     Session(
             ServedWorld world,
@@ -199,7 +203,7 @@ public final class Session implements Client, Perceiver {
         return world.name();
     }
 
-    /** Compares a secret in constant time. */
+    /** Returns whether {@code claimed} is the session token; compares in constant time. */
     public boolean hasSecret(String claimed) {
         return graceSeconds > 0
                 && MessageDigest.isEqual(
@@ -224,7 +228,10 @@ public final class Session implements Client, Perceiver {
         return role.wireName() + " " + name;
     }
 
-    /** Handles the outcome of the join: the client is sent it with the frame. World's thread. */
+    /**
+     * Handles the outcome of the join: it is sent to the client together with the frame. World's
+     * thread.
+     */
     void came(Outcome outcome) {
         if (outcome instanceof Outcome.Joined joined) {
             pace.begin(joined.frame());
@@ -241,7 +248,10 @@ public final class Session implements Client, Perceiver {
         }
     }
 
-    /** Handles a new body, possibly another one than before, or its refusal. */
+    /**
+     * Handles the assignment of a body, possibly another one than before, or its refusal, which
+     * ends the session.
+     */
     @Override
     public void embodied(Outcome outcome) {
         switch (outcome) {
@@ -284,7 +294,7 @@ public final class Session implements Client, Perceiver {
                                 + body.map(item -> " with body " + Text.quote(item)).orElse(""));
     }
 
-    /** Informs the agent how long the world waits for it, if this allowance decides that. */
+    /** Informs the agent how long the world waits for it, if the agent uses this allowance. */
     void tellWaiting(Allowance allowance) {
         Turn waitedFor = pace.turn();
         if (waitedFor == null || !uses(allowance)) {
@@ -292,13 +302,13 @@ public final class Session implements Client, Perceiver {
         }
         synchronized (this) {
             if (!welcomed || left) {
-                return; // the welcome contains it
+                return; // before the welcome, which will contain it, or after the agent has left
             }
         }
         send(world.waiting(waitedFor, world.publisher().published()));
     }
 
-    /** Returns whether its agent is in lock-step and uses this allowance. */
+    /** Returns whether the agent is in lock-step and uses this allowance. */
     boolean uses(Allowance allowance) {
         return pace.uses(allowance);
     }
@@ -309,8 +319,8 @@ public final class Session implements Client, Perceiver {
     }
 
     @Override
-    public View look(Observatory observatory) {
-        return senses.look(observatory);
+    public Optional<View> look(Observatory observatory, BooleanSupplier isTimeLeft) {
+        return senses.look(observatory, isTimeLeft);
     }
 
     @Override
@@ -399,7 +409,7 @@ public final class Session implements Client, Perceiver {
 
     private void show(ServerMessage picture) {
         boolean room;
-        synchronized (this) { // not while another connection begins
+        synchronized (this) { // not while another connection is resuming the session
             room = output.offer(picture);
         }
         if (!room) {
@@ -408,9 +418,10 @@ public final class Session implements Client, Perceiver {
     }
 
     /**
-     * Continues over another connection, with the events since the last frame that the client saw.
+     * Resumes the session over another connection, and sends the events since the last frame that
+     * the client saw.
      *
-     * @throws CloseReason if it was resumed too often
+     * @throws CloseReason if the session was resumed too often
      */
     public void resume(Connection next, long frameSeen) throws CloseReason {
         Connection previous;
@@ -445,8 +456,8 @@ public final class Session implements Client, Perceiver {
     }
 
     /**
-     * Handles the end of a connection. If it was this session's current one, the session waits for
-     * a new one or ends.
+     * Handles the end of a connection. If it was this session's current connection, the session
+     * waits for a new one or ends.
      */
     @Override
     public void disconnected(Outbox outbox, CloseReason why) {
@@ -486,7 +497,7 @@ public final class Session implements Client, Perceiver {
                 CloseReason.cut(
                         "token-revoked", "your token was revoked or changed, or has expired");
         end(why);
-        leave(why.code()); // no effect if it has a connection
+        leave(why.code()); // has no effect if the session has a connection again
     }
 
     private void leave(String reason) {
@@ -501,7 +512,7 @@ public final class Session implements Client, Perceiver {
             services.kept().keepNoLonger(this);
         }
         pace.leave();
-        world.publisher().dismiss(this); // before another client may take the name
+        world.publisher().dismiss(this); // must happen before another client may take the name
         world.leave(this, reason);
     }
 

@@ -13,9 +13,9 @@ import reve.core.agent.protocol.Role;
 import reve.core.agent.protocol.ServerMessage;
 
 /**
- * The commands of one session: each is executed once, and its result is sent to the connection that
- * the session has then. Any thread; guarded by the session, like its outgoing messages, so that a
- * result and a resumption do not cross.
+ * The commands of one session. Each is executed once, and its result is sent to the connection that
+ * the session has at that time. Any thread; guarded by the session, so that a result is not lost
+ * while a new connection resumes the session.
  */
 final class SessionCommands implements Requester {
 
@@ -25,7 +25,7 @@ final class SessionCommands implements Requester {
     private final Counters counters;
     private final CommandLog log = new CommandLog();
 
-    /** Number of commands without a result. */
+    /** Number of commands that have no result yet. */
     private int inFlight;
 
     SessionCommands(Session session, ControlDesk desk, AgentLimits limits, Counters counters) {
@@ -77,7 +77,7 @@ final class SessionCommands implements Requester {
     /**
      * Executes a command, unless one with the same id was received before.
      *
-     * @throws BadMessage if the client has no right to it
+     * @throws BadMessage if the client has no right to the command
      */
     void request(ClientMessage.Request request) throws BadMessage {
         Role needed = request instanceof ClientMessage.Act ? Role.AGENT : Role.CONTROL;

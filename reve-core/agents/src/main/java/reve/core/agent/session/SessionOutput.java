@@ -15,20 +15,23 @@ import reve.core.agent.publish.PerceptionRequests;
 import java.util.function.Function;
 
 /**
- * The messages that a session sends: to its current connection, and later to one that resumes it.
- * Any thread, unless stated otherwise; it acquires its own lock after that of the session, never
- * before.
+ * The outgoing messages of a session: they go to its current connection, or to a later one that
+ * resumes the session. Any thread, unless stated otherwise. Lock order: the lock of the session
+ * before the lock of this object.
  */
 final class SessionOutput {
     private final Function<Connection, PerceptionRequests> requestsOver;
 
-    /** Events for a connection that resumes the session; null if none may. Guarded by this. */
+    /**
+     * Events sent lately, for a connection that resumes the session; null if no connection may.
+     * Guarded by this.
+     */
     private final @Nullable EventLog events;
 
     /** The newest frame in which a command took effect. Guarded by this. */
     private long lastResultFrame;
 
-    /** Null while the connection is broken. Changes with this held. */
+    /** The current connection; null while it is broken. Changed under the lock of this object. */
     private volatile @Nullable Connection connection;
 
     private volatile Encoding encoding;
@@ -37,8 +40,8 @@ final class SessionOutput {
 
     /**
      * @param keptNanos how long events are kept for a connection that resumes the session [ns]; 0
-     *     if none may
-     * @param requestsOver makes what the client requests over a connection
+     *     if no connection may
+     * @param requestsOver creates the object with the requests of the client over a connection
      */
     SessionOutput(
             Connection connection,
@@ -65,7 +68,7 @@ final class SessionOutput {
         perceptions.notBefore(frame);
     }
 
-    /** Returns whether the current connection has this queue. */
+    /** Returns whether this queue belongs to the current connection. */
     synchronized boolean isSentBy(Outbox outbox) {
         Connection now = connection;
         return now != null && now.outbox() == outbox;
@@ -80,9 +83,9 @@ final class SessionOutput {
     }
 
     /**
-     * Continues over another connection.
+     * Makes another connection the current one.
      *
-     * @return the connection until now, if it is not broken
+     * @return the former connection; null if it is broken
      */
     synchronized @Nullable Connection switchTo(Connection next) {
         Connection previous = connection;
@@ -101,7 +104,10 @@ final class SessionOutput {
         }
     }
 
-    /** Begins the current connection with a welcome and the events after a frame. */
+    /**
+     * Queues, as the first messages of the current connection, a welcome and the events after a
+     * frame.
+     */
     synchronized void begin(ServerMessage welcome, long frameSeen) {
         Connection now = connection;
         EventLog kept = events;
@@ -130,8 +136,8 @@ final class SessionOutput {
     }
 
     /**
-     * Queues the result of a command that took effect in a frame; later perceptions are not older
-     * than that frame.
+     * Queues the result of a command that took effect in a frame. Perceptions sent after it are not
+     * older than that frame.
      *
      * @return false if too many messages are waiting
      */
@@ -170,14 +176,18 @@ final class SessionOutput {
         }
         Connection now = connection;
         if (now != null && !now.outbox().offer(event.bytes(), frame)) {
-            now.write(); // frames may follow each other faster than they are written
+            now.write(); // writes at once: frames may follow each other faster than the event
+            // loop writes
             if (!now.outbox().offer(event.bytes(), frame)) {
                 now.outbox().miss(frame);
             }
         }
     }
 
-    /** At most this number of events of these frames is not sent. The event loop's thread. */
+    /**
+     * Records that events of these frames, at most {@code count}, are not sent. The event loop's
+     * thread.
+     */
     void miss(long count, long first, long last) {
         if (last < joinedInFrame) {
             return;

@@ -20,13 +20,16 @@ import java.util.Optional;
 final class SessionPace {
     private final LockStep lockStep;
 
-    /** Null for an agent in real time. */
+    /** The rounds of an agent in lock-step; null for an agent in real time. */
     private final @Nullable Turn turn;
 
-    /** True while the agent has a body and waits for agents in lock-step. Guarded by this. */
+    /**
+     * True while the client is an agent in real time with a body, which agents in lock-step may
+     * delay. Guarded by this.
+     */
     private boolean inRealTime;
 
-    /** Guarded by this. */
+    /** True after the agent has left. Guarded by this. */
     private boolean left;
 
     SessionPace(LockStep lockStep, @Nullable Turn turn) {
@@ -38,12 +41,12 @@ final class SessionPace {
         return turn != null;
     }
 
-    /** Returns the agent's turn, or null for an agent in real time. */
+    /** Returns the rounds of the agent; null for an agent in real time. */
     @Nullable Turn turn() {
         return turn;
     }
 
-    /** Requests perceptions at the agent's rounds, if it is in lock-step. */
+    /** If the agent is in lock-step, requests a perception for each of its rounds. */
     void follow(PerceptionRequests requests, long helloId) {
         if (turn != null) {
             requests.follow(turn, helloId);
@@ -61,7 +64,7 @@ final class SessionPace {
         }
     }
 
-    /** Ends the session's part in the rounds. */
+    /** Ends the participation of the agent: the world no longer waits for it. */
     void leave() {
         synchronized (this) {
             left = true;
@@ -90,7 +93,7 @@ final class SessionPace {
     }
 
     /**
-     * Refuses a message that only agents in lock-step send.
+     * Refuses a message that only agents in lock-step may send, if the agent is in real time.
      *
      * @param client names the client in the refusal
      */
@@ -107,7 +110,7 @@ final class SessionPace {
     /**
      * Ends the agent's round, if it is in lock-step.
      *
-     * @param published newest published frame
+     * @param published number of the newest published frame
      */
     void endRound(ClientMessage.Ready ready, long published) {
         if (turn != null) {
@@ -125,7 +128,7 @@ final class SessionPace {
         return turn != null && turn.allowance() == allowance;
     }
 
-    /** Returns what the welcome says about lock-step. */
+    /** Returns the lock-step settings for the welcome; empty for an agent in real time. */
     Optional<ServerMessage.Rhythm> rhythm() {
         return Optional.ofNullable(turn)
                 .map(

@@ -20,15 +20,16 @@ import reve.core.world.WorldEvent;
 import java.util.BitSet;
 import java.util.Optional;
 import java.util.Set;
+import java.util.function.BooleanSupplier;
 
 /**
- * The perceptions of a session's client: everything, or what the sensors of its body sense. The
- * event loop's thread.
+ * What the client of a session perceives: everything, or the items that the sensors of its body
+ * reach. The event loop's thread.
  */
 final class SessionSenses {
     private final Role role;
 
-    /** Null for a client that perceives everything. */
+    /** The sensors of the body; null for a client that perceives everything. */
     private @Nullable Senses senses;
 
     SessionSenses(Role role) {
@@ -44,8 +45,8 @@ final class SessionSenses {
         return senses != null;
     }
 
-    View look(Observatory world) {
-        return senses == null ? world.everything() : senses.look(world);
+    Optional<View> look(Observatory world, BooleanSupplier isTimeLeft) {
+        return senses == null ? Optional.of(world.everything()) : senses.look(world, isTimeLeft);
     }
 
     Optional<Set<ItemId>> sensedIn(long frame) {
@@ -61,9 +62,9 @@ final class SessionSenses {
     }
 
     /**
-     * Returns the fields of an event that the client receives, see {@link Senses#hear}; all of them
-     * without sensors. Only role control receives the message of a fault, because it may name files
-     * of the server.
+     * Returns the indices of the fields of an event that are sent to the client, see {@link
+     * Senses#hear}; a client without sensors receives all. Only the role control receives the
+     * message of a fault, because it may name files of the server.
      */
     Optional<BitSet> hear(WorldEvent event, EventSubjects subjects, Observatory world) {
         if (senses != null) {
@@ -81,7 +82,7 @@ final class SessionSenses {
     }
 
     /**
-     * Requests a picture by a camera of the body.
+     * Requests a picture from a camera of the body.
      *
      * @param client names the client in a refusal
      */

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /**
- * Sessions of clients, from the hello until they leave, across broken connections; and the hosted
- * worlds.
+ * The sessions of clients, from the hello until the client leaves, also across broken connections;
+ * and the worlds that the server hosts.
  */
 @NullMarked
 package reve.core.agent.session;

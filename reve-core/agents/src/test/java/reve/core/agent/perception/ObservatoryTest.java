@@ -30,7 +30,9 @@ import tools.jackson.databind.JsonNode;
 import java.nio.charset.StandardCharsets;
 import java.util.ArrayList;
 import java.util.List;
+import java.util.Optional;
 import java.util.Random;
+import java.util.concurrent.atomic.AtomicInteger;
 
 class ObservatoryTest {
     private static JsonNode perceived(boolean relations) {
@@ -212,6 +214,71 @@ class ObservatoryTest {
             }
         }
         assertThat(changes).isGreaterThan(30);
+    }
+
+    /**
+     * A look that has time for a few items only. Between its slices others look, and at times a new
+     * frame comes before it is complete.
+     */
+    @Test
+    void aLookInSlicesSensesWhatAnUninterruptedOneSenses() {
+        long seed = Seed.of("what is looked at in slices");
+        var random = new Random(seed);
+        var sensors =
+                List.of(
+                        Sensor.sight("eyes", 4),
+                        Sensor.sight("sharp", 6).withLineOfSight(),
+                        Sensor.sight("far", Double.POSITIVE_INFINITY).withFieldOfView(2),
+                        Sensor.sight("keen", Double.POSITIVE_INFINITY).withLineOfSight());
+        int longest = 0;
+        int interrupted = 0;
+        try (var arena = new OffHeapArena()) {
+            World world = new World("test", WorldPrototype.standard("si-f64"), arena);
+            for (int i = 0; i < 150; i++) {
+                world.add(thing(random, "thing-" + i));
+            }
+            List<Item> bodies =
+                    world.items().stream()
+                            .filter(item -> !item.kind().equals("world"))
+                            .limit(2)
+                            .toList();
+            var sliced = new Senses(bodies.getFirst().id(), sensors);
+            var other = new Senses(bodies.getLast().id(), sensors);
+            var ring = new SnapshotRing(world, 2);
+            var observatory = new Observatory();
+            for (int frame = 1; frame <= 60; frame++) {
+                drift(random, world, frame, random.nextInt(3) * 0.03);
+                new BoundingBoxes().update(world);
+                ring.publish(frame, frame);
+                var fresh = new Observatory();
+                try (var snapshot = ring.acquireLatest().orElseThrow()) {
+                    assertThat(observatory.read(snapshot) && fresh.read(snapshot)).isTrue();
+                }
+                int limit = frame % 4 == 0 ? 3 : 10_000;
+                Optional<View> view = Optional.empty();
+                int slices = 0;
+                while (view.isEmpty() && slices < limit) {
+                    var readings = new AtomicInteger();
+                    view = sliced.look(observatory, () -> readings.incrementAndGet() < 3);
+                    slices++;
+                    other.look(observatory);
+                }
+                longest = Math.max(longest, slices);
+                assertThat(view.isPresent() || frame % 4 == 0).as("complete").isTrue();
+                if (view.isEmpty()) {
+                    interrupted++;
+                    continue;
+                }
+                List<String> expected =
+                        new Senses(sliced.body(), sensors)
+                                .look(fresh).items().stream().map(PerceivedItem::name).toList();
+                assertThat(view.get().items().stream().map(PerceivedItem::name).toList())
+                        .as("seed %d frame %d", seed, frame)
+                        .isEqualTo(expected);
+            }
+        }
+        assertThat(longest).as("slices of the longest look").isGreaterThan(10);
+        assertThat(interrupted).as("looks that a new frame interrupted").isGreaterThan(5);
     }
 
     @Test

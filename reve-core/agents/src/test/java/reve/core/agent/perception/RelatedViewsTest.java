@@ -122,7 +122,7 @@ class RelatedViewsTest {
     }
 
     private Optional<View> ask(Perceiver perceiver) {
-        return views.of(perceiver, observatory::everything, observatory);
+        return views.of(perceiver, () -> Optional.of(observatory.everything()), observatory);
     }
 
     private View askInSlices(Perceiver perceiver) {

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+package reve.worlds.server;
+
+import static org.assertj.core.api.Assertions.assertThat;
+import static org.assertj.core.api.Assertions.assertThatThrownBy;
+
+import org.junit.jupiter.api.BeforeEach;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+
+import reve.pe.PhysicsException;
+
+import java.io.IOException;
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.util.Optional;
+
+/** The names of files that come with a world, in messages. */
+class LawPathTest {
+    private static final String FORGED = "evil\nfault: forged \u001b[31m";
+
+    @TempDir private Path folder;
+    private Path shipped = Path.of("");
+
+    @BeforeEach
+    void makeShipped() throws IOException {
+        shipped = Files.createDirectory(folder.resolve("shipped"));
+        Files.createFile(shipped.resolve("libvesper_law_drag.so"));
+    }
+
+    private LawPath pathOfWorld(Path world) {
+        return new LawPath(shipped, Optional.empty(), Optional.of(world), false);
+    }
+
+    @Test
+    void aFileWhoseNameIsNoNameOfALawIsNotListed() throws IOException {
+        Path laws = Files.createDirectory(folder.resolve("laws"));
+        for (String name :
+                new String[] {
+                    FORGED + ".law",
+                    "libvesper_law_" + FORGED + ".so",
+                    FORGED + ".py",
+                    "evil\u2028x.law",
+                    "a".repeat(48) + ".law",
+                    ".law"
+                }) {
+            Files.createFile(laws.resolve(name));
+        }
+        Files.createFile(laws.resolve("honest.law"));
+        LawPath path = pathOfWorld(folder);
+        assertThat(path.names()).containsExactly("drag", "honest");
+        assertThatThrownBy(() -> path.find("wicked"))
+                .isInstanceOf(PhysicsException.class)
+                .hasMessageEndingWith("; known are drag, honest");
+    }
+
+    @Test
+    void aLineEndInTheNameOfAFolderIsEscaped() throws IOException {
+        Path world = Files.createDirectory(folder.resolve(FORGED));
+        Path laws = Files.createDirectory(world.resolve("laws"));
+        Files.createFile(laws.resolve("twice.law"));
+        Files.createFile(laws.resolve("twice.py"));
+        assertThatThrownBy(() -> pathOfWorld(world).find("twice"))
+                .isInstanceOf(PhysicsException.class)
+                .hasMessageContaining("evil\\u{a}fault: forged \\u{1b}[31m/laws/twice.law")
+                .hasMessageNotContaining("\n");
+        assertThatThrownBy(() -> LawPath.filesOf(FORGED))
+                .isInstanceOf(PhysicsException.class)
+                .hasMessageNotContaining("\n");
+    }
+}
